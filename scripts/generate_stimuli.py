@@ -14,7 +14,7 @@ Written by scripts/generate_stimuli.py; do not edit.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, TypedDict
 
 from ._common import suggests
 from ._stimulus import Stimulus
@@ -49,6 +49,18 @@ def default_of(parameter):
     return repr(int(default) if whole else default).replace("'", '"')
 
 
+def parameters():
+    """Return the source of a dict of the parameters of all kinds."""
+    types = {}
+    for kind in machband.kinds():
+        for name, one in machband.parameters(kind).items():
+            types.setdefault(name, []).append(type_of(kind, one))
+    # The widest type is the longest.
+    fields = [f"    {name}: {max(found, key=len)}" for name, found in types.items()]
+    about = '    """The parameters of all kinds of stimulus."""'
+    return "\n".join(["", "", "class Parameters(TypedDict, total=False):", about, "", *fields])
+
+
 def function(kind, about):
     """Return the source of a function."""
     known = machband.parameters(kind)
@@ -70,4 +82,5 @@ def function(kind, about):
 
 kinds = machband.kinds()
 print(HEAD.format(names=sorted(kind.replace("-", "_") for kind in kinds)).replace("'", '"'), end="")
+print(parameters())
 print("\n".join(function(kind, about) for kind, about in kinds.items()))

@@ -32,58 +32,14 @@ from ._analysis import Analysis, Figure
 from ._experiment import Definition, simulate
 from ._machband import DataError, Error, __version__
 from ._shading import Mesh, Shaded, mesh, shade
-from ._stimulus import (
-    Parameter,
-    Stimulus,
-    Transfer,
-    VisualAngle,
-    interpolate,
-    kinds,
-    light,
-    parameters,
-    profile,
-    stimulus,
-    visual_angle,
-)
+from ._stimulus import Parameter, Stimulus, Transfer, VisualAngle, interpolate, kinds, light, parameters, profile
+from ._stimulus import stimulus, visual_angle
 from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
 from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
 
 __all__ = [
-    "Analysis",
-    "Comparison",
-    "DataError",
-    "DataWarning",
-    "Definition",
-    "Error",
-    "Exported",
-    "Figure",
-    "Mesh",
-    "Parameter",
-    "Place",
-    "Prediction",
-    "Shaded",
-    "Steps",
-    "Stimulus",
-    "Transfer",
-    "Verification",
-    "VisualAngle",
-    "__version__",
-    "analyze",
-    "compare",
-    "export",
-    "interpolate",
-    "kinds",
-    "light",
-    "mesh",
-    "parameters",
-    "predict",
-    "profile",
-    "read_results",
-    "shade",
-    "simulate",
-    "steps",
-    "stimuli",
-    "stimulus",
-    "verify",
-    "visual_angle",
+    "Analysis", "Comparison", "DataError", "DataWarning", "Definition", "Error", "Exported", "Figure", "Mesh",
+    "Parameter", "Place", "Prediction", "Shaded", "Steps", "Stimulus", "Transfer", "Verification", "VisualAngle",
+    "__version__", "analyze", "compare", "export", "interpolate", "kinds", "light", "mesh", "parameters", "predict",
+    "profile", "read_results", "shade", "simulate", "steps", "stimuli", "stimulus", "verify", "visual_angle",
 ]

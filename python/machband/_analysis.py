@@ -15,10 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, named, plotted, table, text
-from ._tables import Levels, columns, encoded
+from ._common import Table, flag, named, nearest, number, plotted, suggests, table
+from ._common import path as path_of
+from ._tables import columns, encoded, labeled
 
 
+@suggests
 class Figure(NamedTuple):
     """A figure of an analysis, which a notebook shows: an SVG drawing, and the same as a PNG, 1600 pixels wide."""
 
@@ -39,12 +41,13 @@ class Figure(NamedTuple):
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the figure to a file, whose name ends in ``.svg`` or ``.png``."""
-        path = Path(path)
+        path = Path(path_of("path", path))
         if path.suffix not in (".svg", ".png"):
             raise _machband.Error(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
         path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
 
 
+@suggests
 class Analysis:
     """An analysis of ratings or of the answers to a task, from `analyze`.
 
@@ -109,8 +112,14 @@ class Analysis:
         return dict(self._native.report_files())
 
     @property
+    def _fitted(self) -> dict[str, Any]:
+        if error := self.model.get("error"):
+            raise _machband.Error(f"no model was fitted, because {error}")
+        return self.model
+
+    @property
     def _rows(self) -> list[dict[str, Any]]:
-        return [*self.model["thresholds"], *self.model["coefficients"]]
+        return [*self._fitted["thresholds"], *self._fitted["coefficients"]]
 
     def _named(self, values: list[Any], columns: list[str] | None = None) -> Any:
         """Return values of the thresholds and coefficients by name; `None` is NaN."""
@@ -135,17 +144,17 @@ class Analysis:
     @property
     def llf(self) -> float:
         """Log-likelihood, without constants that depend only on the counts."""
-        return float(self.model["loglik"])
+        return float(self._fitted["loglik"])
 
     @property
     def aic(self) -> float:
         """Akaike's information criterion."""
-        return float(self.model["aic"])
+        return float(self._fitted["aic"])
 
     @property
     def bic(self) -> float:
         """The Bayesian information criterion with the number of ratings."""
-        return float(self.model["bic"])
+        return float(self._fitted["bic"])
 
     @property
     def nobs(self) -> int:
@@ -158,7 +167,7 @@ class Analysis:
 
         With few people, Wald's p would be too small; the table ``coefficients`` has it where it is not.
         """
-        of_term = {test["term"]: test["p"] for test in self.model["likelihood_ratio"] if test["df"] == 1}
+        of_term = {test["term"]: test["p"] for test in self._fitted["likelihood_ratio"] if test["df"] == 1}
         parts = [part for row in self.model["coefficients"] for part in row["parts"]]
         shifted = {(part["variable"], part["level"]) for part in parts}
         of_level = {}
@@ -175,6 +184,7 @@ class Analysis:
 
         At 0.05, those of coefficients are profile-likelihood intervals; all others are Wald's.
         """
+        alpha = number("alpha", alpha)
         if not 0 < alpha < 1:
             raise _machband.Error(f"alpha is {alpha!r}; expected a number between 0 and 1")
         reach = NormalDist().inv_cdf(1 - alpha / 2)
@@ -207,7 +217,8 @@ class Analysis:
             1 / (1 + np.exp(latent - thresholds)) if logistic else np.vectorize(NormalDist().cdf)(thresholds - latent)
         )
         shares = np.diff(below, axis=0, prepend=0, append=1)
-        return table(dict(zip(self.model["categories"], shares, strict=True)))
+        found = table(dict(zip(self.model["categories"], shares, strict=True)))
+        return found.set_axis(data.index) if hasattr(data, "reset_index") else found
 
     def _variable(self, part: Mapping[str, str | None], given: Mapping[str, Any]) -> npt.NDArray[np.float64]:
         """Return a variable of the model in each row: a number, or whether a factor has a level."""
@@ -216,19 +227,17 @@ class Analysis:
         name = "depth" if inverse else name
         if name not in given:
             raise _machband.Error(f"the column {name} is missing; expected a column for each factor in the model")
-        cells = encoded(name, given[name])
-        texts = [text(name, cell) for cell in (cells.levels if isinstance(cells, Levels) else cells)]
-        codes = cells.codes if isinstance(cells, Levels) else np.arange(len(cells))
+        texts, codes, _ = labeled(name, encoded(name, given[name]))
         if (codes < 0).any():
             raise _machband.Error(f"{name} is missing in row {codes.argmin()} (counted from 0); expected a level")
         if level is None:
             numbers = np.array(texts, np.float64)[codes]
             return np.reciprocal(numbers) if inverse else numbers
         known = {one["level"] for one in self.model["margins"] if one["factor"] == name}
-        if unknown := set(texts) - known:
-            raise _machband.Error(
-                f"{name} is {min(unknown)}, which was not analyzed; expected one of {', '.join(sorted(known))}"
-            )
+        if unknown := {texts[code] for code in np.unique(codes)} - known:
+            wrong = min(unknown)
+            expected = f"expected one of {', '.join(sorted(known))}{nearest(wrong, among=known)}"
+            raise _machband.Error(f"{name} is {wrong}, which was not analyzed; {expected}")
         return np.array([cell == level for cell in texts], np.float64)[codes]
 
     def summary(self) -> str:
@@ -249,8 +258,9 @@ class Analysis:
 
     def save(self, folder: str | PathLike[str], *, tables_only: bool = False, force: bool = False) -> list[Path]:
         """Write the tables, figures and report into a folder; with `force`, replace an earlier analysis there."""
-        files = {**self.files, **({} if tables_only else self._report_files)}
-        return [Path(path) for path in _machband.write_analysis(folder, list(files.items()), self._inputs, force)]
+        files = {**self.files, **({} if flag("tables_only", tables_only) else self._report_files)}
+        given = path_of("folder", folder), list(files.items()), self._inputs, flag("force", force)
+        return [Path(path) for path in _machband.write_analysis(*given)]
 
     def __repr__(self) -> str:
         """Return the summary."""

@@ -9,53 +9,77 @@ import io
 import operator
 import os
 import re
+import struct
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Literal, ParamSpec, TypeVar, Union
+from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
 
 from . import _machband
 from ._machband import Error
 
-P = ParamSpec("P")
+F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
 #: A table: a `pandas.DataFrame` if pandas is installed, and otherwise a dict of arrays.
 Table = Any
 
 
-def suggests(function: Callable[P, T]) -> Callable[P, T]:
-    """Make a function name the nearest keyword if it is called with an unknown one.
+def nearest(*words: str, among: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return a question about the name that is nearest to a word, if one is near."""
+    near = [one for word in words for one in difflib.get_close_matches(word, [*among], 1, cutoff)]
+    return f"; did you mean {near[0]!r}?" if near else ""
 
-    The parameters of the stimulus in ``**parameters`` are known too; the library itself names the nearest of them.
+
+def suggests(of: F) -> F:
+    """Make a function, or the public methods of a class, name what is nearest to an unknown keyword or value.
+
+    The parameters of the stimulus in ``**parameters`` are known too; the library itself names the nearest of them. Options
+    of the command in an error of the library become the arguments that they are here.
     """
-    signature = inspect.signature(function).parameters
-    known = [name for name, one in signature.items() if name != "self" and one.kind is not one.VAR_KEYWORD]
-    called = function.__qualname__.removesuffix(".__init__").split(".")[-1]
+    if isinstance(of, type):
+        for name, member in [*vars(of).items()]:
+            if inspect.isfunction(member) and (name == "__init__" or name[0] != "_"):
+                setattr(of, name, suggests(member))
+            elif isinstance(member, classmethod) and name[0] != "_":
+                setattr(of, name, classmethod(suggests(member.__func__)))
+        return of
+    signature = inspect.signature(of).parameters
+    known = [name for name, one in signature.items() if name not in ("self", "cls") and one.kind is not one.VAR_KEYWORD]
+    called = of.__qualname__.removesuffix(".__init__").split(".")[-1]
     is_open = any(one.kind is one.VAR_KEYWORD for one in signature.values())
 
-    def refused(name: str, near: list[str]) -> TypeError:
-        question = f"; did you mean {near[0]!r}?" if near else ""
+    def refused(name: str) -> TypeError:
         message = f"{called}() got an unexpected keyword argument {name!r}; expected one of {', '.join(known)}"
-        return TypeError(message + question)
+        return TypeError(message + nearest(name, among=known))
 
-    @functools.wraps(function)
-    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
+    @functools.wraps(of)
+    def checked(*args: Any, **kwargs: Any) -> Any:
         further = [name for name in kwargs if name not in known]
         if further and not is_open:
-            raise refused(further[0], difflib.get_close_matches(further[0], known, 1))
+            raise refused(further[0])
         try:
-            return function(*args, **kwargs)
-        except Error:
+            return of(*args, **kwargs)
+        except Error as error:
             for name in further:
-                near = difflib.get_close_matches(name, known, 1)
-                if near and difflib.get_close_matches(name, {*known, *_STIMULUS_PARAMETERS}, 1) == near:
-                    raise refused(name, near) from None
+                if (near := nearest(name, among=known)) and near == nearest(name, among={*known, *_STIMULUS_PARAMETERS}):
+                    raise refused(name) from None
+            error.args = (_in_python(str(error), known),)
             raise
 
-    return checked
+    return checked  # type: ignore[return-value]
+
+
+def _in_python(message: str, known: list[str]) -> str:
+    """Return an error of the library with arguments in place of options, and the nearest of the values it expects."""
+    argument = {name.replace("_", "-"): name for name in known}
+    message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
+    if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
+        message += nearest(found[1].lower(), among=re.findall(r"[\w:-]+", found[2]), cutoff=0.65)
+    return message
 
 
 #: The names of the parameters of all kinds of stimulus.
@@ -130,10 +154,18 @@ def number(name: str, given: object) -> float:
 
 def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return an array of numbers."""
+    given = unmasked(name, given)
     try:
         return np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected numbers") from None
+
+
+def unmasked(name: str, given: T) -> T:
+    """Return an array that has no mask."""
+    if isinstance(given, np.ma.MaskedArray):
+        raise TypeError(f"{name} is a masked array; expected an array without a mask")
+    return given
 
 
 def text(name: str, given: object) -> str:
@@ -184,6 +216,9 @@ def path(name: str, given: object) -> str:
 
 Fields = dict[str, "str | bool | list[str]"]
 
+#: Texts or numbers, or one line of CSV with them.
+Texts = Union[str, Sequence[Union[str, float]]]
+
 #: A seed, from 0 to 2^64 − 1, or a generator that draws one.
 Seed = Union[int, np.random.Generator, np.random.SeedSequence]
 
@@ -219,8 +254,10 @@ _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None
     "Seed": seed_of,
     "str": words,
     "Dither": words,
+    "Shader": words,
     "str | PathLike[str]": path,
-    "str | Sequence[str]": texts,
+    "Texts": texts,
+    "float | Texts": texts,
     "Mapping[str, Sequence[Any]]": levels,
 }
 
@@ -250,10 +287,7 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
     return fields
 
 
-def table(
-    columns: Mapping[str, np.ndarray[Any, Any]],
-    described: list[tuple[str, str, str]] | None = None,
-) -> Table:
+def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str, str, str]] | None = None) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
     try:
         import pandas
@@ -278,6 +312,16 @@ def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | N
     return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
 
 
+def png(codes: np.ndarray[Any, Any]) -> bytes:
+    """Return an image of codes as a PNG file."""
+    height, width = codes.shape[:2]
+    rows = np.ascontiguousarray(codes, codes.dtype.newbyteorder(">")).view(np.uint8).reshape(height, -1)
+    head = struct.pack(">IIBBBBB", width, height, 8 * codes.dtype.itemsize, 2, 0, 0, 0)
+    chunks = [(b"IHDR", head), (b"IDAT", zlib.compress(np.insert(rows, 0, 0, axis=1).tobytes())), (b"IEND", b"")]
+    parts = [struct.pack(">I", len(of)) + kind + of + struct.pack(">I", zlib.crc32(kind + of)) for kind, of in chunks]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
 def plotted(png: bytes, ax: Any) -> Any:
     """Draw an image on axes of matplotlib, by default new ones, and return them."""
     from matplotlib import image, pyplot
@@ -297,8 +341,7 @@ def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     except ImportError:
-        yield None
-        return
+        tqdm = None
     bar: Any = None
 
     def show(done: int, total: int) -> None:
@@ -309,7 +352,7 @@ def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
         bar.update(done - bar.n)
 
     try:
-        yield show
+        yield show if tqdm else None
     finally:
         if bar is not None:
             bar.close()

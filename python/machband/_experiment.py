@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tempfile
 from collections.abc import Iterable, Mapping
@@ -27,14 +28,15 @@ def _plain(given: object) -> Any:
     if isinstance(given, (str, bool, int)):
         return given
     if isinstance(given, float):
-        if given != given:
-            raise _machband.Error("a value is NaN; expected a number or text")
-        return "inf" if given == float("inf") else given
+        if not given > -math.inf:
+            raise _machband.Error(f"a value is {given}; expected a number, inf or text")
+        return "inf" if given == math.inf else given
     if isinstance(given, Iterable):
         return [_plain(item) for item in given]
     raise TypeError(f"{given!r} cannot be part of a definition; expected a number, text, a list or a dict")
 
 
+@suggests
 class Definition:
     """The definition of an experiment: its stimuli, design and procedure.
 
@@ -70,6 +72,8 @@ class Definition:
         ... }).conditions()["width"].tolist()
         [0.1, 0.2, 0.4]
         """
+        if not isinstance(keys, Mapping):
+            raise TypeError(f"keys is {keys!r}; expected a dict")
         definition = cls.__new__(cls)
         definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
         return definition
@@ -94,8 +98,11 @@ class Definition:
 
     def save(self, file: str | PathLike[str]) -> None:
         """Write the definition to a new TOML file, which the window and the commands read."""
-        with open(path("file", file), "x", encoding="utf-8") as out:
-            out.write(self._native.to_toml())
+        try:
+            with open(path("file", file), "x", encoding="utf-8") as out:
+                out.write(self._native.to_toml())
+        except OSError as error:
+            raise _machband.Error(f"{file}: {error.strerror}; expected a new file in a folder") from None
 
     def to_dict(self) -> dict[str, Any]:
         """Return all keys, with their defaults but without default texts; the form in the sidecars."""
@@ -126,7 +133,6 @@ class Definition:
         """Return a table of the conditions: the kind of stimulus, and every parameter."""
         return table(self._native.conditions())
 
-    @suggests
     def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: Seed = 1) -> Table:
         """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
 
@@ -143,14 +149,9 @@ class Definition:
 
 @suggests
 def simulate(
-    definition: Definition | Mapping[str, Any] | str | PathLike[str],
-    *,
-    participants: int = 1,
-    seed: Seed = 1,
-    observer: Literal["paper", "random", "vision"] = "paper",
-    observer_file: str | PathLike[str] | None = None,
-    resume: bool = False,
-    results: str | PathLike[str] | None = None,
+    definition: Definition | Mapping[str, Any] | str | PathLike[str], *, participants: int = 1, seed: Seed = 1,
+    observer: Literal["paper", "random", "vision"] = "paper", observer_file: str | PathLike[str] | None = None,
+    resume: bool = False, results: str | PathLike[str] | None = None,
 ) -> Table:
     """Run simulated sessions, with the same program and files as real ones, and return their rows.
 

@@ -8,33 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "Analysis",
-    "DataError",
-    "Definition",
-    "Error",
-    "__version__",
-    "analyze",
-    "check_stimulus",
-    "compare",
-    "encode",
-    "export",
-    "interpolate",
-    "kinds",
-    "light",
-    "main",
-    "mesh",
-    "parameters",
-    "predict",
-    "profile",
-    "read_results",
-    "save_stimulus",
-    "shade",
-    "simulate",
-    "steps",
-    "stimulus",
-    "verify",
-    "visual_angle",
-    "write_analysis",
+    "Analysis", "DataError", "Definition", "Error", "__version__", "analyze", "check_stimulus", "compare", "encode",
+    "export", "interpolate", "kinds", "light", "main", "mesh", "parameters", "predict", "profile", "read_results",
+    "save_stimulus", "shade", "simulate", "steps", "stimulus", "verify", "visual_angle", "write_analysis",
 ]
 
 __version__: Final[str]
@@ -56,13 +32,11 @@ class DataError(Error):
     rows: npt.NDArray[np.int64]
 
 def main(arguments: list[str]) -> int: ...
-def kinds() -> list[tuple[str, str]]: ...
+def kinds() -> list[tuple[Any, str]]: ...
 def parameters(kind: str) -> list[tuple[str, float | str, str, str, str, list[str]]]: ...
 def check_stimulus(kind: str, parameters: _Given) -> None: ...
 def save_stimulus(kind: str, parameters: _Given, image: _Fields, path: _Path, force: bool) -> None: ...
-def stimulus(
-    kind: str, parameters: _Given, image: _Fields
-) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
+def stimulus(kind: str, parameters: _Given, image: _Fields) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
 def light(kind: str, parameters: _Given, image: _Fields) -> npt.NDArray[np.float32]: ...
 def profile(kind: str, parameters: _Given, image: _Fields) -> _Columns: ...
 def interpolate(u: _Floats, depth: float | str) -> _Floats: ...
@@ -117,7 +91,5 @@ def analyze(
 def write_analysis(
     folder: _Path, files: list[tuple[str, bytes]], inputs: list[str], force: bool
 ) -> list[PathLike[str]]: ...
-def verify(
-    folder: _Path, progress: _Progress
-) -> tuple[list[tuple[PathLike[str], str]], list[str]]: ...
+def verify(folder: _Path, progress: _Progress) -> tuple[list[tuple[PathLike[str], str]], list[str]]: ...
 def export(fields: _Fields) -> tuple[list[str], list[int]]: ...

@@ -12,10 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Fields, Seed, flag, options, path, suggests, whole
+from ._common import Dither, Fields, Seed, flag, options, path, png, suggests, unmasked, whole
 from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
+Shader = Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
+Shape = Literal[
+    "cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder",
+    "filleted-cylinder",
+]
 
 
 class Mesh(NamedTuple):
@@ -29,6 +34,10 @@ class Mesh(NamedTuple):
     triangles: npt.NDArray[np.uint32]
     normals: npt.NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        """Tell the size."""
+        return f"<Mesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
+
 
 class Shaded(NamedTuple):
     """A shaded mesh.
@@ -41,14 +50,17 @@ class Shaded(NamedTuple):
     image: Codes
     metrics: dict[str, Any] | None
 
+    def __repr__(self) -> str:
+        """Tell the size."""
+        height, width = self.image.shape[:2]
+        return f"<Shaded: {width} × {height} pixels, {self.image.dtype}{'' if self.metrics is None else ', measured'}>"
+
+    def _repr_png_(self) -> bytes:
+        return png(self.image)
+
 
 @suggests
-def mesh(
-    name_or_path: str | PathLike[str] = "blob",
-    *,
-    n_vertices: int = 313,
-    crease: float = 180.0,
-) -> Mesh:
+def mesh(name_or_path: Shape | str | PathLike[str] = "blob", *, n_vertices: int = 313, crease: float = 180.0) -> Mesh:
     """Return a built-in shape, or a mesh from an OBJ, PLY, glTF or GLB file.
 
     Parameters
@@ -75,7 +87,7 @@ def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
 
 
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
-    array = np.asarray(given)
+    array = np.asarray(unmasked(name, given))
     if array.ndim != 2 or array.shape[1] != 3:
         raise _machband.Error(f"{name} has shape {array.shape}; expected (n, 3)")
     if dtype is np.uint32:
@@ -88,43 +100,20 @@ def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
 
 @suggests
 def shade(
-    vertices: npt.ArrayLike | Mesh | str | PathLike[str] = "blob",
+    vertices: npt.ArrayLike | Mesh | Shape | str | PathLike[str] = "blob",
     triangles: npt.ArrayLike | None = None,
-    normals: npt.ArrayLike | str | None = None,
-    *,
-    crease: float = 180,
-    depth: float | str = 1,
-    boundary: float = 0.2,
-    vertex: Literal["off", "printed", "repaired"] = "off",
+    normals: npt.ArrayLike | Literal["averaged", "max", "cubic"] | None = None, *, crease: float = 180,
+    depth: float | str = 1, boundary: float = 0.2, vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
-    rotate: Triple = (25, -35, 0),
-    light: Triple = (0.36, 0.48, 0.8),
-    color: str | Triple = "gray",
-    ambient: float = 0.1,
-    diffuse: float = 0.6,
-    specular: float = 0.2,
-    highlight: Literal["phong", "blinn", "torrance-sparrow", "cook-torrance"] = "phong",
-    shininess: float = 20,
-    facet_slope: float | None = None,
-    facet_c1: float | None = None,
-    facet_index: float | None = None,
-    background: float = 0.05,
-    distance: float = float("inf"),
-    naive: bool = False,
-    window_deg: float = 10,
-    size: int = 1024,
-    transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None,
-    bits: Literal[8, 16] = 8,
-    dither: Dither = "none",
-    seed: Seed = 1,
-    white: float | None = None,
-    black: float | None = None,
-    shader: str | None = "c1-phong",
-    truth: bool | str | PathLike[str] = False,
-    n_vertices: int = 313,
-    metrics: bool = True,
+    gradients: Literal["curvature", "ring", "quadric"] = "curvature", rotate: Triple = (25, -35, 0),
+    light: Triple = (0.36, 0.48, 0.8), color: str | Triple = "gray", ambient: float = 0.1, diffuse: float = 0.6,
+    specular: float = 0.2, highlight: Literal["phong", "blinn", "torrance-sparrow", "cook-torrance"] = "phong",
+    shininess: float = 20, facet_slope: float | None = None, facet_c1: float | None = None,
+    facet_index: float | None = None, background: float = 0.05, distance: float = float("inf"),
+    naive: bool = False, window_deg: float = 10, size: int = 1024, transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None, bits: Literal[8, 16] = 8, dither: Dither = "none",
+    seed: Seed = 1, white: float | None = None, black: float | None = None, shader: Shader | None = "c1-phong",
+    truth: bool | str | PathLike[str] = False, n_vertices: int = 313, metrics: bool = True,
 ) -> Shaded:
     """Shade a mesh, and measure how smooth its edges are and how visible its bands, as ``machband shade`` does.
 
@@ -187,8 +176,8 @@ def shade(
     white, black
         As in `compare`.
     shader
-        A shader that ``machband shade --help`` lists, such as ``gouraud`` or ``patch``; `None`, with `truth`, for the
-        smooth surface alone.
+        ``flat``, ``gouraud``, ``phong``, ``quadratic``, ``fixed``, ``gradient``, ``gradient-repaired``, ``patch`` or
+        ``c1-phong``; `None`, with `truth`, for the smooth surface alone.
     truth
         `True`, with ``shader=None``, draws the smooth surface behind a built-in shape. The path of a finer mesh: the
         surface to compare with, or, with ``shader=None``, to draw.
@@ -209,6 +198,9 @@ def shade(
             raise TypeError("shade() got a Mesh and triangles; expected a Mesh alone, or arrays")
         positions, triangles, own_normals = vertices
         vertices, normals = positions, own_normals if normals is None else normals
+    if not isinstance(truth, (bool, np.bool_, str, os.PathLike)):
+        raise TypeError(f"truth is {truth!r}; expected True, False or a path")
+    is_measured = flag("metrics", metrics) and shader is not None
     if shader is None and not truth:
         raise TypeError("shade() got neither shader nor truth; expected at least one of them")
     estimated = normals if isinstance(normals, str) else None
@@ -216,7 +208,7 @@ def shade(
     if estimated is not None:
         given["normals"] = estimated
     if truth:
-        given["truth"] = truth if isinstance(truth, bool) else os.fspath(truth)
+        given["truth"] = os.fspath(truth) if isinstance(truth, (str, os.PathLike)) else True
     if isinstance(vertices, (str, os.PathLike)):
         file = os.fspath(vertices)
         if triangles is not None:
@@ -227,7 +219,7 @@ def shade(
             image: Fields = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
             return Shaded(_machband.shade({"scene": file, **image}, None, False)[0], None)
         fields = {**given, **_named(file, n_vertices)}
-        codes, measured = _machband.shade(fields, None, flag("metrics", metrics) and shader is not None)
+        codes, measured = _machband.shade(fields, None, is_measured)
     else:
         if triangles is None:
             raise TypeError("shade() got vertices without triangles; expected both")
@@ -236,7 +228,7 @@ def shade(
         if own is not None and len(own) != len(positions):
             raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
-        codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, metrics and shader is not None)
+        codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, is_measured)
     found = None if measured is None else json.loads(measured)
     if found and found["mesh"] == "arrays":
         found.update(

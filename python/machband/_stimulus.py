@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -14,29 +13,20 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import (
-    Dither,
-    Seed,
-    Table,
-    encoding,
-    flag,
-    name_of,
-    number,
-    numbers,
-    options,
-    path,
-    suggests,
-    table,
-    text,
-    value,
-    whole,
-)
+from ._common import Dither, Seed, Table, encoding, flag, name_of, number, numbers, options, path, png, suggests, table
+from ._common import text, value, whole
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ._vision import Prediction
+    from .stimuli import Parameters
 
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
+
+
+Kind = Literal["mach-band", "chevreul", "cornsweet", "vasarely", "kanizsa", "shaded-mesh", "shaded-cylinder"]
 
 
 class Parameter(NamedTuple):
@@ -67,11 +57,25 @@ class VisualAngle(NamedTuple):
     ppd: float
 
 
-def _parameters(given: dict[str, Any]) -> list[tuple[str, float | str]]:
+def _parameters(given: Mapping[str, Any]) -> list[tuple[str, float | str]]:
     return [(name, value(name, parameter)) for name, parameter in given.items()]
 
 
-def kinds() -> dict[str, str]:
+def _kind(given: object) -> str:
+    """Return the name of a kind."""
+    if isinstance(given, Stimulus):
+        raise TypeError(f"kind is a Stimulus; expected its name, {given.kind!r}, or the methods of the stimulus")
+    return name_of("kind", given)
+
+
+def _kept(given: Any) -> Any:
+    """Return a parameter that does not change, and that is equal if it means the same."""
+    if isinstance(given, (list, tuple, np.ndarray, np.generic)):
+        given = np.asarray(given).tolist()
+    return tuple(given) if isinstance(given, list) else "inf" if given == np.inf else given
+
+
+def kinds() -> dict[Kind, str]:
     """Return the kinds of stimulus, with what each shows and who first described it.
 
     >>> list(kinds())[:2]
@@ -80,15 +84,17 @@ def kinds() -> dict[str, str]:
     return dict(_machband.kinds())
 
 
-def parameters(kind: str = "mach-band") -> dict[str, Parameter]:
+@suggests
+def parameters(kind: Kind = "mach-band") -> dict[str, Parameter]:
     """Return the parameters of a kind of stimulus, with their defaults, units, meanings and ranges.
 
     >>> parameters("mach-band")["width"].default
     0.4
     """
-    return {found[0]: Parameter(*found) for found in _machband.parameters(name_of("kind", kind))}
+    return {found[0]: Parameter(*found) for found in _machband.parameters(_kind(kind))}
 
 
+@suggests
 @dataclass(frozen=True)
 class Transfer:
     """How a display turns encoded values into light. The argument `transfer` of any function takes one.
@@ -157,15 +163,9 @@ class Transfer:
 
 @suggests
 def stimulus(
-    kind: str = "mach-band",
-    *,
-    size: int = 1024,
-    transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None,
-    bits: Literal[8, 16] = 8,
-    dither: Dither = "none",
-    seed: Seed = 1,
-    **parameters: Any,
+    kind: Kind = "mach-band", *, size: int = 1024, transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None, bits: Literal[8, 16] = 8, dither: Dither = "none",
+    seed: Seed = 1, **parameters: Unpack[Parameters],
 ) -> Codes:
     """Return a stimulus as codes, the same as in the image that ``machband stimulus`` writes.
 
@@ -211,10 +211,11 @@ def stimulus(
     [137, 158, 212, 225]
     """
     coding = options(stimulus, locals())
-    codes: Codes = _machband.stimulus(name_of("kind", kind), _parameters(parameters), coding)
+    codes: Codes = _machband.stimulus(_kind(kind), _parameters(parameters), coding)
     return codes
 
 
+@suggests
 class Stimulus:
     """A stimulus: its light, its size, and what reproduces it. `machband.stimuli` makes one for each kind.
 
@@ -232,15 +233,9 @@ class Stimulus:
         Pixels per degree, and degrees of visual angle, each vertical and horizontal.
     """
 
-    @suggests
     def __init__(
-        self,
-        kind: str = "mach-band",
-        *,
-        size: int | None = None,
-        ppd: float | None = None,
-        visual_size: float | None = None,
-        **parameters: Any,
+        self, kind: Kind = "mach-band", *, size: int | None = None, ppd: float | None = None,
+        visual_size: float | None = None, **parameters: Unpack[Parameters],
     ) -> None:
         """Describe a stimulus.
 
@@ -271,13 +266,12 @@ class Stimulus:
         side = 1024 if side is None else side
         degrees = float(visual_size if visual_size is not None else side / ppd if ppd is not None else 10)
         defaults = {name: found.default for name, found in _known(kind).items()}
-        self.kind = kind
-        self.shape = (side, side)
-        self.visual_size = (degrees, degrees)
-        self.ppd = (side / degrees, side / degrees)
-        self._own = {**defaults, **parameters}
-        self.parameters = MappingProxyType({**self._own, "size": side, "visual_size": degrees})
-        _machband.check_stimulus(name_of("kind", kind), _parameters(parameters))
+        _machband.check_stimulus(_kind(kind), _parameters(parameters))
+        own = {**defaults, **{name: _kept(given) for name, given in parameters.items()}}
+        self.kind: Kind = kind
+        self._own = own
+        self.shape, self.visual_size, self.ppd = (side, side), (degrees, degrees), (side / degrees, side / degrees)
+        self.parameters: Mapping[str, Any] = MappingProxyType({**own, "size": side, "visual_size": degrees})
 
     @cached_property
     def light(self) -> npt.NDArray[np.float32]:
@@ -291,13 +285,8 @@ class Stimulus:
         """Number of the region of uniform light, from the darkest (1) to the brightest; 0 where the light varies."""
         return _mask(self.light)
 
-    @suggests
     def codes(
-        self,
-        *,
-        bits: Literal[8, 16] = 8,
-        transfer: str | Transfer | None = None,
-        dither: Dither = "none",
+        self, *, bits: Literal[8, 16] = 8, transfer: str | Transfer | None = None, dither: Dither = "none",
         seed: Seed = 1,
     ) -> Codes:
         """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
@@ -319,16 +308,9 @@ class Stimulus:
         fields = {"img": self.light.max(axis=2).astype(np.float64), "mask": self.mask, "shape": self.shape}
         return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd, "kind": self.kind}
 
-    @suggests
     def save(
-        self,
-        file: str | PathLike[str],
-        *,
-        bits: Literal[8, 16] = 8,
-        transfer: str | Transfer | None = None,
-        dither: Dither = "none",
-        seed: Seed = 1,
-        force: bool = False,
+        self, file: str | PathLike[str], *, bits: Literal[8, 16] = 8, transfer: str | Transfer | None = None,
+        dither: Dither = "none", seed: Seed = 1, force: bool = False,
     ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
         fields = {**options(Stimulus.save, locals(), "force"), "size": str(self.shape[0])}
@@ -348,6 +330,13 @@ class Stimulus:
         """Return the light."""
         return np.array(self.light, dtype) if copy else np.asarray(self.light, dtype)
 
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse to change."""
+        if "parameters" not in vars(self):
+            return super().__setattr__(name, value)
+        said = f"expected another stimulus: Stimulus(old.kind, **{{**old.parameters, {name!r}: {value!r}}})"
+        raise AttributeError(f"{name} of a stimulus cannot be set; {said}")
+
     def __eq__(self, other: object) -> bool:
         """Compare what reproduces them."""
         return isinstance(other, Stimulus) and (self.kind, self.parameters) == (other.kind, other.parameters)
@@ -362,10 +351,7 @@ class Stimulus:
         return f"Stimulus({self.kind!r}{given})"
 
     def _repr_png_(self) -> bytes:
-        with TemporaryDirectory() as folder:
-            file = Path(folder, "stimulus.png")
-            self.save(file)
-            return file.read_bytes()
+        return png(self.codes())
 
 
 _known = parameters
@@ -386,7 +372,7 @@ def _mask(shown: npt.NDArray[np.float32]) -> npt.NDArray[np.intp]:
 
 
 @suggests
-def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> npt.NDArray[np.float32]:
+def light(kind: Kind = "mach-band", *, size: int = 1024, **parameters: Unpack[Parameters]) -> npt.NDArray[np.float32]:
     """Return the linear light of a stimulus, before it is converted to codes.
 
     Parameters
@@ -403,20 +389,14 @@ def light(kind: str = "mach-band", *, size: int = 1024, **parameters: Any) -> np
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(name_of("kind", kind), _parameters(parameters), {"size": str(whole("size", size))})
+    return _machband.light(_kind(kind), _parameters(parameters), {"size": str(whole("size", size))})
 
 
 @suggests
 def profile(
-    kind: str = "mach-band",
-    *,
-    size: int = 1024,
-    transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None,
-    bits: Literal[8, 16] = 8,
-    dither: Dither = "none",
-    seed: Seed = 1,
-    **parameters: Any,
+    kind: Kind = "mach-band", *, size: int = 1024, transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None, bits: Literal[8, 16] = 8, dither: Dither = "none",
+    seed: Seed = 1, **parameters: Unpack[Parameters],
 ) -> Table:
     """Return the luminance profile through the center of a stimulus, along its orientation.
 
@@ -432,7 +412,7 @@ def profile(
     ``emitted``, the light that the strongest channel's code emits.
     """
     coding = options(profile, locals())
-    return table(_machband.profile(name_of("kind", kind), _parameters(parameters), coding))
+    return table(_machband.profile(_kind(kind), _parameters(parameters), coding))
 
 
 def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
@@ -470,13 +450,8 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
 
 @suggests
 def visual_angle(
-    *,
-    px: npt.ArrayLike | None = None,
-    cm: npt.ArrayLike | None = None,
-    deg: npt.ArrayLike | None = None,
-    screen_px: int,
-    screen_cm: float,
-    distance_cm: float,
+    *, px: npt.ArrayLike | None = None, cm: npt.ArrayLike | None = None, deg: npt.ArrayLike | None = None,
+    screen_px: int, screen_cm: float, distance_cm: float,
 ) -> VisualAngle:
     """Convert lengths on a screen between pixels, centimeters and degrees of visual angle.
 

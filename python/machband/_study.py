@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,17 +13,20 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _machband
 from ._analysis import Analysis
-from ._common import Seed, Table, levels, options, path, progress, suggests, table, texts, words
-from ._tables import Levels, columns, encoded
+from ._common import Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, words
+from ._machband import DataError, Error
+from ._tables import MISSING, Cells, Levels, columns, encoded, labeled, ordered
 
 
 class DataWarning(UserWarning):
     """A warning about data that are analyzed anyway, such as missing responses."""
 
 
+@suggests
 def read_results(folder: str | PathLike[str]) -> Table:
     """Read all sessions in a results folder, or one data file, without losing anything.
 
@@ -35,7 +40,8 @@ def read_results(folder: str | PathLike[str]) -> Table:
     A table with one row for each recorded trial: practice trials, and ratings that were corrected later, are included.
     IDs are text; times of day are UTC; depth is a number and can be infinite. The column ``simulated`` says whether a
     program answered; reports of these rows say so too. In a DataFrame, ``attrs["units"]`` and ``attrs["descriptions"]``
-    say what the columns mean. `analyze` uses the rows whose phase is ``main``, and only the last attempt of each trial::
+    say what the columns mean, ``attrs["categories"]`` what the scale is, and ``attrs["simulated"]`` whether a program
+    answered all rows. `analyze` uses the rows whose phase is ``main``, and only the last attempt of each trial::
 
         main = rows[rows.phase == "main"]
         last = main.sort_values("attempt").drop_duplicates(["subject_id", "session_id", "trial"], keep="last")
@@ -43,7 +49,16 @@ def read_results(folder: str | PathLike[str]) -> Table:
     with progress("sessions") as show:
         found, described = _machband.read_results(path("folder", folder), show)
     found["simulated"] = found["simulated"].astype(bool)
-    return table(found, described)
+    rows = table(found, described)
+    if hasattr(rows, "attrs"):
+        root = Path(folder)
+        sidecars = [root.with_suffix(".json")] if root.is_file() else root.rglob("*_data.json")
+        definitions = [json.loads(file.read_bytes())["definition"] for file in sidecars if file.is_file()]
+        scales = {len(one["response"]["labels"]) for one in definitions if not one.get("task")}
+        rows.attrs["simulated"] = bool(found["simulated"].all())
+        if len(scales) == 1:
+            rows.attrs["categories"] = list(range(*scales))
+    return rows
 
 
 def _paths(data: object) -> Iterator[str]:
@@ -56,42 +71,78 @@ def _paths(data: object) -> Iterator[str]:
         raise TypeError(f"{type(data).__name__} is not a path; expected paths, or one DataFrame or dict of columns")
 
 
+#: Names of the column with the participant, beside subject_id.
+_SUBJECTS = {"participant", "participant_id", "subject", "subject_nr"}
+
+
+def _wrong(rows: npt.NDArray[Any], said: str) -> DataError:
+    """Return an error about rows of a table."""
+    error = DataError(f"table, row {rows[0]} (counted from 0): {said}")
+    error.rows = rows
+    return error
+
+
+def _marks(cells: Cells) -> npt.NDArray[np.int64]:
+    """Return which rows a program answered: 1, otherwise 0."""
+    texts, codes, _ = labeled("simulated", cells)
+    known = {"true": 1, "1": 1, "1.0": 1, "false": 0, "0": 0, "0.0": 0, **dict.fromkeys(map(str.lower, MISSING), 0)}
+    marks = np.array([*(known.get(one.strip().lower(), -1) for one in texts), 0])[codes]
+    if (marks < 0).any():
+        rows = np.flatnonzero(marks < 0)
+        raise _wrong(rows, f"simulated is {texts[codes[rows[0]]]!r}; expected True, False or no value")
+    return marks
+
+
+def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], recorded: Any) -> Any:
+    """Return the categories of the response that a table itself knows, or `None`."""
+    scales = [orders.pop(name, None) for name in names]
+    numbers = [found[name] for name in names if isinstance(found.get(name), np.ndarray)]
+    if len(numbers) < len(names):
+        return scales[0] if all(scale == scales[0] for scale in scales) else None
+    if recorded is not None:
+        return recorded
+    different = np.unique(np.array(numbers, np.float64))
+    finite = different[np.isfinite(different)]
+    # An infinite number is no category; the library names its row.
+    return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
+
+
+def _answered(found: dict[str, Cells], used: list[str], is_dropping: bool) -> tuple[list[str], list[str]]:
+    """Keep the rows that have an answer; return what to warn of: rows without one, and rows that are wrong."""
+    given = [found.get(name) for name in used]
+    if not all(isinstance(one, np.ndarray) for one in given):
+        # The library says what is wrong.
+        return [], []
+    numbers = np.array(given, np.float64)
+    right, trials = numbers[1], numbers[2] if len(used) > 2 else np.ones_like(numbers[1])
+    is_there = ~np.isnan(numbers).any(axis=0)
+    is_wrong = is_there & ~((right >= 0) & (right <= trials) & (right % 1 == 0))
+    rows, lost = np.flatnonzero(is_wrong), np.count_nonzero(~is_there)
+    said = [f"{used[1]} is {right[row]:g}; expected 0 to {trials[row]:g}, the number of trials" for row in rows]
+    if len(rows) and (not is_dropping or 50 * len(rows) > len(right)):
+        raise _wrong(rows, said[0])
+    keep = is_there & ~is_wrong
+    for name, one in found.items():
+        found[name] = one._replace(codes=one.codes[keep]) if isinstance(one, Levels) else one[keep]
+    missing = f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in all rows"
+    return [missing] * bool(lost), [f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)]
+
+
 @suggests
 def analyze(
-    data: Any,
-    *,
-    subject: str | None = None,
-    response: str | None = None,
-    wide: str | Sequence[str] | None = None,
-    missing: str | Sequence[str] | None = None,
-    categories: str | Sequence[str] | None = None,
-    count: str | None = None,
-    direction: str | Sequence[str] | None = None,
-    exclude: str | Sequence[str] | None = None,
-    only: Mapping[str, Sequence[Any]] | None = None,
-    complete_only: bool = False,
-    order: str | None = None,
-    time: str | None = None,
-    min_time: float | None = None,
-    max_time: float | None = None,
-    terms: str | Sequence[str] | None = None,
-    link: Literal["logit", "probit"] = "logit",
-    slopes: Literal["none", "independent", "correlated"] = "independent",
-    large: bool = False,
-    random: Literal["none", "subject"] | None = None,
-    covariate: str | Sequence[str] | None = None,
-    items: str | None = None,
-    draws: int = 999,
-    seed: Seed = 1,
-    level: str | None = None,
-    correct: str | None = None,
-    total: str | None = None,
-    guess: float | str | None = None,
+    data: Any, *, subject: str | None = None, response: str | None = None, wide: Texts | None = None,
+    missing: float | Texts | None = None, categories: Texts | None = None, count: str | None = None,
+    direction: Texts | None = None, exclude: Texts | None = None,
+    only: Mapping[str, Sequence[Any]] | None = None, complete_only: bool = False, order: str | None = None,
+    time: str | None = None, min_time: float | None = None, max_time: float | None = None,
+    terms: Texts | None = None, link: Literal["logit", "probit"] = "logit",
+    slopes: Literal["none", "independent", "correlated"] = "independent", large: bool = False,
+    random: Literal["none", "subject"] | None = None, covariate: Texts | None = None, items: str | None = None,
+    draws: int = 999, seed: Seed = 1, level: str | None = None, correct: str | None = None,
+    total: str | None = None, guess: float | str | None = None,
     function: Literal["weibull", "logistic", "normal"] | None = None,
-    easier: Literal["high", "low"] | None = None,
-    log: bool = False,
-    factors: str | Sequence[str] | Mapping[str, Sequence[Any]] | None = None,
-    on_error: Literal["raise", "drop"] = "raise",
+    easier: Literal["high", "low"] | None = None, log: bool = False,
+    factors: Texts | Mapping[str, Sequence[Any]] | None = None, on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
 
@@ -101,18 +152,19 @@ def analyze(
         A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
         relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
         result files, folders, tables of counts, or any CSV files. Answers to a task are read from their folder. Ordered
-        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing. The
-        scale of a table that is not from `read_results` is the one that its responses show.
+        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing;
+        True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
+        selection keeps and a merge may lose; any other table has the scale that its responses show.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
     response
-        Column with the ordered response [default: rating, 0–3].
+        Column with the ordered response [default: rating].
     wide
         Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
         otherwise.
     missing
-        Texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
+        Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     categories
         Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
         CSV: 'low,"medium, mostly",high'.
@@ -156,14 +208,15 @@ def analyze(
         Column that names the stimuli of which the study shows a sample, such as pictures: each has a random intercept,
         beside those of the participants, so that conclusions hold for other stimuli.
     draws
-        Maximum number of simulated studies that calibrate tests and intervals. Simulation ends earlier when more
-        studies would not change a conclusion.
+        Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier
+        when more studies would not change a conclusion.
     seed
         Seed of the simulated studies.
     level
-        Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
+        `subject` then has no default.
     correct
-        Column with the number of right answers, or of answers yes; without --total, 1 or 0.
+        Column with the number of right answers, or of answers yes; without `total`, 1 or 0.
     total
         Column with the number of trials [default: each row is one trial].
     guess
@@ -177,7 +230,7 @@ def analyze(
         Fit the function to the decadic logarithms of the levels.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
+        all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
@@ -193,38 +246,66 @@ def analyze(
     [0.02, 0.1, 0.4, 0.8]
     """
     if on_error not in ("raise", "drop"):
-        raise _machband.Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
-    orders: dict[str, Sequence[Any]] = {}
+        raise Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
+    if response is not None and wide is not None:
+        raise TypeError("analyze() got response and wide; expected one of them")
+    of_levels = dict(correct=correct, guess=guess, total=total, function=function, easier=easier, log=log or None)
+    asked = [name for name, one in of_levels.items() if one is not None]
+    if level is None and asked:
+        raise TypeError(f"analyze() got {asked[0]} without level; expected both")
+    if level is not None and (lacking := [name for name in ("correct", "guess") if name not in asked]):
+        raise TypeError(f"analyze() got level without {' and '.join(lacking)}; expected level, correct and guess")
+    if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
+        missing = [missing]
+    found: dict[str, Cells] = {}
+    orders: dict[str, Any] = {}
+    lost: tuple[list[str], list[str]] = [], []
     given_columns = columns(data)
     if given_columns is None:
         cells: list[str] | list[tuple[str, Any]] = list(_paths(data))
         if not cells:
-            raise _machband.Error("there are no paths; expected at least one")
+            raise Error("there are no paths; expected at least one")
     else:
         found = {name: encoded(name, column) for name, column in given_columns.items()}
         if not found:
-            raise _machband.Error("the table has no columns; expected at least a participant, a rating and a factor")
-        orders = {name: cells.levels for name, cells in found.items() if isinstance(cells, Levels) and cells.is_ordered}
-        scale = orders.pop(response or "rating", None)
-        if categories is None and wide is None:
-            categories = scale
-        if getattr(data, "attrs", {}).get("simulated") and "simulated" not in found:
+            raise Error("the table has no columns; expected at least a participant, a rating and a factor")
+        known = getattr(data, "attrs", {})
+        if "simulated" in found:
+            found["simulated"] = _marks(found["simulated"])
+        elif known.get("simulated"):
             found["simulated"] = np.ones(len(data), np.int64)
-        ratings = found.get("rating")
-        if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
-            raise _machband.Error("the rows answer a task and have no rating; expected the folder of their sessions")
+        if level is not None:
+            usual = [name for name in found if name.lower() in _SUBJECTS]
+            subject = subject or ("subject_id" if "subject_id" in found else usual[0] if len(usual) == 1 else None)
+            used = [level, str(correct), *([] if total is None else [total])]
+            lost = _answered(found, used, on_error == "drop")
+        else:
+            ratings = found.get("rating")
+            if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
+                raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
+            orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
+            names = next(csv.reader([texts("wide", [response or "rating"] if wide is None else wide).split("=", 1)[-1]]))
+            is_ours = response is None and wide is None
+            scale = _scale(found, orders, names, known.get("categories") if is_ours else None)
+            categories = scale if categories is None else categories
+            if is_ours and "phase" in found:
+                # The library would assume a scale from 0 to 3.
+                response = "rating"
         cells = [(name, cell[:2] if isinstance(cell, Levels) else cell) for name, cell in found.items()]
     if categories is not None and response is None and wide is None:
         response = "rating"
     given = options(analyze, locals(), "factors", "on_error")
-    if isinstance(factors, Mapping):
-        orders.update({factor: order for factor, order in factors.items() if len(order)})
+    for factor, listed in factors.items() if isinstance(factors, Mapping) else ():
+        if texts_of := ordered(factor, listed, found.get(factor), factor not in (only or {})):
+            orders[factor] = texts_of
     if factors is not None:
         given["factors"] = texts("factors", factors)
     if orders:
         given["levels"] = levels("factors", orders)
     with progress("simulated studies") as show:
         analysis = Analysis(_machband.analyze(given, cells, on_error == "drop", show))
+    analysis.warnings += lost[0]
+    analysis.errors += lost[1]
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, DataWarning, stacklevel=3)
     return analysis
@@ -245,6 +326,7 @@ class Verification:
         return not self.errors
 
 
+@suggests
 def verify(folder: str | PathLike[str]) -> Verification:
     """Verify recorded sessions, as ``machband verify`` does.
 
@@ -276,12 +358,8 @@ class Exported(NamedTuple):
 
 @suggests
 def export(
-    folder: str | PathLike[str],
-    out: str | PathLike[str],
-    format: str = "bids",
-    *,
-    complete_only: bool = False,
-    accept_changes: bool = False,
+    folder: str | PathLike[str], out: str | PathLike[str], format: Literal["bids", "psych-ds"] = "bids", *,
+    complete_only: bool = False, accept_changes: bool = False,
 ) -> Exported:
     """Export recorded sessions as a data set that passes the standard's validator, as ``machband export`` does.
 

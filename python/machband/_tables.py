@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from datetime import datetime, timezone
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from ._common import text
+from ._common import nearest, text
 from ._machband import Error
 
 Whole = npt.NDArray[np.int64]
@@ -25,18 +27,36 @@ class Levels(NamedTuple):
     is_ordered: bool = False
 
 
+#: A column as whole numbers, as numbers, of which missing ones are NaN, or as texts.
+Cells = Union[Whole, npt.NDArray[np.float64], Levels]
+
+
 def columns(data: Any) -> dict[str, Any] | None:
     """Return the columns of a table, and named index levels of pandas; or `None` if `data` is not a table."""
+    found = _columns(data)
+    if found is None:
+        return None
+    names = [_text("the name of a column", str(name)) for name, _ in found]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise Error(f"two columns are named {twice[0]!r}; expected a different name for each")
+    rows = [len(column) if hasattr(column, "__len__") else 0 for _, column in found]
+    for name, count in zip(names, rows, strict=True):
+        if count != rows[0]:
+            raise Error(f"{name} has {count} rows; expected {rows[0]}, as in {names[0]}")
+    return {name: column for name, (_, column) in zip(names, found, strict=True)}
+
+
+def _columns(data: Any) -> list[tuple[Any, Any]] | None:
     if hasattr(data, "reset_index") and hasattr(data, "columns"):
         if data.columns.nlevels > 1:
             raise Error(f"the columns have {data.columns.nlevels} levels; expected one, such as after droplevel")
-        if twice := data.columns[data.columns.duplicated()].tolist():
-            raise Error(f"two columns are named {twice[0]!r}; expected a different name for each")
         named = [level for level, name in enumerate(data.index.names) if name is not None and name not in data.columns]
         data = data.reset_index(level=named) if named else data
-        return {str(name): data[name] for name in data.columns}
+        return [(name, data.iloc[:, place]) for place, name in enumerate(data.columns)]
     if getattr(getattr(data, "dtype", None), "names", None):
-        return {name: data[name] for name in data.dtype.names}
+        return [(name, data[name]) for name in data.dtype.names]
+    if hasattr(data, "collect") and not hasattr(data, "__arrow_c_stream__"):
+        raise TypeError(f"{type(data).__name__} is not computed yet; expected a DataFrame, such as from its .collect()")
     if hasattr(data, "__arrow_c_stream__"):
         try:
             import pyarrow
@@ -51,18 +71,24 @@ def columns(data: Any) -> dict[str, Any] | None:
             except pyarrow.ArrowInvalid:
                 # A single column.
                 return None
-            return dict(zip(arrow.column_names, arrow.columns, strict=True))
+            for place, kind in enumerate(map(str, getattr(data, "types", ()))):
+                if kind.startswith("ENUM"):
+                    # DuckDB does not say in Arrow that it has an order.
+                    column = arrow[place].combine_chunks()
+                    column = pyarrow.DictionaryArray.from_arrays(column.indices, column.dictionary, ordered=True)
+                    arrow = arrow.set_column(place, arrow.field(place).name, pyarrow.chunked_array([column]))
+            return [*zip(arrow.column_names, arrow.columns, strict=True)]
     if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
-        return {str(name): data[name] for name in (data if isinstance(data, Mapping) else data.columns)}
+        return [(name, data[name]) for name in (data if isinstance(data, Mapping) else data.columns)]
     return None
 
 
-def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
-    """Return a column as whole numbers, as numbers, of which missing ones are NaN, or as texts."""
+def encoded(name: str, column: Any) -> Cells:
+    """Return the cells of a column. True is 1, and False 0."""
     if hasattr(column, "combine_chunks"):
-        column = _of_arrow(column)
-        if isinstance(column, Levels):
-            return column
+        column = _of_arrow(name, column)
+    if isinstance(column, Levels):
+        return column
     dtype: Any = getattr(column, "dtype", None)
     if str(dtype).startswith("Enum(") and hasattr(column, "to_physical"):
         codes = column.to_physical().cast(int).fill_null(-1)
@@ -82,23 +108,71 @@ def encoded(name: str, column: Any) -> Whole | npt.NDArray[np.float64] | Levels:
     if is_whole or array.dtype.kind == "f":
         numbers = np.ascontiguousarray(array, np.float64)
         return numbers if masked is None else np.where(masked, np.nan, numbers)
-    if array.dtype.kind == "M":
-        times = np.char.add(np.datetime_as_string(array, "ms"), "Z").astype(object)
-        times[np.isnat(array)] = None
-        array = times
-    codes, found = _factorized(array)
+    codes, found = _factorized(name, array)
     if masked is not None:
         codes = np.where(masked, -1, codes)
+    kinds = {type(level) for level in found}
+    if kinds and kinds <= {bool, np.bool_}:
+        return np.ascontiguousarray(np.array([*found, np.nan])[codes], np.float64)
+    if kinds and all(issubclass(kind, (datetime, np.datetime64)) for kind in kinds):
+        return Levels(_times(found), codes)
     return Levels([_text(name, level) for level in found], codes)
 
 
-def _of_arrow(column: Any) -> Any:
+def labeled(name: str, cells: Cells) -> Levels:
+    """Return a column as texts, also if it has numbers."""
+    if isinstance(cells, Levels):
+        return cells
+    found, codes = np.unique(cells, return_inverse=True)
+    return Levels([text(name, one) for one in found], np.where(np.isnan(cells), -1, codes))
+
+
+def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) -> list[Any]:
+    """Return the texts of a factor's levels in the order given, if its column is known to have no others.
+
+    With `is_complete`, all that the column has must be there.
+    """
+    if isinstance(listed, (str, bytes)) or not isinstance(listed, Iterable):
+        raise TypeError(f"factors[{factor!r}] is {listed!r}; expected a list of levels")
+    array = np.fromiter(listed, object)
+    if cells is None:
+        return [*array]
+    levels, codes, _ = labeled(factor, encoded(f"factors[{factor!r}]", array))
+    texts = [levels[code] if code >= 0 else "NA" for code in codes]
+
+    def key(level: str) -> object:
+        # A number can be written in several ways.
+        with suppress(ValueError):
+            return level.strip() if isinstance(cells, Levels) else float(level)
+        return level
+
+    levels, codes, _ = labeled(factor, cells)
+    occurring = [levels[code] for code in np.unique(codes) if code >= 0]
+    known = {key(level): level for level in occurring if level.strip() not in MISSING}
+    keys = [key(level) for level in texts]
+    wrong = [level for level, its in zip(texts, keys, strict=True) if its not in known]
+    problems = [f"{level!r}, which is no level of it" for level in wrong]
+    problems += [f"{level!r} twice" for place, level in enumerate(texts) if keys[place] in keys[:place]]
+    problems += [f"no {level!r}" for its, level in known.items() if is_complete and its not in keys]
+    if keys and known and problems:
+        expected = f"expected {', '.join([*known.values()][:20])}, each once"
+        raise Error(f"factors[{factor!r}] has {problems[0]}; {expected}{nearest(*wrong[:1], among=known.values())}")
+    return texts
+
+
+#: Texts that mean a missing value.
+MISSING = {"", "NA", "NaN", "nan", "NULL", "#N/A", "N/A", "n/a"}
+
+
+def _of_arrow(name: str, column: Any) -> Any:
     """Return a column of Arrow as an array of numbers, or as texts."""
     import pyarrow
 
     kind = column.type
     if pyarrow.types.is_null(kind):
         return np.full(len(column), np.nan)
+    if pyarrow.types.is_nested(kind):
+        raise TypeError(f"column {name!r} has cells of type {kind}; expected numbers, texts or times")
     if not pyarrow.types.is_dictionary(kind):
         if not (
             pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind) or pyarrow.types.is_string_view(kind)
@@ -106,24 +180,45 @@ def _of_arrow(column: Any) -> Any:
             return column.to_numpy()
         column = column.cast(pyarrow.large_string()).dictionary_encode()
     chunks = column.unify_dictionaries().chunks
-    levels = [_text("column", level) for level in chunks[0].dictionary.to_pylist()] if chunks else []
+    levels = [_text(name, level) for level in chunks[0].dictionary.to_pylist()] if chunks else []
     codes = [np.asarray(chunk.indices.cast(pyarrow.int64()).fill_null(-1)) for chunk in chunks]
     return Levels(levels, np.concatenate([np.empty(0, np.int64), *codes]), bool(column.type.ordered))
 
 
-def _factorized(array: npt.NDArray[Any]) -> tuple[Whole, Any]:
+def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:
     """Return the index of each value among the different ones, −1 for a missing one, and these."""
     try:
-        import pandas
-    except ImportError:
-        index: dict[Any, int] = {}
-        cells = array.tolist()
-        codes = [-1 if cell is None or cell != cell else index.setdefault(cell, len(index)) for cell in cells]
-        return np.array(codes, np.int64), list(index)
-    codes, found = pandas.factorize(array.astype(object))
-    return codes.astype(np.int64), found
+        if array.dtype.kind == "M":
+            found, codes = np.unique(array, return_inverse=True)
+            return np.where(np.isnat(array), -1, codes), found[~np.isnat(found)]
+        try:
+            import pandas
+        except ImportError:
+            index: dict[Any, int] = {}
+            cells = array.tolist()
+            numbers = [-1 if cell is None or cell != cell else index.setdefault(cell, len(index)) for cell in cells]
+            return np.array(numbers, np.int64), list(index)
+        codes, found = pandas.factorize(array.astype(object))
+        return codes.astype(np.int64), found
+    except TypeError:
+        kinds = sorted({type(cell).__name__ for cell in array if type(cell).__hash__ is None} or {"mixed values"})
+        raise TypeError(f"column {name!r} has cells of {', '.join(kinds)}; expected numbers, texts or times") from None
+
+
+def _times(moments: Any) -> list[str]:
+    """Return times in UTC as texts: dates if all are at midnight, otherwise as precise as they are, from 1 ms on."""
+    utc = [one.astimezone(timezone.utc).replace(tzinfo=None) if getattr(one, "tzinfo", None) else one for one in moments]
+    times = np.array([getattr(one, "to_datetime64", lambda one=one: np.datetime64(one))() for one in utc])
+    unit = next(unit for unit in ("D", "ms", "us", "ns", "as") if (times == times.astype(f"M8[{unit}]")).all())
+    return [one if unit == "D" else f"{one}Z" for one in times.astype(f"M8[{unit}]").astype(str).tolist()]
 
 
 def _text(name: str, level: object) -> str:
+    """Return the text of a level."""
     is_number = isinstance(level, (int, float, np.number)) and not isinstance(level, bool)
-    return text(name, level) if is_number else str(level)
+    try:
+        found = text(name, level) if is_number else level.decode() if isinstance(level, bytes) else str(level)
+        found.encode()
+    except UnicodeError:
+        raise Error(f"{name} has {level!a}; expected text in Unicode, of which bytes are UTF-8") from None
+    return found

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import options, path, suggests
-from ._stimulus import Transfer, _parameters
+from ._common import options, path, suggests, unmasked
+from ._stimulus import Kind, Transfer, _kind, _parameters
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from .stimuli import Parameters
 
 
 @dataclass(frozen=True)
@@ -46,17 +51,10 @@ class Prediction:
 
 @suggests
 def predict(
-    kind: str = "mach-band",
-    *,
-    large: bool = False,
-    display: str | PathLike[str] | None = None,
-    size: int | None = None,
-    window_deg: float | None = None,
-    ppd: float | None = None,
-    white: float | None = None,
-    black: float | None = None,
-    criterion: str | PathLike[str] | None = None,
-    **parameters: Any,
+    kind: Kind = "mach-band", *, display: str | PathLike[str] | None = None,
+    size: int | None = None, window_deg: float | None = None, ppd: float | None = None,
+    white: float | None = None, black: float | None = None, criterion: str | PathLike[str] | None = None,
+    **parameters: Unpack[Parameters],
 ) -> Prediction:
     """Predict how visible the Mach bands of a stimulus are, as ``machband predict`` does.
 
@@ -64,19 +62,14 @@ def predict(
     ----------
     kind
         One of `kinds`.
-    large
-        Also accept more than 500 conditions (100 if each has a rendered picture), and ratings beyond the limits of
-        `analyze`. This needs more time and memory.
     display
         Display profile written by `machband calibrate`.
     size
         Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     window_deg
-        Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise in the
-        definition, otherwise 10].
+        Width of the stimulus in degrees of visual angle [default: 10].
     criterion
-        File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
-        otherwise read to predict ratings.
+        File with the thresholds between ratings, fitted to people by ``machband predict``, to predict ratings.
     ppd, white, black
         As in `compare`.
     **parameters
@@ -93,7 +86,7 @@ def predict(
     """
     if window_deg is not None and ppd is not None:
         raise TypeError("predict() got window_deg and ppd; expected one of them")
-    return Prediction(**_machband.predict(options(predict, locals()), kind, _parameters(parameters)))
+    return Prediction(**_machband.predict(options(predict, locals()), _kind(kind), _parameters(parameters)))
 
 
 class Place(NamedTuple):
@@ -132,17 +125,10 @@ class Comparison:
 
 @suggests
 def compare(
-    picture: npt.ArrayLike | PathLike[str] | str,
-    reference: npt.ArrayLike | PathLike[str] | str,
-    *,
-    window_deg: float | None = None,
-    ppd: float | None = None,
-    white: float | None = None,
-    black: float | None = None,
-    transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None,
-    mask: str | PathLike[str] | None = None,
-    large: bool = False,
+    picture: npt.ArrayLike | PathLike[str] | str, reference: npt.ArrayLike | PathLike[str] | str, *,
+    window_deg: float | None = None, ppd: float | None = None, white: float | None = None,
+    black: float | None = None, transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None, mask: str | PathLike[str] | None = None, large: bool = False,
 ) -> Comparison:
     """Judge how visible the difference of a picture from a reference is, as ``machband compare`` does.
 
@@ -180,8 +166,7 @@ def compare(
     0.0
     """
     fields = options(compare, locals())
-    if window_deg is None and ppd is None:
-        raise TypeError("compare() got neither window_deg nor ppd; expected one of them")
+    _viewed("compare", window_deg, ppd)
     given = None
     if _is_path(picture) and _is_path(reference):
         fields.update(picture=path("picture", picture), reference=path("reference", reference))
@@ -216,15 +201,9 @@ class Steps:
 
 @suggests
 def steps(
-    picture: npt.ArrayLike | PathLike[str] | str,
-    *,
-    window_deg: float | None = None,
-    ppd: float | None = None,
-    white: float | None = None,
-    black: float | None = None,
-    transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None,
-    large: bool = False,
+    picture: npt.ArrayLike | PathLike[str] | str, *, window_deg: float | None = None, ppd: float | None = None,
+    white: float | None = None, black: float | None = None, transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None, large: bool = False,
 ) -> Steps:
     """Judge how visible the steps between a picture's own codes are, as ``machband compare --steps`` does.
 
@@ -242,11 +221,18 @@ def steps(
     True
     """
     fields = {**options(steps, locals()), "steps": True}
-    if window_deg is None and ppd is None:
-        raise TypeError("steps() got neither window_deg nor ppd; expected one of them")
+    _viewed("steps", window_deg, ppd)
     if _is_path(picture):
         return Steps(**_machband.steps({**fields, "picture": path("picture", picture)}, None))
-    return Steps(**_machband.steps({**fields, "picture": "picture"}, _pixels("picture", picture)))
+    found = _machband.steps({**fields, "picture": "picture"}, _pixels("picture", picture))
+    return Steps(**{**found, "light": "as asked" if {"transfer", "display"} & {*fields} else "sRGB is assumed"})
+
+
+def _viewed(name: str, window_deg: float | None, ppd: float | None) -> None:
+    """Check that there is one visual size."""
+    if (window_deg is None) == (ppd is None):
+        which = "neither" if ppd is None else "both"
+        raise TypeError(f"{name}() got {which} of window_deg and ppd; expected one of them")
 
 
 def _is_path(given: object) -> bool:
@@ -257,9 +243,7 @@ def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
     """Return an image as a flat array of red, green and blue, with its height and width."""
     if _is_path(given):
         raise TypeError(f"{name} is a path, and the other is not; expected two paths or two arrays")
-    if isinstance(given, np.ma.MaskedArray):
-        raise TypeError(f"{name} is a masked array, and every pixel counts; expected an array without a mask")
-    image = np.asarray(given)
+    image = np.asarray(unmasked(name, given))
     if image.ndim == 0:
         raise TypeError(f"{name} is {type(given).__name__}; expected a path or an array")
     if image.ndim == 2:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,8 +12,8 @@ from psychopy.visual import ImageStim
 from psychopy.visual.basevisual import MinimalStim
 
 from . import _machband
-from ._common import Dither, Seed
-from ._stimulus import Codes, Stimulus, Transfer, stimulus
+from ._common import Dither, Seed, nearest, number
+from ._stimulus import Codes, Kind, Stimulus, Transfer, stimulus
 
 __all__ = ["MachBandStim"]
 
@@ -69,28 +68,18 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
     _images = ("pos", "ori", "opacity", "units")
 
     def __init__(
-        self,
-        win: Any,
-        kind: str = "mach-band",
-        *,
-        size: float | None = None,
-        units: str = "",
-        pos: Sequence[float] = (0, 0),
-        ori: float = 0,
-        opacity: float = 1,
-        transfer: str | Transfer | None = None,
-        dither: Dither = "none",
-        seed: Seed = 1,
-        name: str | None = None,
-        autoLog: bool | None = None,
-        **parameters: Any,
+        self, win: Any, kind: Kind = "mach-band", *, size: float | None = None, units: str = "",
+        pos: Sequence[float] = (0, 0), ori: float = 0, opacity: float = 1,
+        transfer: str | Transfer | None = None, dither: Dither = "none", seed: Seed = 1,
+        name: str | None = None, autoLog: bool | None = None, **parameters: Any,
     ) -> None:
         """Make a stimulus for a window."""
         super().__init__(name=name, autoLog=False)
-        self.win, self.kind = win, kind
+        self.win = win
+        self.kind: Kind = kind
         self._drawer = _Drawer(self)
         units = units or win.units
-        self.__dict__.update(size=size, transfer=transfer, dither=dither, seed=seed)
+        self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed)
         self.__dict__["parameters"] = {}
         self.set(**parameters)
         self._image = _Aligned(win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog)
@@ -165,12 +154,22 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         elif name in type(self)._images:
             setattr(self._image, name, value)
         else:
-            near = difflib.get_close_matches(name, self.__dict__.get("parameters", {}), 1, 0.75)
+            near = nearest(name, among=self.__dict__.get("parameters", {}), cutoff=0.75)
             if near and not hasattr(self, name):
-                raise AttributeError(f"{name!r} is not known; did you mean {near[0]!r}?")
-            super().__setattr__(name, value)
+                raise AttributeError(f"{name!r} is not known{near}")
+            if name in ("contrast", "mask", "image", "tex"):
+                settable = ", ".join([*self._own, *self._images, *self.parameters])
+                raise AttributeError(f"{name!r} cannot be set; expected one of {settable}")
+            super().__setattr__(name, _side(value) if name == "size" else value)
             if name in type(self)._own:
                 self.__dict__["_drawn"] = None
+
+
+def _side(given: float | None) -> float | None:
+    """Return a side above 0, or `None`."""
+    if given is not None and not 0 < number("size", given) < np.inf:
+        raise _machband.Error(f"size is {given!r}; expected a number above 0")
+    return given
 
 
 _VIEW = ("size", "visual_size")

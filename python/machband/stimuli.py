@@ -8,12 +8,46 @@ Written by scripts/generate_stimuli.py; do not edit.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, TypedDict
 
 from ._common import suggests
 from ._stimulus import Stimulus
 
 __all__ = ["chevreul", "cornsweet", "kanizsa", "mach_band", "shaded_cylinder", "shaded_mesh", "vasarely"]
+
+
+class Parameters(TypedDict, total=False):
+    """The parameters of all kinds of stimulus."""
+
+    width: float
+    depth: float | Literal["inf"]
+    tanh_k: float
+    orientation_deg: float
+    low: float
+    high: float
+    color: str | Sequence[float]
+    color_high: str | Sequence[float]
+    space: Literal["rgb", "hsv", "lab"]
+    rounding: float
+    nulling: float
+    steps: float
+    exponent: float
+    squares: float
+    side: float
+    radius: float
+    shader: Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
+    boundary: float
+    vertex: Literal["off", "printed", "repaired"]
+    reweight: Literal["off", "printed", "repaired"]
+    gradients: Literal["curvature", "ring", "quadric"]
+    mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"]
+    vertices: float
+    rotate: str | Sequence[float]
+    light: str | Sequence[float]
+    highlight: float
+    background: float
+    shading: Literal["flat", "gouraud", "phong"]
+    facets: float
 
 
 @suggests

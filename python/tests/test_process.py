@@ -162,6 +162,8 @@ def test_without_pandas_tables_are_dicts():
         "assert type(rows) is dict and rows['width'].dtype == float and rows['started_at'].dtype == 'datetime64[ms]'\n"
         "found = machband.analyze(rows, draws=99)\n"
         "assert type(found.tables['cells']) is dict and 'pandas' not in repr(sys.modules.get('machband'))\n"
+        "try: machband.simulate('quick', observer='x')\n"
+        "except machband.Error as error: assert error.__context__ is None\n"
         "print(len(rows['rating']))"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "56\n"
@@ -222,6 +224,10 @@ def test_psychopy_shows_the_codes(window_size):
         assert stim.ori == 90
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
+        with pytest.raises(AttributeError, match="'contrast' cannot be set"):
+            stim.contrast = 0.5
+        with pytest.raises(machband.Error, match="size is -5"):
+            stim.size = -5
         with pytest.raises(machband.Error, match="below low"):
             stim.low = 0.95
         # PsychoPy linearizes the display.

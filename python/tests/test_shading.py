@@ -99,6 +99,11 @@ def test_a_repaired_mesh_is_a_warning():
         (("blob", [[0, 1, 2]]), {}, TypeError, "triangles"),
         ((machband.mesh("cube"), [[0, 1, 2]]), {}, TypeError, "expected a Mesh alone"),
         (("blob",), {"shader": None}, TypeError, "neither shader nor truth"),
+        (("blobb",), {}, machband.Error, "did you mean 'blob'"),
+        (("blob",), {"truth": 1}, TypeError, "truth is 1; expected True, False or a path"),
+        (("blob",), {"truth": np.zeros((2, 3))}, TypeError, "truth is array"),
+        (TRIANGLE, {"metrics": "no"}, TypeError, "metrics is 'no'"),
+        ((np.ma.masked_less(TRIANGLE[0], 1), TRIANGLE[1]), {}, TypeError, "vertices is a masked array"),
     ],
 )
 def test_wrong_meshes_are_refused(args, given, error, words):

@@ -231,9 +231,34 @@ def test_wrong_keywords_are_named():
         (lambda: machband.interpolate(0.5, dpeth=2), "depth"), (lambda: machband.stimulus(sise=2), "size"),
         (lambda: machband.predict(windw_deg=2), "window_deg"), (lambda: machband.Stimulus(vsual_size=2), "visual_size"),
         (lambda: machband.stimuli.mach_band(wdith=2), "width"), (lambda: machband.light(kid="kanizsa"), "kind"),
+        (lambda: machband.verify(foldr="x"), "folder"), (lambda: machband.read_results(foler="x"), "folder"),
+        (lambda: machband.parameters(knd="x"), "kind"), (lambda: machband.Transfer(functon="x"), "function"),
+        (lambda: machband.Transfer.gamma(gama=2), "gamma"), (lambda: machband.Transfer().encode(ligth=1), "light"),
+        (lambda: machband.stimuli.chevreul().plot(axes=1), "ax"), (lambda: machband.Figure("a", "", b"").plot(axes=1), "ax"),
+        (lambda: machband.Definition.from_dict(kes={}), "keys"), (lambda: machband.Definition("quick").save(fil="x"), "file"),
     ]:
         with pytest.raises(TypeError, match=f"did you mean '{near}'"):
             call()
+
+
+def test_wrong_words_are_named():
+    for call, near in [
+        (lambda: machband.stimulus(color="grey"), "gray"), (lambda: machband.stimulus(dither="bluenoise"), "blue-noise"),
+        (lambda: machband.stimulus(transfer="sRGB"), "srgb"), (lambda: machband.stimulus(space="hvs"), "hsv"),
+    ]:
+        with pytest.raises(machband.Error, match=f"did you mean '{near}'"):
+            call()
+
+
+def test_a_stimulus_does_not_change():
+    color = np.array([1, 0, 0])
+    made = machband.stimuli.mach_band(color=color, depth=np.inf, size=8)
+    color[:] = 1
+    assert made.light[0, 0].tolist() == [0.25, 0, 0]
+    assert made == machband.stimuli.mach_band(color=[1, 0, 0], depth="inf", size=8)
+    assert eval(repr(made), {"Stimulus": machband.Stimulus}) == made
+    with pytest.raises(AttributeError, match="width of a stimulus cannot be set; expected another"):
+        made.width = 0.1
 
 
 def test_wrong_arguments_are_named():
@@ -246,6 +271,8 @@ def test_wrong_arguments_are_named():
         (lambda: machband.read_results(3), "folder is 3; expected a path"),
         (lambda: machband.Definition(3), "name_or_path is 3; expected a path"),
         (lambda: machband.Transfer(3).encode(0.5), "transfer is 3; expected text"),
+        (lambda: machband.Transfer().encode(np.ma.masked_less([0.1, 0.2], 0.15)), "light is a masked array"),
+        (lambda: machband.interpolate(np.ma.masked_less([0.1, 0.2], 0.15)), "u is a masked array"),
     ]:
         with pytest.raises(TypeError, match=words):
             call()

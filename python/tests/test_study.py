@@ -50,7 +50,7 @@ def test_a_definition_can_be_saved_copied_and_compared(tmp_path):
         definition.save(tmp_path / f"{name}.toml")
         assert machband.Definition(tmp_path / f"{name}.toml") == definition == pickle.loads(pickle.dumps(definition))
     assert definition != machband.Definition("quick") and len({definition, copy.deepcopy(definition)}) == 1
-    with pytest.raises(FileExistsError):
+    with pytest.raises(machband.Error, match="quick.toml: File exists; expected a new file"):
         definition.save(tmp_path / "quick.toml")
 
 
@@ -61,11 +61,14 @@ def test_a_definition_can_be_saved_copied_and_compared(tmp_path):
         ({"schema": 1, "nmae": "a"}, "did you mean name"),
         ({"schema": 1, "name": "a b", "stimulus": {"kind": "mach-band"}}, "name"),
         ({}, "schema is missing"),
+        ({"schema": 1, "factors": {"depth": [-np.inf]}}, "a value is -inf"),
     ],
 )
 def test_wrong_definitions_are_refused(keys, words):
     with pytest.raises(machband.Error, match=words):
         machband.Definition.from_dict(keys)
+    with pytest.raises(TypeError, match="keys is .1.; expected a dict"):
+        machband.Definition.from_dict([1])
 
 
 def test_an_unknown_definition_is_named():
@@ -179,7 +182,8 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
         assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
     assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary()
     of_frame = machband.analyze(sessions[1], draws=99).report
-    assert "machband.analyze(table, draws=99)" in of_frame and "machband analyze" not in of_frame
+    assert "analyze(table, response=&quot;rating&quot;, categories=&quot;0,1,2,3&quot;, draws=99)" in of_frame
+    assert "machband analyze" not in of_frame
     written = found.save(tmp_path / "analysis")
     assert {path.name for path in written} == {*found.files, *found._report_files}
     with pytest.raises(machband.Error, match="exists"):
@@ -232,7 +236,7 @@ def test_codes_and_columns_that_are_levels():
     with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing 99"):
         machband.analyze(frame, subject="id", wide="near,far", draws=99)
     with pytest.warns(UserWarning, match="6 of 48 rows have no response"):
-        found = machband.analyze(frame, subject="id", wide=["near", "far"], missing="99", draws=99)
+        found = machband.analyze(frame, subject="id", wide=["near", "far"], missing=99, draws=99)
     assert found.tables["by_condition"]["n"].tolist() == [18, 24]
 
 
@@ -306,8 +310,25 @@ def test_the_model_is_like_statsmodels(sessions):
     assert np.allclose(shares, table[["p0", "p1", "p2", "p3"]], atol=0.02)
     with pytest.raises(machband.Error, match="width is 0.3, which was not analyzed; expected one of 0.02, 0.1"):
         found.predict({"width": [0.3], "depth": [1], "orientation_deg": [0]})
+    given = {"width": pandas.Categorical([0.4], [0.4, 0.9]), "depth": [1], "orientation_deg": [0]}
+    assert found.predict(pandas.DataFrame(given, index=["a"])).index.tolist() == ["a"]
+    with pytest.raises(machband.Error, match="depth has 2 rows; expected 1, as in width"):
+        found.predict({**given, "depth": [1, 2]})
+    with pytest.raises(TypeError, match="alpha is '0.05'; expected a number"):
+        found.conf_int("0.05")
     numeric = machband.analyze(sessions[1], draws=99, terms="num:width", link="probit")
     assert (np.diff(numeric.predict({"width": [0.1, 0.33, 0.8]})["3"]) < 0).all()
+
+
+def test_without_a_model_the_reason_is_told():
+    found = machband.analyze({"subject_id": ["a"] * 4, "rating": [1] * 4, "dose": ["x", "y"] * 2}, factors=["dose"], draws=99)
+    for ask in [
+        lambda: found.params, lambda: found.aic, lambda: found.bic, lambda: found.llf, lambda: found.pvalues,
+        lambda: found.bse, found.conf_int, found.cov_params, lambda: found.predict({"dose": ["x"]}),
+    ]:
+        with pytest.raises(machband.Error, match="no model was fitted, because every rating is 1"):
+            ask()
+    assert found.nobs == 4 and pickle.loads(pickle.dumps(found)).summary() == found.summary()
 
 
 def test_results_pickle_and_plot(sessions, tmp_path):
@@ -420,7 +441,22 @@ def test_answers_at_levels():
     }
     found = machband.analyze(table, level="level", correct="right", total="n", guess=0.5)
     assert abs(found.tables["thresholds"]["threshold"].iloc[0] / 0.00464644 - 1) < 0.01
-    with pytest.raises(machband.Error, match="row 3 .counted from 0.*is \"99\"; expected no more right answers"):
+    with pytest.raises(machband.Error, match="row 3 .counted from 0.: right is 99; expected 0 to 90, the number") as caught:
         machband.analyze({**table, "right": [*right[:3], 99, *right[4:]]}, level="level", correct="right", total="n", guess=0.5)
-    with pytest.raises(machband.Error, match="guess"):
+    assert caught.value.rows.tolist() == [3] and isinstance(caught.value, machband.DataError)
+    with pytest.raises(TypeError, match="level without guess"):
         machband.analyze(table, level="level", correct="right", total="n")
+    with pytest.raises(TypeError, match="total without level"):
+        machband.analyze(table, total="n")
+    # The usual column has the participants, and rows without an answer or, if asked, with a wrong one are left out.
+    people = pandas.DataFrame({**table, "right": [*right[:12], None]}).iloc[[*range(12)] * 5 + [12]]
+    people["Subject"] = [*"ab"] * 30 + ["a"]
+    given = dict(level="level", correct="right", total="n", guess=0.5)
+    with pytest.warns(machband.DataWarning, match=r"rows without a level or an answer are left out \(1 of 61\)"):
+        expected = machband.analyze(people, **given)
+    assert expected.summary().startswith("2 participants gave 5,400 answers")
+    wrong = pandas.concat([people.iloc[:60], people.iloc[:1].assign(right=91)])
+    with pytest.warns(machband.DataWarning, match="row 60 .counted from 0.: right is 91"):
+        found = machband.analyze(wrong, on_error="drop", **given)
+    assert found.files == expected.files and len(found.errors) == len(expected.warnings) == 1
+    assert "Simulated: a program answered" in machband.analyze({**table, "simulated": [1] * 13}, **given).report

@@ -39,9 +39,10 @@ def test_every_kind_of_table_is_the_same():
     words = dict(zip(frame, [frame.who.to_numpy(), frame.answer.astype(object).to_numpy(), frame.dose, frame.n], strict=True))
     relation = duckdb.from_arrow(pyarrow.table(pl))
     scale = {"categories": ["low", "mid, or so", "high"]}
+    enums = relation.project(f"* REPLACE (answer::ENUM{(*scale['categories'],)} AS answer)")
     for table, further in [
         (frame, {}), (frame.set_index("who"), {}), (pl, {}), (pyarrow.table(pl), {}), (pyarrow.table(pl).to_reader(), {}),
-        (relation, scale), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
+        (relation, scale), (enums, {}), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
         (np.array(list(zip(*words.values(), strict=True)), [(name, "O") for name in words]), scale),
     ]:
         with warnings.catch_warnings():
@@ -85,6 +86,10 @@ def test_wrong_rows_raise_with_their_positions():
         machband.analyze(continuous, **given)
     with pytest.raises(machband.Error, match="-99"):
         machband.analyze(frame.replace({"rating": {6: -99}}), **given)
+    infinite = frame.assign(rating=frame.rating.where(frame.index != 7, np.inf))
+    with pytest.raises(machband.DataError, match="rating inf; expected one of 1, 2, 3") as caught:
+        machband.analyze(infinite, **given)
+    assert caught.value.rows.tolist() == [7]
     with pytest.raises(machband.Error, match="on_error is 'ignore'"):
         machband.analyze(frame, on_error="ignore", **given)
 
@@ -123,6 +128,95 @@ def test_order_and_baseline_are_as_given(how):
     assert numbers.tables["by_dose"]["dose"].tolist() == ["3", "1"]
     with pytest.raises(machband.Error, match="dos.*did you mean dose"):
         machband.analyze(frame, **{**GIVEN, "factors": {"dos": order}})
+    days = pandas.to_datetime(["2024-01-02", "2024-01-01"] * 24)
+    for dose, order, baseline in [
+        ([True, False] * 24, [True, False], "1"), (pandas.array([True, None, False] * 16, "boolean"), [True, False], "1"),
+        (days, [*days[:2]], "2024-01-02"), (days, ["2024-01-02", "2024-01-01"], "2024-01-02"),
+        ([0.5, 2] * 24, ["2.0", 0.5], "2"),
+    ]:
+        found = machband.analyze(study(dose=dose).dropna(), **{**GIVEN, "factors": {"dose": order}})
+        assert found.tables["by_dose"]["dose"].astype(str).tolist()[0] == baseline
+
+
+@pytest.mark.parametrize(
+    ("order", "error", "words"),
+    [
+        (["nnone", "a lot"], machband.Error, "'nnone', which is no level of it; expected none, a lot, .*did you mean 'none'"),
+        (["none", "a lot", "none"], machband.Error, "'none' twice"), (["none"], machband.Error, "no 'a lot'"),
+        ("none,a lot", TypeError, "expected a list of levels"), (None, TypeError, "factors.'dose'. is None"),
+    ],
+)
+def test_wrong_orders_are_refused(order, error, words):
+    with pytest.raises(error, match=words):
+        machband.analyze(study(), **{**GIVEN, "factors": {"dose": order}})
+    kept = machband.analyze(study(), **{**GIVEN, "factors": {"dose": ["none"]}}, only={"dose": ["none"]})
+    assert kept.tables["by_dose"]["dose"].tolist() == ["none"]
+
+
+def test_times_and_bytes_are_the_same_texts():
+    needs("polars"), needs("pyarrow")
+    import polars
+
+    for written in [["2024-01-01", "2024-01-02"], ["2024-01-01T00:00:00.000100Z", "2024-01-01T00:00:00.000200Z"]]:
+        times = np.array([text.rstrip("Z") for text in written], "M8[us]")
+        frame = study(dose=np.tile(times, 24))
+        enum = polars.col("answer").cast(polars.Enum([*frame.answer.cat.categories]))
+        of_polars = polars.from_pandas(frame.astype({"answer": object})).with_columns(enum)
+        for table in [frame, of_polars, frame.assign(dose=[time.item() for time in np.tile(times, 24)])]:
+            assert machband.analyze(table, **GIVEN).tables["by_dose"]["dose"].tolist() == written
+    frame = study(who=[b"a", b"b", b"c", b"d"] * 12)
+    assert machband.analyze(frame, **GIVEN).tables["subjects"]["subject_id"].tolist() == [*"abcd"]
+
+
+@pytest.mark.parametrize(
+    ("dose", "error", "words"),
+    [
+        ([[1]] * 48, TypeError, "column 'dose' has cells of list"), ([{}] * 48, TypeError, "cells of dict"),
+        (pandas.Series(["\ud800", "a"] * 24, dtype=object), machband.Error, "expected text in Unicode"),
+        ([b"\xff", b"a"] * 24, machband.Error, "UTF-8"),
+    ],
+)
+def test_wrong_cells_are_refused(dose, error, words):
+    with pytest.raises(error, match=words):
+        machband.analyze(study().assign(dose=dose), **GIVEN)
+
+
+def test_wrong_tables_of_others_are_refused():
+    needs("polars"), needs("pyarrow")
+    import polars
+    import pyarrow
+
+    frame = polars.from_pandas(study().astype({"answer": object}))
+    with pytest.raises(TypeError, match=r"LazyFrame is not computed yet; expected a DataFrame, such as from its .collect\(\)"):
+        machband.analyze(frame.lazy(), **GIVEN)
+    with pytest.raises(TypeError, match="column 'dose' has cells of type"):
+        machband.analyze(frame.with_columns(dose=polars.col("dose").str.split("")), **GIVEN)
+    arrow = pyarrow.table(frame)
+    with pytest.raises(machband.Error, match="two columns are named 'dose'"):
+        machband.analyze(arrow.append_column("dose", arrow["who"]), **GIVEN)
+
+
+def test_wide_columns_have_their_scale():
+    names = ["no", "some", "lots"]
+    answers = pandas.Categorical(["lots", "no", "some", "no"], names, ordered=True)
+    frame = pandas.DataFrame({"who": [*"abcd"], "x": answers, "y": answers})
+    for wide in [["x", "y"], "x,y", "place=x,y"]:
+        assert machband.analyze(frame, subject="who", wide=wide, draws=99).model["categories"] == names
+
+
+@pytest.mark.parametrize("labels", [["no", "some", "lots"], ["no", "few", "some", "lots", "all"]])
+def test_a_table_keeps_the_scale_of_its_definition(labels, tmp_path):
+    keys = {"schema": 1, "name": "t", "stimulus": {"kind": "mach-band"}, "factors": {"width": [0.05, 0.4]}}
+    keys |= {"response": {"labels": labels}, "design": {"repetitions": 6}}
+    rows = machband.simulate(keys, participants=3, seed=1, results=tmp_path)
+    assert rows.attrs["categories"] == [*range(len(labels))] and machband.read_results(tmp_path).attrs == rows.attrs
+    expected = machband.analyze(tmp_path, draws=99)
+    assert machband.analyze(rows, draws=99).files == expected.files
+    for table in [rows, rows[["subject_id", "width", "rating"]].head(20)]:
+        assert f"The scale is from 0 to {len(labels) - 1};" in machband.analyze(table, factors=["width"], draws=99).summary()
+    # Without its attributes, the scale is what the ratings show.
+    rows.attrs.clear()
+    assert machband.analyze(rows, draws=99).llf == pytest.approx(expected.llf)
 
 
 def test_simulated_stays_simulated(sessions, tmp_path):
@@ -136,13 +230,17 @@ def test_simulated_stays_simulated(sessions, tmp_path):
     old.attrs["simulated"] = True
     plain = {name: merged[name].to_numpy() for name in ["subject_id", "width", "rating", "simulated"]}
     for table, sentence in [
-        (rows, said), (merged, said), (old, said), (plain, said),
+        (rows, said), (merged, said), (old, said), (plain, said), (rows[["subject_id", "width", "rating"]], said),
+        (rows.assign(simulated=1), said), (rows.assign(simulated="True"), said),
         (real, "Some of these data are simulated: the ratings of 1 of 6 participants (S001) come from a program"),
     ]:
         found = machband.analyze(table, factors=["width"], draws=99)
         for text in [repr(found), found._repr_html_(), found.report]:
             assert sentence in text.replace("\n", " ")
     assert said in machband.analyze(folder, draws=99).report
+    with pytest.raises(machband.DataError, match="row 2 .* simulated is 'yes'; expected True, False or no value") as caught:
+        machband.analyze(rows.assign(simulated=["", None, *["yes"] * (len(rows) - 2)]), draws=99)
+    assert caught.value.rows.tolist() == [*range(2, len(rows))]
     assert "simulated:" not in repr(machband.analyze(rows.assign(simulated=False), factors=["width"], draws=99))
 
 

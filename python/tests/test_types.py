@@ -2,11 +2,13 @@
 
 import subprocess
 import sys
+import typing
 
 import pytest
 
 import machband
 from conftest import ROOT, needs
+from machband import _shading, _stimulus
 
 MISTAKES = [
     "stimuli.mach_band(wdith=0.2)",
@@ -17,6 +19,11 @@ MISTAKES = [
     'machband.stimulus(dither="blue_noise")',
     'machband.analyze({}, link="probt")',
     'machband.shade("blob", highlight="fong")',
+    'machband.shade("blob", shader="phnog")',
+    'machband.export("a", "b", "bdis")',
+    'machband.parameters("mach_band")',
+    "machband.stimulus(wdith=0.2)",
+    'machband.predict("mach-band", space="hvs")',
 ]
 
 
@@ -24,7 +31,9 @@ MISTAKES = [
 def test_typical_mistakes_are_found(checker, tmp_path):
     needs(checker)
     file = tmp_path / "mistakes.py"
-    right = ["stimuli.mach_band(width=0.2, depth='inf')", "machband.stimulus('kanizsa', size=64, side=0.5)"]
+    right = ["stimuli.mach_band(width=0.2, depth='inf')", "machband.stimulus('kanizsa', size=64, side=0.5)",
+             "machband.analyze({}, missing=-99, categories=[1, 2, 3], exclude=range(3))",
+             "[machband.light(kind, **stimuli.mach_band().parameters) for kind in machband.kinds()]"]
     file.write_text("\n".join(["import machband", "from machband import stimuli", *MISTAKES, *right, ""]))
     words = ["--pythonpath", sys.executable] if checker == "pyright" else []
     done = subprocess.run([sys.executable, "-m", checker, *words, str(file)], cwd=tmp_path, capture_output=True, text=True)
@@ -44,6 +53,10 @@ def test_the_stimuli_are_those_of_the_library():
     script = ROOT.parent / "scripts" / "generate_stimuli.py"
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
     assert done.stdout == (ROOT / "machband" / "stimuli.py").read_text(), "run scripts/generate_stimuli.py"
+    assert set(typing.get_args(_stimulus.Kind)) == set(machband.kinds())
+    mesh = machband.parameters("shaded-mesh")
+    assert [*typing.get_args(_shading.Shader)] == mesh["shader"].choices
+    assert [*typing.get_args(_shading.Shape)] == mesh["mesh"].choices
     for kind in machband.kinds():
         made = getattr(machband.stimuli, kind.replace("-", "_"))(size=32)
         assert made == machband.Stimulus(kind, size=32)
