@@ -451,8 +451,7 @@ fn answers_are_analyzed_as_they_were_recorded() {
     });
     let changed = analyze(&["results/tasks"]);
     assert!(text(&changed.stderr).contains("was changed since the session ended"), "{}", text(&changed.stderr));
-    let report = succeeds(folder.path(), &["analyze", "results/tasks", "--out=b"]);
-    assert!(report.contains("3 participants"), "{report}");
+    assert!(machband(folder.path(), &["analyze", "results/tasks", "--out=b"]).status.success());
     assert!(fs::read_to_string(at("b/report.html")).unwrap().contains("was changed since the session ended"));
 
     fs::remove_file(first.with_extension("json")).unwrap();
