@@ -18,8 +18,13 @@ const PLACES = 1e-4, NORMALS = 1.75e-3;
 
 // Joins vertices whose positions and normals differ by no more than rounding errors, however large the mesh is. Returns
 // a mesh, which is flat arrays: positions, unit normals and triangles. Without an index, each three vertices are a triangle.
+// Throws a RangeError if a position or a normal is not finite.
 export function welded(positions, normals, index) {
   const count = positions.length / 3, triangles = Uint32Array.from(index ?? new Uint32Array(count).keys());
+  for (const [name, array] of [["position", positions], ["normal", normals]]) {
+    const at = Float64Array.from(array).findIndex((x) => !Number.isFinite(x));
+    if (at >= 0) throw new RangeError(`${name} ${Math.floor(at / 3)} is not finite; expected three finite numbers`);
+  }
   const units = Float64Array.from(normals), edges = new Float64Array(triangles.length);
   for (let v = 0; v < 3 * count; v += 3) {
     const length = Math.hypot(units[v], units[v + 1], units[v + 2]) || 1;
@@ -36,15 +41,16 @@ export function welded(positions, normals, index) {
   const first = new Int32Array(cells).fill(-1), following = new Int32Array(count), own = new Uint32Array(count), kept = [];
   const cell = (x, y, z) => (Math.imul(x, 73856093) ^ Math.imul(y, 19349663) ^ Math.imul(z, 83492791)) & (cells - 1);
   const place = (v, i, more) => Math.floor((positions[3 * v + i] + more) / size);
+  const places = (v, i) => {
+    const [low, high] = [place(v, i, -near), place(v, i, near)];
+    return low === high ? [low] : [low, high];
+  };
   for (let v = 0; v < count; v++) {
     let found = -1;
-    for (let x = place(v, 0, -near); x <= place(v, 0, near) && found < 0; x++) {
-      for (let y = place(v, 1, -near); y <= place(v, 1, near) && found < 0; y++) {
-        for (let z = place(v, 2, -near); z <= place(v, 2, near) && found < 0; z++) {
-          for (let o = first[cell(x, y, z)]; o >= 0 && found < 0; o = following[o]) {
-            if (far(positions, 3 * v, 3 * o) <= near * near && far(units, 3 * v, 3 * o) <= NORMALS * NORMALS) found = o;
-          }
-        }
+    const [rows, columns, layers] = [0, 1, 2].map((i) => places(v, i));
+    for (const x of rows) for (const y of columns) for (const z of layers) {
+      for (let o = first[cell(x, y, z)]; o >= 0 && found < 0; o = following[o]) {
+        if (far(positions, 3 * v, 3 * o) <= near * near && far(units, 3 * v, 3 * o) <= NORMALS * NORMALS) found = o;
       }
     }
     if (found < 0) {

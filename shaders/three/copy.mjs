@@ -1,5 +1,5 @@
-// Writes what the package needs from the folder above: ordinates.js, and parts of ../glsl_es as strings in glsl.js, because
-// a package has no files beside it. npm runs it before it packs, starts or tests.
+// Writes what the package needs from the folders above: ordinates.js, the licenses, and parts of ../glsl_es as strings in
+// glsl.js, because a package has no files beside it. npm runs it before it packs, starts or tests.
 
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 
@@ -13,3 +13,4 @@ const text = Object.entries(parts).map(([name, part]) => `export const ${name} =
 const own = (name) => new URL(name, import.meta.url);
 writeFileSync(own("glsl.js"), text.join("\n"));
 copyFileSync(own("../ordinates.js"), own("ordinates.js"));
+for (const name of ["LICENSE-MIT", "LICENSE-APACHE"]) copyFileSync(own(`../../${name}`), own(name));

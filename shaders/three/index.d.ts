@@ -18,7 +18,8 @@ export interface Options {
 
 /**
  * Gives every mesh under `root` C1 normals. Each gets a copy of its material: change `mesh.material` afterwards, not the
- * original. Meshes that cannot have C1 normals keep their interpolated ones, and the console names them.
+ * original. Meshes that cannot have C1 normals, or whose materials use no interpolated normals, stay as they are, and the
+ * console names them.
  */
 export function applyC1(root: Object3D, options?: Options): Applied;
 
@@ -41,7 +42,7 @@ export interface Points {
   ring: Uint32Array;
 }
 
-/** Joins vertices whose positions and normals differ by rounding errors only. */
+/** Joins vertices whose positions and normals differ by rounding errors only. Throws a RangeError if one is not finite. */
 export function welded(positions: Numbers, normals: Numbers, index?: Numbers): Shape;
 
 /** Computes, once per mesh, what does not depend on the view. */

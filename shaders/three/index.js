@@ -12,6 +12,8 @@ export { bulges, coefficients, cubic, curvature, rings, welded } from "./ordinat
 
 // Smaller meshes are faster in JavaScript than as two passes on the card.
 const FEW = 2000;
+// Materials whose shaders have no normals.
+const UNLIT = ["isMeshBasicMaterial", "isMeshDepthMaterial", "isMeshDistanceMaterial", "isShadowMaterial"];
 // Cameras whose coefficients a mesh keeps.
 const CAMERAS = 8;
 
@@ -105,8 +107,8 @@ vec3 c1_normal() {
 `;
 
 // Gives every mesh under `root` C1 normals. Materials, textures, lights and everything else stay. Meshes that move in the
-// vertex shader get an approximation that does not depend on the view; those that can have neither stay as they are. The
-// console names both. Returns { meshes, approximate, skipped, dispose }.
+// vertex shader get an approximation that does not depend on the view; those that can have neither, or whose materials use
+// no interpolated normals, stay as they are. The console names them. Returns { meshes, approximate, skipped, dispose }.
 export function applyC1(root, { gpu } = {}) {
   const meshes = [], approximate = [], skipped = [];
   root.traverse((mesh) => {
@@ -114,7 +116,7 @@ export function applyC1(root, { gpu } = {}) {
     const reason = unfit(mesh), moves = moving(mesh);
     if (reason) {
       skipped.push({ mesh, reason });
-      tell("warn", mesh, `${reason}; it keeps its interpolated normals`);
+      tell("warn", mesh, `${reason}; it stays as it is`);
       return;
     }
     if (moves) {
@@ -132,8 +134,14 @@ const tell = (how, mesh, text) => console[how](`machband-c1: ${mesh.name ? `mesh
 function unfit(mesh) {
   const { attributes } = mesh.geometry;
   if (!attributes.position || !attributes.normal) return "the mesh has no normals";
+  const bad = ["position", "normal"].find((name) => numbers(attributes[name]).some((x) => !Number.isFinite(x)));
+  if (bad) return `a ${bad} is not finite`;
   if (mesh.isBatchedMesh) return "the mesh is a batch";
-  if ([mesh.material].flat().some((one) => one.displacementMap)) return "a displacement map moves the surface";
+  const materials = [mesh.material].flat();
+  if (materials.some((one) => one.displacementMap)) return "a displacement map moves the surface";
+  if (materials.every((one) => one.flatShading)) return "it is flat-shaded";
+  // Such materials neither light nor show normals; shaders of one's own may.
+  if (materials.every((one) => UNLIT.some((kind) => one[kind]))) return "its material uses no normals";
   return undefined;
 }
 

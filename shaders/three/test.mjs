@@ -11,7 +11,7 @@ import { chromium } from "playwright-core";
 import { PNG } from "pngjs";
 import * as THREE from "three";
 import { RoundedBoxGeometry } from "three/addons/geometries/RoundedBoxGeometry.js";
-import { welded } from "./index.js";
+import { applyC1, welded } from "./index.js";
 import { serve } from "./serve.mjs";
 
 const SIDE = 512, FILL = 0.9, ROTATE = [25, -35, 10], MOST = 2;
@@ -34,6 +34,26 @@ for (const [shape, joined] of seams) {
     expect(found === joined, `${shape.type} of size ${size}: ${position.count} vertices become ${found}; expected ${joined}`);
   }
 }
+
+// A vertex may be anywhere, but nowhere else; and only meshes that get C1 normals are listed as such.
+const sphere = (x, material) => {
+  const geometry = new THREE.SphereGeometry(1, 8, 6);
+  geometry.attributes.position.setX(0, x);
+  return new THREE.Mesh(geometry, material);
+};
+for (const x of [1e13, 3e38]) {
+  const { position, normal } = sphere(x).geometry.attributes;
+  const found = welded(position.array, normal.array).positions.length / 3;
+  expect(found > 5 * 8, `a vertex at ${x}: ${position.count} vertices become ${found}`);
+}
+const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
+  sphere(Infinity, new THREE.MeshStandardMaterial()), sphere(0, new THREE.MeshStandardMaterial({ flatShading: true })),
+  sphere(0, new THREE.MeshBasicMaterial()),
+];
+const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
+expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
+const reasons = skipped.map(({ reason }) => reason).join();
+expect(reasons === "a position is not finite,it is flat-shaded,its material uses no normals", `skipped: ${reasons}`);
 
 // Shapes whose curvature jumps: planes and cylinders that continue into roundings.
 function lathe() {

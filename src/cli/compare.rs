@@ -61,7 +61,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
             let option = if request.steps { "steps" } else { "map" };
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
-        let found = request.folders(&bar)?;
+        let (found, left_out) = request.folders(&bar)?;
+        left_out.iter().for_each(|what| message("warning", what));
         found.into_iter().map(|(name, found)| Case::of_pair(name, found)).collect::<Result<_, _>>()?
     } else if request.steps {
         let found = request.steps(None, &bar)?;
@@ -188,8 +189,11 @@ fn document(cases: &[Case], max: Option<f64>) -> String {
                     testcase classname="machband.compare" name=(plain(&case.name)) {
                         @match &case.times {
                             Ok(times) if is_above(*times) => failure message=(format!("{times:.3} times threshold; expected at most {}", max.unwrap_or_default())) {},
-                            Ok(_) => system-out { (plain(&case.line)) },
+                            Ok(_) => {},
                             Err(error) => error message=(plain(error)) {},
+                        }
+                        @if case.times.is_ok() {
+                            system-out { (plain(&case.line)) @if let Some(note) = &case.note { "\nwarning: " (plain(note)) } }
                         }
                     }
                 }

@@ -77,6 +77,9 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
             difference.p95,
             relative(difference.over_gouraud.largest)
         ),
+        None if found.masked.is_some() => {
+            format!("{shader}: nothing can be compared with the smooth surface, so only the creases are measured")
+        }
         None => format!(
             "{shader}: the smooth surface is not known, so only the creases are measured; --truth FILE names a finer mesh"
         ),

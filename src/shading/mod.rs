@@ -32,7 +32,7 @@ pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular,
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
 pub use mesh::{
     Coat, Edge, EdgeKind, Edges, Fan, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface,
-    Texture, Vertex, shapes,
+    Texture, Vertex, Wrap, shapes,
 };
 pub use number::Channels;
 pub use shaders::{Correction, Shade, Shader};

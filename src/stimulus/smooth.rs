@@ -24,6 +24,8 @@ struct Smooth {
     mask: Vec<bool>,
     /// Where a difference is visible as one; see [`Truth::common`].
     common: Vec<bool>,
+    /// See [`Truth::apart`].
+    apart: f64,
 }
 
 /// Differences count in full from this distance from the pixels where pictures are not compared, degrees, and less
@@ -40,6 +42,7 @@ impl Judged {
             picture: truth.picture(frame),
             mask: truth.mask(frame),
             common: truth.common(frame),
+            apart: truth.apart(frame),
         };
         Judged { shown, truth: truth.map(smooth) }
     }
@@ -63,6 +66,13 @@ impl Judged {
         self.truth.as_ref().map(|truth| self.share(&truth.common))
     }
 
+    /// Returns the number of pixels that show either the mesh or the smooth surface, as a share of those that show the
+    /// mesh; `None` if the surface is not known.
+    #[must_use]
+    pub fn apart(&self) -> Option<f64> {
+        self.truth.as_ref().map(|truth| truth.apart)
+    }
+
     fn share(&self, mask: &[bool]) -> f64 {
         let count = |mask: &mut dyn Iterator<Item = bool>| mask.filter(|is| *is).count() as f64;
         let shown = count(&mut self.shown.iter().copied());
@@ -70,7 +80,7 @@ impl Judged {
     }
 
     /// Returns how visible the difference between `picture` and the smooth surface is; `None` if the surface is not
-    /// known.
+    /// known, or no pixel can be compared.
     ///
     /// # Errors
     /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small, or has no light at a
@@ -81,6 +91,9 @@ impl Judged {
         picture: &LinearImage,
     ) -> Result<Option<SurfaceDifference>, VisionError> {
         let Some(Smooth { picture: truth, common: mask, .. }) = &self.truth else { return Ok(None) };
+        if !mask.contains(&true) {
+            return Ok(None);
+        }
         let (width, height) = (truth.width as usize, truth.height as usize);
         let smooth = viewing.luminances(truth);
         let judge = viewing.judge([width, height], &smooth)?;
@@ -95,14 +108,14 @@ impl Judged {
         Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))
     }
 
-    /// Returns how far `picture` is from the smooth surface; `None` if the surface is not known. 0 if no pixel can be
+    /// Returns how far `picture` is from the smooth surface; `None` if the surface is not known, or no pixel can be
     /// compared.
     ///
     /// # Panics
     /// Panics if the picture does not have the size of the frame.
     #[must_use]
     pub fn residual(&self, viewing: &ViewingConditions, picture: &LinearImage) -> Option<Residual> {
-        let Smooth { picture: truth, mask, .. } = self.truth.as_ref()?;
+        let Smooth { picture: truth, mask, .. } = self.truth.as_ref().filter(|truth| truth.mask.contains(&true))?;
         let light = luminances(truth);
         let own = luminances(picture);
         assert_eq!(own.len(), light.len(), "pictures of one frame have one size");
@@ -115,9 +128,6 @@ impl Judged {
         let filtered = spectrum.filtered(|frequency| eye.sensitivity.at(frequency, eye.luminance) / peak);
         let counted = filtered.iter().zip(mask).filter(|(_, counts)| **counts);
         let mut sizes: Vec<f64> = counted.map(|(value, _)| value.abs()).collect();
-        if sizes.is_empty() {
-            return Some(Residual::default());
-        }
         sizes.sort_by(f64::total_cmp);
         let rms = (sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64).sqrt();
         Some(Residual { rms, p999: sizes[(sizes.len() - 1) * 999 / 1000] })

@@ -3,15 +3,20 @@
 use super::{error::VisionError, judge::Judge};
 use statrs::function::erf::erf;
 
-/// The nearest smooth edge is sought among those with up to this multiple of the blur that has the ramp's spread, and
-/// down to the same part of it.
-const REACH: f64 = 4.0;
-/// Number of blurs that are tried first, at equal ratios.
-const FIRST: u32 = 7;
-/// The nearest blur is found to within this proportion.
-const PRECISION: f64 = 4e-3;
+/// The nearest smooth edge is sought among those with up to this multiple of the blur that suits the places at which the
+/// ramp rises, and down to the same part of it ...
+const REACH: f64 = 1.25;
+/// ... in this number of equal ratios to either side.
+const STEPS: i32 = 4;
+/// Edges count with this power of the inverse of their difference, so that the result moves from one to the next without
+/// a jump.
+const NEARNESS: f64 = 12.0;
+/// They are compared at this contrast: what is nearest depends on the shape of the ramp alone.
+const CONTRAST: f64 = 0.5;
+/// The mean logarithm of the distance from the middle of a Gaussian with σ = 1.
+const LOG_DISTANCE: f64 = -0.635_181_422_730_739;
 /// The smallest blur, pixels: the edge is as good as a step.
-const SHARP_PX: f64 = 0.05;
+const SHARP_PX: f64 = 1e-3;
 
 /// How visible the bands of a ramp are: the difference from the nearest smooth edge, in times threshold.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,63 +46,64 @@ impl RampBands {
         if first == last {
             return Ok(RampBands::default());
         }
-        let px = judge.extent_deg() / light.len() as f64;
-        let middle = 0.5 * (first + last);
+        let size = light.len() as f64;
+        let px = judge.extent_deg() / size;
         let rise = (last - first).signum();
-        let center =
-            light.windows(2).position(|pair| (pair[0] - middle) * rise <= 0.0 && (pair[1] - middle) * rise > 0.0);
-        let center = center
-            .map_or(0.5 * light.len() as f64, |i| i as f64 + 0.5 + (middle - light[i]) / (light[i + 1] - light[i]));
+        let shares: Vec<f64> = light.iter().map(|value| (value - first) / (last - first)).collect();
+        // The edge has as much light as the ramp.
+        let center = shares.iter().map(|share| 1.0 - share).sum::<f64>().clamp(0.0, size);
         let edge = |blur: f64| -> Vec<f64> {
-            let at = |i: usize| (i as f64 + 0.5 - center) * px / (blur * std::f64::consts::SQRT_2);
-            (0..light.len()).map(|i| middle + 0.5 * (last - first) * erf(at(i))).collect()
+            let risen = |at: usize| integral_of_edge(at as f64 - center, blur);
+            (0..light.len()).map(|i| risen(i + 1) - risen(i)).collect()
         };
-        let far = |log: f64| Ok(judge.unmasked(light, &edge(log.exp()))?.map().largest());
-        let log = nearest(far, (spread(light) * px).ln())?;
-        let reference = edge(log.exp());
+        let middle = 0.5 * (first + last);
+        let weak = |shares: &[f64]| -> Vec<f64> {
+            let of = |share: &f64| middle * (1.0 + CONTRAST * rise * (2.0 * share - 1.0)).max(1.0 - CONTRAST);
+            shares.iter().map(of).collect()
+        };
+        let (about, ramp) = (suitable_blur(&shares, center).min(size), weak(&shares));
+        let try_one = |step: i32| {
+            let blur = about * REACH.powf(f64::from(step) / f64::from(STEPS));
+            Ok((blur.ln(), judge.unmasked(&ramp, &weak(&edge(blur)))?.map().largest().max(f64::MIN_POSITIVE)))
+        };
+        let tried = (-STEPS..=STEPS).map(try_one).collect::<Result<Vec<(f64, f64)>, VisionError>>()?;
+        let least = tried.iter().map(|(_, far)| *far).fold(f64::INFINITY, f64::min);
+        let weighted = tried.iter().map(|(log, far)| (log, (least / far).powf(NEARNESS)));
+        let (sum, weights) = weighted.fold((0.0, 0.0), |(sum, all), (log, weight)| (sum + log * weight, all + weight));
+        let blur = (sum / weights).exp();
+        let reference: Vec<f64> = edge(blur).into_iter().map(|share| first + (last - first) * share).collect();
         let difference = judge.difference(light, &reference, None)?;
-        let is_light = |x: f64| (x * light.len() as f64 - center) * rise > 0.0;
+        let is_light = |x: f64| (x * size - center) * rise > 0.0;
         let bright = difference.map_of(|x, response| if is_light(x) { response.max(0.0) } else { 0.0 });
         let dark = difference.map_of(|x, response| if is_light(x) { 0.0 } else { (-response).max(0.0) });
         let at_deg = [&bright, &dark].map(|map| {
             let peak = map.peaks(1, 1.0);
-            peak.first().map_or(0.0, |peak| (peak.x as f64 + 0.5 - 0.5 * light.len() as f64) * px)
+            peak.first().map_or(0.0, |peak| (peak.x as f64 + 0.5 - 0.5 * size) * px)
         });
-        Ok(RampBands { bright: bright.largest(), dark: dark.largest(), blur_deg: log.exp(), at_deg })
+        Ok(RampBands { bright: bright.largest(), dark: dark.largest(), blur_deg: blur * px, at_deg })
     }
 }
 
-/// Returns the standard deviation of the places at which the line rises or falls, pixels.
-fn spread(light: &[f64]) -> f64 {
-    let steps = || light.windows(2).map(|pair| (pair[1] - pair[0]).abs()).enumerate();
-    let total: f64 = steps().map(|(_, step)| step).sum();
-    let mean = steps().map(|(i, step)| i as f64 * step).sum::<f64>() / total;
-    let square = steps().map(|(i, step)| (i as f64 - mean).powi(2) * step).sum::<f64>() / total;
-    square.sqrt().max(SHARP_PX)
+/// Returns the integral, from far on its dark side to `x`, of an edge that rises from 0 to 1 around 0 with this `blur`.
+fn integral_of_edge(x: f64, blur: f64) -> f64 {
+    let z = x / blur;
+    let density = (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+    0.5 * x * (1.0 + erf(z * std::f64::consts::FRAC_1_SQRT_2)) + blur * density
 }
 
-/// Returns the logarithm of the blur at which `far` is smallest, near the logarithm `about`.
-fn nearest(far: impl Fn(f64) -> Result<f64, VisionError>, about: f64) -> Result<f64, VisionError> {
-    let step = 2.0 * REACH.ln() / f64::from(FIRST - 1);
-    let least = about - REACH.ln();
-    let first = (0..FIRST).map(|i| least + step * f64::from(i));
-    let tried = first.map(|log| Ok((log, far(log)?))).collect::<Result<Vec<_>, VisionError>>()?;
-    let best = tried.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(least, |(log, _)| *log);
-    // Golden section.
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (best - step, best + step);
-    let (mut left, mut right) = (high - ratio * (high - low), low + ratio * (high - low));
-    let (mut at_left, mut at_right) = (far(left)?, far(right)?);
-    while high - low > PRECISION {
-        if at_left < at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - ratio * (high - low);
-            at_left = far(left)?;
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + ratio * (high - low);
-            at_right = far(right)?;
-        }
-    }
-    Ok(0.5 * (low + high))
+/// Returns the blur of the edge that rises at the same mean logarithmic distance from `center` as the line that has these
+/// shares of its light, in pixels.
+fn suitable_blur(shares: &[f64], center: f64) -> f64 {
+    // Light rises evenly between the middles of two pixels.
+    let integral = |x: f64| if x == 0.0 { 0.0 } else { x * x.abs().ln() - x };
+    let square = |share: &dyn Fn(usize) -> f64| {
+        let rise = |i: usize| {
+            let at = i as f64 - center;
+            (share(i) - share(i - 1)) * (integral(at + 0.5) - integral(at - 0.5))
+        };
+        (2.0 * ((1..shares.len()).map(rise).sum::<f64>() - LOG_DISTANCE)).exp()
+    };
+    // Less what a step would have in these pixels.
+    let step = |i: usize| (i as f64 + 1.0 - center).clamp(0.0, 1.0);
+    (square(&|i| shares[i]) - square(&step)).max(SHARP_PX * SHARP_PX).sqrt()
 }

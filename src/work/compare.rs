@@ -18,7 +18,7 @@ use crate::{
         self, StoreError,
         image::{MAX_PIXELS, Origin, Picture},
     },
-    system::{checkpoint, found},
+    system::{checkpoint, entries, found},
     vision::{Place, VisionError, unrounded},
 };
 
@@ -28,6 +28,12 @@ const PLACES: usize = 10;
 const APART_DEG: f64 = 0.5;
 /// From this difference between their mean luminances on, a caller is told about it, percent.
 const BRIGHTER_PERCENT: f64 = 5.0;
+/// Colors differ if a primary's light, brought to the lower luminance of both, differs by more than this share of it ...
+const COLORFUL: f64 = 0.2;
+/// ... to which this is added, since codes of dark colors are coarse ...
+const DARK: f64 = 0.05;
+/// ... in more than this share of the pixels.
+const COLORED: f64 = 1e-3;
 /// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
 /// needs 80 bytes for each of its pixels.
 const SMALL_PX: u64 = 1024 * 1024;
@@ -96,6 +102,8 @@ pub struct Compared {
     /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
     /// difference.
     pub mean_ratio: f64,
+    /// True if the pictures differ in color at equal luminance, which is not judged.
+    pub color_ignored: bool,
     /// What the codes mean, and where that is said.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
@@ -126,13 +134,40 @@ pub struct Steps {
     pub transfers: Transfers,
 }
 
+/// The name of two pictures, and how they compare.
+pub type Pair = (String, anyhow::Result<Compared>);
+
 /// A picture as light.
 struct Lit {
     name: String,
-    /// Relative luminance, 1 for white.
-    luminances: Vec<f64>,
-    size: [u32; 2],
+    image: LinearImage,
+    /// The luminance of full red, green and blue relative to white.
+    weights: [f64; 3],
     light: String,
+}
+
+impl Lit {
+    fn of_picture(name: String, picture: &Picture, light: String) -> Lit {
+        Lit { name, image: picture.codes.light(&picture.transfers), weights: picture.weights, light }
+    }
+}
+
+/// True if pictures of the same primaries with these luminances differ in color, where `share` counts.
+fn differ_in_color(pictures: [&LinearImage; 2], luminances: [&[f64]; 2], share: Option<&[f64]>) -> bool {
+    let differs = |i: &usize| {
+        let [own, other] = luminances.map(|of| of[*i]);
+        let least = own.min(other);
+        let at = |k: usize, of: f64| f64::from(pictures[k / 3].data[3 * i + k % 3]) * least / of.max(f64::MIN_POSITIVE);
+        share.is_none_or(|share| share[*i] > 0.0)
+            && (0..3).any(|k| (at(k, own) - at(k + 3, other)).abs() > COLORFUL * (least + DARK))
+    };
+    (0..luminances[0].len()).into_par_iter().filter(differs).count() as f64 > COLORED * luminances[0].len() as f64
+}
+
+/// Returns the luminance of each pixel, with these parts of the primaries.
+fn weighted(image: &LinearImage, weights: [f64; 3]) -> Vec<f64> {
+    let of = |pixel: &[f32]| pixel.iter().zip(weights).map(|(light, weight)| f64::from(*light) * weight).sum();
+    image.data.chunks_exact(3).map(of).collect()
 }
 
 impl Compare {
@@ -166,14 +201,20 @@ impl Compare {
     }
 
     /// Compares the pictures in two folders in pairs by name; the watcher learns the number of pairs. Each pair has its
-    /// own result or error, in the order of their names.
+    /// own result or error, in the order of their names. What else is in the folders is named in sentences.
     ///
     /// # Errors
     /// A folder cannot be read, or a picture has no counterpart.
-    pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<Vec<(String, anyhow::Result<Compared>)>> {
+    pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<(Vec<Pair>, Vec<String>)> {
         let encoded = self.encoding.read(watcher)?;
         let (folder, others) = (&self.picture, self.reference()?);
-        let [names, counterparts] = [pictures(folder)?, pictures(others)?];
+        let ([names, left], [counterparts, also_left]) = (pictures(folder)?, pictures(others)?);
+        let left_out = |(folder, names): (&Path, Vec<String>)| {
+            let names: Vec<_> = names.iter().map(|name| printable(name)).collect();
+            let message = format!("{}: only PNG files are compared, not {}", folder.display(), names.join(", "));
+            (!names.is_empty()).then_some(message)
+        };
+        let left_out = [(folder.as_path(), left), (others, also_left)].into_iter().filter_map(left_out).collect();
         for (of, all, wanted) in [(others, &counterparts, &names), (folder, &names, &counterparts)] {
             let missing: Vec<&str> = wanted.iter().filter(|name| !all.contains(name)).map(String::as_str).collect();
             if let [first, ..] = missing.as_slice() {
@@ -198,10 +239,12 @@ impl Compare {
         };
         let is_small =
             |name: &String| matches!(store::image::pixels(&folder.join(name)), Ok(pixels) if pixels <= SMALL_PX);
-        if names.iter().all(is_small) {
-            return Ok(names.par_iter().with_max_len(1).map(one).collect());
-        }
-        Ok(names.iter().map(one).collect())
+        let found = if names.iter().all(is_small) {
+            names.par_iter().with_max_len(1).map(one).collect()
+        } else {
+            names.iter().map(one).collect()
+        };
+        Ok((found, left_out))
     }
 
     /// Judges the steps between the codes of a picture: the one given, or otherwise that of the request.
@@ -218,12 +261,7 @@ impl Compare {
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
         let smooth = smooth(&picture);
-        let weigh = |image: &LinearImage| -> Vec<f64> {
-            let of = |pixel: &[f32]| {
-                pixel.iter().zip(picture.weights).map(|(light, weight)| f64::from(*light) * weight).sum()
-            };
-            image.data.chunks_exact(3).map(of).collect()
-        };
+        let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
         let source = if matches!(picture.codes.samples, Samples::Sixteen(_)) {
@@ -272,12 +310,7 @@ impl Compare {
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
         let picture = self.picture(path, encoded)?;
-        Ok(Lit {
-            name: path.display().to_string(),
-            luminances: picture.luminances(),
-            size: [picture.codes.width, picture.codes.height],
-            light: said(&picture),
-        })
+        Ok(Lit::of_picture(path.display().to_string(), &picture, said(&picture)))
     }
 
     fn viewing(&self, encoded: &Encoded, width_px: u32) -> ViewingConditions {
@@ -288,21 +321,26 @@ impl Compare {
 
     fn compared(&self, shown: Lit, reference: Lit, encoded: &Encoded) -> anyhow::Result<Compared> {
         checkpoint();
-        if shown.size != reference.size {
-            let [a, b] = [&shown, &reference].map(|lit| format!("{} × {}", lit.size[0], lit.size[1]));
-            let (name, other) = (printable(&shown.name), printable(&reference.name));
-            anyhow::bail!("{name}: has {a} pixels, but {other} has {b}; expected pictures of one size");
+        let [size, other] = [&shown.image, &reference.image].map(|image| [image.width, image.height]);
+        if size != other {
+            let [a, b] = [size, other].map(|[width, height]| format!("{width} × {height}"));
+            let (name, reference) = (printable(&shown.name), printable(&reference.name));
+            anyhow::bail!("{name}: has {a} pixels, but {reference} has {b}; expected pictures of one size");
         }
-        let viewing = self.viewing(encoded, shown.size[0]);
-        let size = shown.size.map(|side| side as usize);
-        let share = self.mask.as_deref().map(|path| self.share(path, shown.size, encoded)).transpose()?;
+        let viewing = self.viewing(encoded, shown.image.width);
+        let share = self.mask.as_deref().map(|path| self.share(path, size, encoded)).transpose()?;
+        let size = size.map(|side| side as usize);
+        let (mine, theirs) = (weighted(&shown.image, shown.weights), weighted(&reference.image, reference.weights));
+        let color_ignored = shown.weights == reference.weights
+            && differ_in_color([&shown.image, &reference.image], [&mine, &theirs], share.as_deref());
+        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
+        let (mine, theirs) = (cd_m2(mine), cd_m2(theirs));
+        drop((shown.image, reference.image));
         let light = if shown.light == reference.light {
             shown.light
         } else {
             format!("{}; reference: {}", shown.light, reference.light)
         };
-        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
-        let (mine, theirs) = (cd_m2(shown.luminances), cd_m2(reference.luminances));
         let sum = |light: &[f64]| light.iter().sum::<f64>();
         let mean_ratio = sum(&mine) / sum(&theirs);
         let judged = || {
@@ -321,6 +359,7 @@ impl Compare {
             white_cd_m2: viewing.white_cd_m2,
             black_cd_m2: viewing.black_cd_m2,
             mean_ratio,
+            color_ignored,
             light,
             map: map.enlarged(),
             size,
@@ -339,19 +378,30 @@ impl Compare {
             Samples::Eight(_) => u16::from(u8::MAX),
             Samples::Sixteen(_) => u16::MAX,
         });
-        let of = |i: u32| f64::from(mask.codes.pixel(i % width, i / width)[1]) / most;
-        Ok((0..width * height).map(of).collect())
+        let wrong = |message: &str| RequestError::new("mask", format!("{} {message}", path.display()));
+        let of = |i: u32| match mask.codes.pixel(i % width, i / width) {
+            [r, g, b] if r == g && g == b => Ok(f64::from(g) / most),
+            _ => Err(wrong("has colors; expected black, gray and white")),
+        };
+        let share = (0..width * height).map(of).collect::<Result<Vec<f64>, _>>()?;
+        if share.iter().all(|share| *share == 0.0) {
+            return Err(wrong("selects no pixel; expected white where differences count").into());
+        }
+        Ok(share)
     }
 }
 
 impl Compared {
-    /// Says that one picture is brighter as a whole, if so.
+    /// Says what differs but is not judged: one picture is brighter as a whole, or colors of equal luminance differ.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let percent = 100.0 * (self.mean_ratio - 1.0);
-        (percent.abs() > BRIGHTER_PERCENT).then(|| {
+        let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
             format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is no part of the difference")
-        })
+        });
+        let color = "the pictures differ in color at equal luminance, which is not judged".to_owned();
+        let notes: Vec<String> = brighter.into_iter().chain(self.color_ignored.then_some(color)).collect();
+        (!notes.is_empty()).then(|| notes.join("; "))
     }
 
     /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
@@ -379,15 +429,15 @@ fn said(picture: &Picture) -> String {
 
 /// Returns a picture in memory as light.
 fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
-    let (luminances, size, light) = match given {
+    match given {
         Given::Codes(codes) => {
-            let (size, is_given) = ([codes.width, codes.height], encoded.is_given);
-            let light = if is_given { "as asked" } else { "sRGB is assumed" };
-            (Picture::given(codes, encoded.transfers.clone()).luminances(), size, light)
+            let light = if encoded.is_given { "as asked" } else { "sRGB is assumed" };
+            Lit::of_picture(name.to_owned(), &Picture::given(codes, encoded.transfers.clone()), light.to_owned())
         }
-        Given::Light(image) => (crate::vision::luminances(&image), [image.width, image.height], "given as light"),
-    };
-    Lit { name: name.to_owned(), luminances, size, light: light.to_owned() }
+        Given::Light(image) => {
+            Lit { name: name.to_owned(), image, weights: Picture::srgb_weights(), light: "given as light".to_owned() }
+        }
+    }
 }
 
 /// Returns the light of the smoothest picture that has the codes of this one.
@@ -413,8 +463,8 @@ fn smooth(picture: &Picture) -> LinearImage {
     LinearImage { width: *width, height: *height, data }
 }
 
-/// Returns the names of the PNG files in a folder, in order.
-fn pictures(folder: &Path) -> anyhow::Result<Vec<String>> {
+/// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.
+fn pictures(folder: &Path) -> anyhow::Result<[Vec<String>; 2]> {
     if !found(folder)?.is_some_and(|found| found.is_dir()) {
         anyhow::bail!("{}: is not a folder, but the other one is; expected two folders", folder.display());
     }
@@ -422,7 +472,15 @@ fn pictures(folder: &Path) -> anyhow::Result<Vec<String>> {
         Some(name) => Ok(name.to_owned()),
         None => Err(anyhow::anyhow!("{}: the name is not Unicode; expected one that is", path.display())),
     };
-    store::image::listed(folder)?.into_iter().map(name).collect()
+    let pictures = store::image::listed(folder)?;
+    let is_other = |path: &PathBuf| !pictures.contains(path) && !path.file_name().is_some_and(is_hidden);
+    let lossy = |path: PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let others = entries(folder)?.into_iter().filter(is_other).map(lossy).collect();
+    Ok([pictures.into_iter().map(name).collect::<Result<_, _>>()?, others])
+}
+
+fn is_hidden(name: &std::ffi::OsStr) -> bool {
+    name.as_encoded_bytes().starts_with(b".")
 }
 
 fn more(number: usize) -> String {

@@ -138,6 +138,12 @@ pub struct OneMesh {
     pub window_deg: f64,
 }
 
+/// A mesh and the surface with which it is compared are taken for different ones if more than this share of their pixels
+/// shows only one of them.
+const APART: f64 = 0.1;
+/// From this share of pixels that are not compared on, a caller is told about it.
+const MASKED: f64 = 0.5;
+
 /// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
 const KNOWN: &str = "known";
 
@@ -208,10 +214,10 @@ pub struct Metrics {
     pub window_deg: f64,
     pub white_cd_m2: f64,
     pub black_cd_m2: f64,
-    /// How visible the difference from the smooth surface is; `None` if that is not known.
+    /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
     pub difference: Option<DifferenceMetrics>,
     pub difference_unit: &'static str,
-    /// The difference from the smooth surface in light; `None` if that is not known.
+    /// The difference from the smooth surface in light; `None` if that is not known or no pixel can be compared.
     pub residual: Option<ResidualMetrics>,
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
@@ -290,7 +296,7 @@ impl Shade {
             let quantizer = Quantizer::new(drawing.transfers.clone(), self.image.pixels.bits);
             quantizer.quantize_with(&image, &self.image.dither())
         });
-        let metrics = wanted.metrics.then(|| drawing.metrics()).transpose()?;
+        let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
         let creases = wanted.creases.then(|| drawing.creases());
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
@@ -359,12 +365,42 @@ impl Drawing<'_> {
         Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
     }
 
+    /// Says what is doubtful about the comparison with the smooth surface.
+    fn doubts(&self, judged: &Judged) -> Vec<String> {
+        let mut doubts = Vec::new();
+        let mesh = self.one.mesh.display();
+        if let Some((file, fine)) = self.one.fine_file().zip(self.fine.as_ref()) {
+            let (file, of, own) = (file.display(), fine.mesh.triangles.len(), self.surface.mesh.triangles.len());
+            if of <= own {
+                doubts.push(format!(
+                    "{file} has {of} triangles, {mesh} {own}; expected a finer mesh of the same surface"
+                ));
+            }
+            if let Some(apart) = judged.apart().filter(|apart| *apart > APART) {
+                doubts.push(format!(
+                    "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
+                    100.0 * apart
+                ));
+            }
+        }
+        match judged.not_compared() {
+            Some(1.0) => doubts.push(format!("no pixel of {mesh} can be compared with the smooth surface")),
+            Some(masked) if masked > MASKED => doubts.push(format!(
+                "{:.0} % of the pixels of {mesh} are not compared with the smooth surface",
+                100.0 * masked
+            )),
+            _ => {}
+        }
+        doubts
+    }
+
     /// Measures this picture and Gouraud's.
-    fn metrics(&self) -> anyhow::Result<Metrics> {
+    fn metrics(&self, notes: &mut Vec<String>) -> anyhow::Result<Metrics> {
         let Self { one, renderer, viewing, transfers, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
+        notes.extend(self.doubts(&judged));
         let measured = |renderer: &Renderer| {
             let creases = renderer.shoot(&plain, transfers).creases();
             one.measured(creases, &renderer.shoot(&seen, transfers), &judged, viewing)
@@ -458,7 +494,7 @@ impl OneMesh {
             return Err(RequestError::new("truth", message).into());
         }
         if frame.triangles.is_empty() {
-            anyhow::bail!("{name}: no triangle faces the viewer; expected at least one");
+            anyhow::bail!("{name}: no triangle faces the viewer and is large enough to be seen; expected at least one");
         }
         let (fine, description) = (self.fine()?, self.describe(&scene, &renderer, size));
         Ok(Drawing { one: self, renderer, scene, viewing, transfers, surface, frame, fine, description })

@@ -73,6 +73,16 @@ fn the_difference_decides_about_the_exit_status() {
     png(&at("mask.png"), [128; 2], png::ColorType::Grayscale, &mask, |_| {});
     let masked = json("compare large.png truth.png --window 4 --mask mask.png --json");
     assert_eq!(times(&masked), 0.0, "{masked}");
+    assert_eq!(masked["color_ignored"], false);
+    // Gray and a color of its luminance: nothing is judged, and a warning says so.
+    let flat = |name: &str, code: [u8; 3]| png(&at(name), [64; 2], png::ColorType::Rgb, &code.repeat(64 * 64), |_| {});
+    flat("gray.png", [128; 3]);
+    flat("green.png", [60, 149, 110]);
+    let green = machband(folder.path(), &split("compare green.png gray.png --window 4 --json --junit out.xml"));
+    let found: Value = serde_json::from_str(&text(&green.stdout)).unwrap();
+    assert!(found["color_ignored"] == true && times(&found) < 0.1, "{found}");
+    let warning = "the pictures differ in color at equal luminance, which is not judged";
+    assert!(text(&green.stderr).contains(warning) && fs::read_to_string(at("out.xml")).unwrap().contains(warning));
 }
 
 #[test]
@@ -107,6 +117,11 @@ fn folders_are_compared_in_pairs() {
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
     assert!(errors.contains("old/d.png: is not a complete PNG"), "{errors}");
+    // What is left out is named.
+    fs::create_dir(folder.path().join("new/more")).unwrap();
+    fs::write(folder.path().join("new/e.jpg"), b"\xff\xd8\xff").unwrap();
+    let errors = text(&machband(folder.path(), &split("compare new old --window 3")).stderr);
+    assert!(errors.contains("warning: new: only PNG files are compared, not e.jpg, more"), "{errors}");
     assert_eq!(text(&mixed.stdout).lines().count(), 2, "the other pairs are compared");
 }
 
@@ -145,6 +160,30 @@ fn pictures_mean_what_they_say() {
         }
         let light = json(&format!("compare {color}-icc.png {color}-icc.png --window 5 --json"));
         assert_eq!(light["light"], "by the file's iCCP chunk");
+    }
+    // Primaries may come with an exponent or alone. These are sRGB's in another order.
+    let ramp: Vec<u8> = (0..64 * 64).flat_map(|i| [40, 200 - (i % 64) as u8, 90]).collect();
+    let turned: Vec<u8> = ramp.chunks_exact(3).flat_map(|pixel| [pixel[1], pixel[0], pixel[2]]).collect();
+    let pair = |[x, y]: [u32; 2]| (png::ScaledFloat::from_scaled(x), png::ScaledFloat::from_scaled(y));
+    let primaries = png::SourceChromaticities {
+        white: pair([31_270, 32_900]),
+        red: pair([30_000, 60_000]),
+        green: pair([64_000, 33_000]),
+        blue: pair([15_000, 6_000]),
+    };
+    for (name, gamma, said) in
+        [("alone", None, "cHRM (with sRGB's curve)"), ("both", Some(45_455), "gAMA (with its cHRM)")]
+    {
+        let files = [format!("{name}-turned.png"), format!("{name}.png")];
+        for (file, codes, primaries) in [(&files[0], &turned, Some(primaries)), (&files[1], &ramp, None)] {
+            png(&folder.path().join(file), [64; 2], png::ColorType::Rgb, codes, |info| {
+                info.source_chromaticities = primaries;
+                info.source_gamma = gamma.map(png::ScaledFloat::from_scaled);
+            });
+        }
+        let found = json(&format!("compare {} {} --window 2 --json", files[0], files[1]));
+        assert!(found["times_threshold"].as_f64().unwrap() < 0.01, "{found}");
+        assert!(found["light"].as_str().unwrap().contains(said), "{found}");
     }
     // An option has precedence.
     let line = "compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json";
@@ -192,6 +231,8 @@ fn impossible_comparisons_are_refused() {
         info.icc_profile = Some(b"no profile".as_slice().into());
     });
     fs::write(at("text.png"), "no picture").unwrap();
+    fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
+    png(&at("colored.png"), [64; 2], png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
     fs::create_dir(at("empty")).unwrap();
     for (line, status, part) in [
         ("compare gray.png wide.png --window 2", 1, "gray.png: has 64 × 64 pixels, but wide.png has 65 × 64"),
@@ -199,6 +240,9 @@ fn impossible_comparisons_are_refused() {
         ("compare alpha.png gray.png --window 2", 1, "transparent pixels"),
         ("compare profile.png gray.png --window 2", 1, "has a color profile that is damaged"),
         ("compare text.png gray.png --window 2", 1, "text.png: is not a complete PNG"),
+        ("compare photo.png gray.png --window 2", 1, "photo.png: is a JPEG; expected a PNG"),
+        ("compare gray.png gray.png --window 2 --mask black.png", 2, "black.png selects no pixel"),
+        ("compare gray.png gray.png --window 2 --mask colored.png", 2, "colored.png has colors"),
         ("compare none.png gray.png --window 2", 1, "none.png: cannot be opened"),
         ("compare empty empty --window 2", 1, "contains no PNG"),
         ("compare gray.png gray.png", 2, "--window"),
@@ -238,6 +282,19 @@ fn what_codes_mean_is_kept_and_never_guessed() {
     with("srgb.png", Some(profile(&|_| {})));
     with("falling.png", Some(profile(&|of| of.green_trc = curve(&[65535, 30000, 0]))));
     with("dark.png", Some(profile(&|of| of.red_trc = curve(&[0, 10000, 30000]))));
+    // One number is an exponent, whichever it is.
+    for gamma in [265, 461, 512, 563, 800] {
+        with(
+            "gamma.png",
+            Some(profile(&|of| {
+                (of.red_trc, of.green_trc, of.blue_trc) = (curve(&[gamma]), curve(&[gamma]), curve(&[gamma]));
+            })),
+        );
+        let line = format!("compare gamma.png none.png --window 4 --transfer gamma:{}", f64::from(gamma) / 256.0);
+        let [own, given] =
+            ["compare gamma.png gamma.png --window 4 --json", &line].map(|line| succeeds(folder.path(), &split(line)));
+        assert!(own.contains("iCCP") && given.contains("as asked"), "{own} {given}");
+    }
     // The profile of sRGB means what sRGB means, in blue too.
     let found = succeeds(folder.path(), &split("compare srgb.png none.png --window 4 --json"));
     let found: Value = serde_json::from_str(&found).unwrap();

@@ -117,19 +117,40 @@ fn bands_do_not_depend_on_how_a_ramp_is_drawn() {
     assert!((falling.at_deg[0] + rising.at_deg[0]).abs() < 0.05, "{falling:?} {rising:?}");
 }
 
-/// Contrast raises the bands without jumps.
+/// Contrast raises the bands without jumps, and a larger n has weaker ones up to the highest contrast; opposite lines
+/// change them without jumps.
 #[test]
-fn bands_grow_smoothly_with_contrast() {
-    let contrasts = scan(0.02, 0.95, 100);
-    let of = |contrast: &f64| MachBand {
-        low: 0.5 - 0.5 * contrast,
-        high: 0.5 + 0.5 * contrast,
-        ..ramp(1.0, Depth::Finite(1))
-    };
-    let found = bands_of(&contrasts.iter().map(of).collect::<Vec<_>>(), None);
+fn bands_change_smoothly_with_contrast_and_nulling() {
+    let contrasts = scan(0.02, 0.96, 100);
+    for width in [1.0, 2.0, 4.0, 6.5, 9.0] {
+        let found = [1, 2, 3].map(|n| {
+            let of = |contrast: &f64| MachBand {
+                low: 0.5 - 0.5 * contrast,
+                high: 0.5 + 0.5 * contrast,
+                ..ramp(width, Depth::Finite(n))
+            };
+            bands_of(&contrasts.iter().map(of).collect::<Vec<_>>(), None)
+        });
+        for pair in found.iter().flat_map(|of| of.windows(2)) {
+            let (bright, dark) = (pair[1].bright / pair[0].bright, pair[1].dark / pair[0].dark);
+            assert!((0.97..1.1).contains(&bright) && dark > 0.97, "{width}°: {pair:?}");
+        }
+        for i in 0..contrasts.len() {
+            let [one, two, three] = [0, 1, 2].map(|n| &found[n][i]);
+            let is_weaker = |a: &RampBands, b: &RampBands| b.bright < a.bright && b.dark < a.dark;
+            assert!(
+                is_weaker(one, two) && is_weaker(two, three),
+                "{width}°, {}: {one:?} {two:?} {three:?}",
+                contrasts[i]
+            );
+        }
+    }
+    let opposite: Vec<MachBand> =
+        (0..300).map(|k| MachBand { nulling: 0.001 * f64::from(k), ..ramp(4.0, Depth::Finite(1)) }).collect();
+    let found = bands_of(&opposite, None);
     for pair in found.windows(2) {
-        let ratio = pair[1].bright / pair[0].bright;
-        assert!((0.98..1.07).contains(&ratio), "{pair:?}");
+        assert!((pair[1].bright - pair[0].bright).abs() < 0.03 * found[0].bright, "{pair:?}");
+        assert!((pair[1].dark - pair[0].dark).abs() < 0.03 * found[0].dark, "{pair:?}");
     }
 }
 

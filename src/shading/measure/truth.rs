@@ -105,6 +105,17 @@ impl Truth {
         self.inside(frame, f64::NEG_INFINITY, false, MARGIN + 1)
     }
 
+    /// Returns the number of pixels that show either the mesh of `frame` or this surface, as a share of those that show
+    /// the mesh.
+    #[must_use]
+    pub fn apart(&self, frame: &Frame) -> f64 {
+        let meshed = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE);
+        let (all, apart) = self.points.iter().zip(meshed).fold((0_u32, 0_u32), |(all, apart), (point, meshed)| {
+            (all + u32::from(meshed), apart + u32::from(meshed != point.is_some()))
+        });
+        f64::from(apart) / f64::from(all.max(1))
+    }
+
     /// Returns the pixels that are at least `margin` pixels from outlines, meant creases and, with `lamps`, terminators,
     /// and where the surface faces the eye by at least the cosine `least`.
     fn inside(&self, frame: &Frame, least: f64, lamps: bool, margin: usize) -> Vec<bool> {

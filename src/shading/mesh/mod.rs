@@ -15,7 +15,7 @@ mod winding;
 pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
 pub use estimated::Normals;
 pub use normals::newell;
-pub use paint::{Coat, Paint, PaintedCorner, Texture};
+pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
 pub use smooth::Smooth;
 pub use surface::{Fan, Surface};
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};

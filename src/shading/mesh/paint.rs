@@ -20,7 +20,7 @@ pub struct Paint {
 pub struct PaintedCorner {
     /// Linear red, green and blue, 0…1.
     pub color: DVec3,
-    /// The place on the textures: 0…1 to the right and down. Textures repeat beyond.
+    /// The place on the textures: 0…1 to the right and down. They continue beyond as [`Wrap`] says.
     pub place: DVec2,
     /// The direction on the surface in which `place.x` grows, of any length, in the mesh's own axes; w is −1 where the
     /// texture is mirrored, otherwise 1. Zero where there is no normal map.
@@ -66,18 +66,45 @@ pub struct Texture {
     pub height: u32,
     /// Three numbers for each texel, row by row from the top left.
     pub texels: Vec<[f32; 3]>,
+    /// How it continues to the right and down.
+    pub wrap: [Wrap; 2],
+}
+
+/// How a texture continues beyond its ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// It repeats.
+    #[default]
+    Repeat,
+    /// It repeats, and every other copy is mirrored.
+    Mirror,
+    /// The texels at its ends go on.
+    Clamp,
+}
+
+impl Wrap {
+    /// Returns which of `count` texels is at this place.
+    fn texel(self, at: f64, count: u32) -> usize {
+        let (at, count) = (at as i64, i64::from(count));
+        let texel = match self {
+            Wrap::Repeat => at.rem_euclid(count),
+            Wrap::Mirror => at.rem_euclid(2 * count).min((-1 - at).rem_euclid(2 * count)),
+            Wrap::Clamp => at.clamp(0, count - 1),
+        };
+        texel as usize
+    }
 }
 
 impl Texture {
-    /// Returns the texture at `place`; it repeats in both directions.
+    /// Returns the texture at `place`.
     #[must_use]
     pub fn at(&self, place: DVec2) -> DVec3 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
-        let texel = (place - place.floor()) * size - 0.5;
+        let [across, down] = self.wrap;
+        let texel = place * size - 0.5;
         let (low, part) = (texel.floor(), texel - texel.floor());
-        let wrapped = |at: f64, count: u32| (at as i64).rem_euclid(i64::from(count)) as usize;
         let of = |x: f64, y: f64| {
-            let at = wrapped(y, self.height) * self.width as usize + wrapped(x, self.width);
+            let at = down.texel(y, self.height) * self.width as usize + across.texel(x, self.width);
             DVec3::from_array(self.texels[at].map(f64::from))
         };
         let row = |y: f64| of(low.x, y).lerp(of(low.x + 1.0, y), part.x);

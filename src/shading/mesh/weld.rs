@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use super::build::Polygons;
 
-/// Positions on open edges are joined if they differ by no more than this share of the shortest open edge at them, or of
-/// the median one if that is shorter. Programs that compute a position once for each side of a seam round it differently.
+/// A position on an open edge is joined with the nearest one that is kept, if they differ by no more than this share of the
+/// shortest open edge at them, or of the median one if that is shorter. Programs that compute a position once for each side of a seam round it differently.
 const SAME: f64 = 1e-3;
 
 /// Open edges whose ends differ by no more than this share are reported.
@@ -36,24 +36,41 @@ impl Polygons {
         if !size.is_finite() {
             return Seams::default();
         }
+        let mut reach: BTreeMap<u32, f64> = BTreeMap::new();
+        for edge in &open {
+            let most = SAME * length(edge).min(size);
+            for site in edge {
+                reach.entry(*site).and_modify(|reach| *reach = reach.min(most)).or_insert(most);
+            }
+        }
         let mut joined: HashMap<u32, u32> = HashMap::new();
-        for (site, others) in near(&open, positions, SAME, size) {
-            // The ends of one edge are never joined.
-            let is_end = |other: &u32| open.contains(&[site.min(*other), site.max(*other)]);
-            if let Some(first) = others.into_iter().find(|other| *other < site && !is_end(other)) {
-                joined.insert(site, *joined.get(&first).unwrap_or(&first));
+        let mut kept = Boxes::default();
+        for (&site, &own) in &reach {
+            let place = positions[site as usize];
+            let away = |other: u32| positions[other as usize].distance(place);
+            let near = kept.near(place, own).filter(|other| away(*other) <= own.min(reach[other]));
+            match near.min_by(|a, b| away(*a).total_cmp(&away(*b))) {
+                Some(other) => drop(joined.insert(site, other)),
+                None => kept.insert(place, own, site),
             }
         }
         for site in &mut self.sites {
             *site = *joined.get(site).unwrap_or(site);
         }
-        let open = if joined.is_empty() { open } else { self.open_edges() };
-        let beside: HashMap<u32, Vec<u32>> = near(&open, positions, NEAR, size).into_iter().collect();
-        let is_beside = |[a, b]: &&[u32; 2]| {
-            let pairs = beside[a].iter().flat_map(|c| beside[b].iter().map(move |d| [*c.min(d), *c.max(d)]));
-            pairs
-                .into_iter()
-                .any(|edge| edge != [*a, *b] && !edge.contains(a) && !edge.contains(b) && open.contains(&edge))
+        let open: Vec<[u32; 2]> = if joined.is_empty() { open } else { self.open_edges() }.into_iter().collect();
+        let ends = |edge: &[u32; 2]| edge.map(|site| positions[site as usize]);
+        let place = |edge: &[u32; 2]| 0.5 * ends(edge)[0] + 0.5 * ends(edge)[1];
+        let reach = |edge: &[u32; 2]| NEAR * length(edge).min(size);
+        let mut middles = Boxes::default();
+        (0_u32..).zip(&open).for_each(|(i, edge)| middles.insert(place(edge), reach(edge), i));
+        let is_beside = |edge: &&[u32; 2]| {
+            let [a, b] = ends(edge);
+            middles.near(place(edge), reach(edge)).any(|i| {
+                let (other, most) = (&open[i as usize], reach(edge).min(reach(&open[i as usize])));
+                let [c, d] = ends(other);
+                let away = a.distance(c).max(b.distance(d)).min(a.distance(d).max(b.distance(c)));
+                away <= most && !other.iter().any(|site| edge.contains(site))
+            })
         };
         Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count() }
     }
@@ -73,32 +90,33 @@ impl Polygons {
     }
 }
 
-/// Returns each site of these edges in ascending order, with the other ones within `share` of the shortest edge at both, or
-/// of `size` if that is shorter.
-fn near(edges: &BTreeSet<[u32; 2]>, positions: &[DVec3], share: f64, size: f64) -> Vec<(u32, Vec<u32>)> {
-    let place = |site: u32| positions[site as usize];
-    let mut reach: BTreeMap<u32, f64> = BTreeMap::new();
-    for [a, b] in edges {
-        let most = share * place(*a).distance(place(*b)).min(size);
-        for site in [a, b] {
-            reach.entry(*site).and_modify(|reach| *reach = reach.min(most)).or_insert(most);
-        }
+/// Numbered places in boxes, by the octave of how far each reaches.
+#[derive(Default)]
+struct Boxes {
+    octaves: BTreeMap<i32, HashMap<[u64; 3], Vec<u32>>>,
+}
+
+impl Boxes {
+    /// Returns the lowest and the highest box within `reach` of a place in each direction.
+    fn boxes(octave: i32, place: DVec3, reach: f64) -> [[f64; 3]; 2] {
+        // Wider than two of these reaches, so that they lie in at most two boxes in each direction.
+        let width = f64::from(octave + 2).exp2();
+        [place - reach, place + reach].map(|at| ((at / width).floor() + DVec3::ZERO).to_array())
     }
-    // Boxes of the longest reach: all that are near lie in the same box or in one of its neighbors.
-    let cell = |site: u32| (place(site) / (share * size)).floor();
-    let key = |cell: DVec3| cell.to_array().map(|x| (x + 0.0).to_bits());
-    let mut boxes: HashMap<[u64; 3], Vec<u32>> = HashMap::with_capacity(reach.len());
-    for site in reach.keys() {
-        boxes.entry(key(cell(*site))).or_default().push(*site);
+
+    fn insert(&mut self, place: DVec3, reach: f64, number: u32) {
+        let octave = reach.log2().floor() as i32;
+        let [key, _] = Self::boxes(octave, place, 0.0);
+        self.octaves.entry(octave).or_default().entry(key.map(f64::to_bits)).or_default().push(number);
     }
-    let steps = (0..27).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)) - 1.0);
-    let around = |(site, most): (&u32, &f64)| {
-        let is_near = |other: &&u32| *other != site && place(**other).distance(place(*site)) <= most.min(reach[*other]);
-        let others = steps.clone().filter_map(|step| boxes.get(&key(cell(*site) + step)));
-        let mut found: Vec<u32> = others.flatten().filter(is_near).copied().collect();
-        found.sort_unstable();
-        found.dedup();
-        (*site, found)
-    };
-    reach.iter().map(around).collect()
+
+    /// Returns the places that may be as near as `reach`, and as their own reach.
+    fn near(&self, place: DVec3, reach: f64) -> impl Iterator<Item = u32> {
+        self.octaves.iter().flat_map(move |(octave, boxes)| {
+            let ends = Self::boxes(*octave, place, reach.min(f64::from(octave + 1).exp2()));
+            let key = move |i: usize| std::array::from_fn::<u64, 3, _>(|axis| ends[i >> axis & 1][axis].to_bits());
+            let is_new = move |i: &usize| (0..3).all(|axis| i >> axis & 1 == 0 || ends[0][axis] != ends[1][axis]);
+            (0..8).filter(is_new).filter_map(move |i| boxes.get(&key(i))).flatten().copied()
+        })
+    }
 }

@@ -49,10 +49,16 @@ pub enum Origin {
 }
 
 impl Picture {
+    /// Returns the luminance of full red, green and blue of sRGB.
+    #[must_use]
+    pub fn srgb_weights() -> [f64; 3] {
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(vision::luminance)
+    }
+
     /// Returns codes whose meaning the user knows.
     #[must_use]
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
-        Picture { codes, transfers, weights: SRGB.map(vision::luminance), origin: Origin::Given }
+        Picture { codes, transfers, weights: Picture::srgb_weights(), origin: Origin::Given }
     }
 
     /// Returns the relative luminance of each pixel, row by row, 1 for white.
@@ -78,11 +84,9 @@ const BRADFORD: Matrix3<f64> = Matrix3::new(
     0.751_874_3,
 );
 
-/// Full red, green and blue.
-const SRGB: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
 /// Reads an opaque PNG (gray, color or palette) of at most `pixels` pixels. Unless `transfers` says what its codes mean,
-/// the file does: its iCCP, sRGB or gAMA chunk, in this order (PNG, 3rd edition). If it has none, sRGB is assumed.
+/// the file does: its iCCP, sRGB or gAMA chunk, in this order (PNG, 3rd edition); with gAMA or alone, cHRM says how bright
+/// the primaries are. What no chunk says is assumed to be sRGB's.
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or not opaque, and its background is unknown; or its codes
@@ -119,6 +123,7 @@ fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
             b"iCCP" => info.icc_profile.is_some(),
             b"sRGB" => info.srgb.is_some(),
             b"gAMA" => info.gama_chunk.is_some(),
+            b"cHRM" => info.chrm_chunk.is_some(),
             b"cICP" => info.coding_independent_code_points.is_some(),
             _ => true,
         };
@@ -134,7 +139,7 @@ fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
 
 /// Returns what a file says about its codes.
 fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
-    let srgb = SRGB.map(vision::luminance);
+    let srgb = Picture::srgb_weights();
     if let Some(points) = info.coding_independent_code_points {
         return Err(format!(
             "has a cICP chunk (primaries {}, transfer {}), which is not supported; expected an iCCP, sRGB or gAMA chunk, or --transfer",
@@ -149,13 +154,35 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
     if info.srgb.is_some() {
         return Ok((Transfer::Srgb.into(), srgb, Origin::Chunk("sRGB")));
     }
-    let Some(gamma) = info.gama_chunk else { return Ok((Transfer::Srgb.into(), srgb, Origin::Assumed)) };
+    let primaries = info.chrm_chunk.map(of_primaries).transpose()?;
+    // What is sRGB's but for rounding is sRGB's.
+    let own = primaries.filter(|own| own.iter().zip(srgb).any(|(own, srgb)| (own - srgb).abs() > 1e-3));
+    let weights = own.unwrap_or(srgb);
+    let Some(gamma) = info.gama_chunk else {
+        let origin = if primaries.is_some() { Origin::Chunk("cHRM (with sRGB's curve)") } else { Origin::Assumed };
+        return Ok((Transfer::Srgb.into(), weights, origin));
+    };
     let transfer = match gamma.into_scaled() {
         100_000 => Transfer::Linear,
         scaled => Transfer::gamma(100_000.0 / f64::from(scaled))
             .map_err(|error| format!("has a gAMA chunk of {scaled}: {error}"))?,
     };
-    Ok((transfer.into(), srgb, Origin::Chunk("gAMA")))
+    let origin = Origin::Chunk(if own.is_some() { "gAMA (with its cHRM)" } else { "gAMA" });
+    Ok((transfer.into(), weights, origin))
+}
+
+/// Returns the luminance of primaries relative to their white.
+fn of_primaries(given: png::SourceChromaticities) -> Result<[f64; 3], String> {
+    let xyz = |(x, y): (png::ScaledFloat, png::ScaledFloat)| {
+        let (x, y) = (f64::from(x.into_scaled()), f64::from(y.into_scaled()));
+        Vector3::new(x / y, 1.0, (1e5 - x - y) / y)
+    };
+    let weights = Matrix3::from_columns(&[given.red, given.green, given.blue].map(xyz))
+        .try_inverse()
+        .map(|inverse| <[f64; 3]>::from(inverse * xyz(given.white)))
+        .filter(|weights| weights.iter().all(|weight| (0.0..=1.0).contains(weight)));
+    weights
+        .ok_or_else(|| "has a cHRM chunk of impossible primaries; expected those of a screen, or --transfer".to_owned())
 }
 
 /// Reads the curves of a color profile, and how bright its primaries are.
@@ -170,6 +197,12 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
         moxcms::ColorProfile::new_from_slice(profile).map_err(|error| fail(&format!("that is damaged ({error})")))?;
     let curve = |curve: &Option<moxcms::ToneReprCurve>| -> Result<Transfer, String> {
         let curve = curve.as_ref().ok_or_else(|| fail("without curves"))?;
+        // One number is an exponent, in 256ths.
+        if let moxcms::ToneReprCurve::Lut(points) = curve
+            && let [gamma] = points[..]
+        {
+            return Transfer::gamma(f64::from(gamma) / 256.0).map_err(|error| fail(&format!("whose {error}")));
+        }
         let curve = curve.make_linear_evaluator().map_err(|error| fail(&format!("with a damaged curve ({error})")))?;
         let at = |i: u16| f64::from(curve.evaluate_value(f32::from(i) / f32::from(CURVE_POINTS - 1)));
         let values: Vec<f64> = (0..CURVE_POINTS).map(at).collect();
@@ -191,7 +224,7 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
         Ok(Transfer::Table(table))
     };
     if is_gray {
-        return Ok((curve(&read.gray_trc)?.into(), SRGB.map(vision::luminance)));
+        return Ok((curve(&read.gray_trc)?.into(), Picture::srgb_weights()));
     }
     if read.color_space != moxcms::DataColorSpace::Rgb || read.lut_a_to_b_colorimetric.is_some() {
         return Err(fail("of another kind"));

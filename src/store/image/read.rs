@@ -41,6 +41,9 @@ pub(super) fn decode(
     accept: impl Fn(&Info<'_>) -> Result<u32, String>,
 ) -> Result<(CodeImage, Info<'static>), StoreError> {
     let fail = |message: String| StoreError::from(FileErrors::whole(name, message));
+    if content.starts_with(b"\xff\xd8\xff") {
+        return Err(fail("is a JPEG; expected a PNG".to_owned()));
+    }
     let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);

@@ -9,7 +9,7 @@ use super::MeshFile;
 use crate::{
     light::Transfer,
     shading::{
-        Mesh, MeshError, Normals, Polygons,
+        Mesh, MeshError, Normals, PaintedCorner, Polygons,
         mesh::{MAX_COORDINATE, Seams},
     },
     store::FileErrors,
@@ -33,6 +33,8 @@ pub(super) struct Faces {
     pub polygons: Polygons,
     /// What the reader ignored or assumed, as sentences without their ends.
     pub notes: Vec<String>,
+    /// True if faces without an area were left out.
+    is_degenerate: bool,
 }
 
 impl Faces {
@@ -44,6 +46,20 @@ impl Faces {
             self.positions.push(position);
             (self.positions.len() - 1) as u32
         })
+    }
+
+    /// Adds a face, with its coat if it is painted. Corners that repeat their neighbor are left out, and so are faces with
+    /// fewer than three others: they would make edges of their own.
+    pub fn add(&mut self, mut corners: Vec<(u32, Option<DVec3>, PaintedCorner)>, coat: Option<u32>) {
+        corners.dedup_by_key(|(site, ..)| *site);
+        if corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
+            corners.pop();
+        }
+        match coat {
+            _ if corners.len() < 3 => self.is_degenerate = true,
+            Some(coat) => self.polygons.push_painted(corners, coat),
+            None => self.polygons.push(corners.into_iter().map(|(site, normal, _)| (site, normal))),
+        }
     }
 
     /// Returns the position of a site.
@@ -66,12 +82,14 @@ impl Faces {
         let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
-        let reversed = self.polygons.unify_winding();
+        let [reversed, turned] = self.polygons.unify_winding(&self.positions);
         let has_normals = self.polygons.has_normals();
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
-                MeshError::NoTriangles => format!("has no faces; expected {expected}"),
-                MeshError::NoArea(_) => "has no face with a nonzero area; expected at least one".to_owned(),
+                MeshError::NoTriangles if !self.is_degenerate => format!("has no faces; expected {expected}"),
+                MeshError::NoTriangles | MeshError::NoArea(_) => {
+                    "has no face with a nonzero area; expected at least one".to_owned()
+                }
                 error => error.to_string(),
             };
             FileErrors::whole(file, message)
@@ -93,6 +111,8 @@ impl Faces {
         };
         let reason = "because the neighbors go around the other way";
         found(reversed, &format!("face was reversed, {reason}"), &format!("faces were reversed, {reason}"));
+        let inward = "because the surface was inside out";
+        found(turned, &format!("face was reversed, {inward}"), &format!("faces were reversed, {inward}"));
         let within = "within a thousandth of an edge";
         found(
             seams.joined,

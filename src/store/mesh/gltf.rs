@@ -1,9 +1,9 @@
 //! Reads glTF 2.0 files, as text (`.gltf`) and in binary (`.glb`).
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
-//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates.
-//! Skins, animations, lamps, cameras and everything else about materials are ignored, and so are other extensions, which
-//! are named. Textures repeat.
+//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates. Morph
+//! targets have their default weights. Skins and other extensions are ignored and named; animations, lamps, cameras and
+//! everything else about materials are ignored. Textures are interpolated.
 
 use std::{collections::HashMap, path::Path, sync::Arc};
 
@@ -15,6 +15,7 @@ use gltf::{
     buffer, image,
     json::{self, validation::Checked},
     mesh::Mode,
+    texture::{MagFilter, WrappingMode},
 };
 use serde_json::Value;
 
@@ -26,7 +27,7 @@ use super::{
 use crate::{
     light::Transfer,
     shading::{
-        Coat, PaintedCorner, Texture,
+        Coat, PaintedCorner, Texture, Wrap,
         mesh::{MAX_COORDINATE, newell},
     },
     store::{FileErrors, file::read_bytes, table::shortened},
@@ -80,9 +81,17 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         triangles: 0,
         is_flat,
         without_normals: 0,
+        is_skinned: false,
+        is_nearest: false,
     };
     reader.document(&document)?;
-    let Reader { mut faces, without_normals, .. } = reader;
+    let Reader { mut faces, without_normals, is_skinned, is_nearest, .. } = reader;
+    if is_skinned {
+        faces.notes.push("skins were ignored".to_owned());
+    }
+    if is_nearest {
+        faces.notes.push("textures are interpolated, although the file asks for the nearest texel".to_owned());
+    }
     if without_normals > 0 {
         faces.notes.push(
             "faces without normals are flat, as the specification of glTF says; --normals averaged makes them smooth"
@@ -254,6 +263,10 @@ struct Reader<'a> {
     is_flat: bool,
     /// The number of primitives without normals, if they are flat.
     without_normals: usize,
+    /// True if a skin would move vertices.
+    is_skinned: bool,
+    /// True if a texture should not be interpolated.
+    is_nearest: bool,
 }
 
 impl Reader<'_> {
@@ -272,9 +285,11 @@ impl Reader<'_> {
             let columns = node.transform().matrix().map(|column| column.map(f64::from));
             let placed = above * DMat4::from_cols_array_2d(&columns);
             if let Some(mesh) = node.mesh() {
+                let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+                self.is_skinned |= node.skin().is_some();
                 for primitive in mesh.primitives() {
                     let (index, part) = (mesh.index(), primitive.index());
-                    self.primitive(&primitive, placed)
+                    self.primitive(&primitive, placed, weights)
                         .map_err(|error| format!("mesh {index}, primitive {part}: {error}"))?;
                 }
             }
@@ -283,14 +298,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4) -> Result<(), String> {
+    fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4, weights: &[f32]) -> Result<(), String> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
         }
         let get = |semantic: Semantic| primitive.get(&semantic);
         let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
-        let positions = self.source.numbers::<3>(&positions, "positions")?;
+        let mut positions = self.source.numbers::<3>(&positions, "positions")?;
+        let normals = get(Semantic::Normals).map(|normals| self.source.numbers::<3>(&normals, "normals"));
+        let mut normals = normals.transpose()?;
         let count = positions.len();
         let of_vertices = |found: usize, what: &str| {
             if found == count {
@@ -299,6 +316,16 @@ impl Reader<'_> {
                 Err(format!("it has {count} positions and {found} {what}; expected as many"))
             }
         };
+        for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            for (moves, values) in [(target.positions(), Some(&mut positions)), (target.normals(), normals.as_mut())] {
+                let (Some(moves), Some(values)) = (moves, values) else { continue };
+                let moves = self.source.numbers::<3>(&moves, "morph targets")?;
+                of_vertices(moves.len(), "vertices in a morph target")?;
+                for (value, by) in values.iter_mut().zip(moves) {
+                    *value = std::array::from_fn(|k| value[k] + f64::from(*weight) * by[k]);
+                }
+            }
+        }
         let corners = self.corners(primitive, count)?;
         let triangles: Vec<[usize; 3]> = match mode {
             Mode::Triangles => corners.as_chunks().0.to_vec(),
@@ -325,8 +352,8 @@ impl Reader<'_> {
             }
             vertices.push((self.faces.site(position), None, PaintedCorner::default()));
         }
-        if let Some(normals) = get(Semantic::Normals) {
-            let normals = self.source.numbers::<3>(&normals, "normals")?;
+        let is_flat = self.is_flat && normals.is_none();
+        if let Some(normals) = normals {
             of_vertices(normals.len(), "normals")?;
             for (vertex, normal) in vertices.iter_mut().zip(normals) {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
@@ -371,7 +398,6 @@ impl Reader<'_> {
             }
         }
         let coat = self.coat(&material)?;
-        let is_flat = self.is_flat && get(Semantic::Normals).is_none();
         self.without_normals += usize::from(is_flat);
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
@@ -380,7 +406,7 @@ impl Reader<'_> {
                 let normal = newell(&corners.map(|(site, ..)| self.faces.position(site))).try_normalize();
                 corners.iter_mut().for_each(|corner| corner.1 = normal);
             }
-            self.faces.polygons.push_painted(corners, coat);
+            self.faces.add(corners.to_vec(), Some(coat));
         }
         Ok(())
     }
@@ -401,22 +427,30 @@ impl Reader<'_> {
         if let Some(known) = self.coats.get(&material.index()) {
             return Ok(*known);
         }
-        let texture = |pixels: &Pixels, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
+        let texture = |pixels: &Pixels, given: &gltf::Texture<'_>, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
             let texels = pixels.codes.iter().map(|code| of(*code)).collect();
-            Arc::new(Texture { width: pixels.width, height: pixels.height, texels })
+            let wrap = [given.sampler().wrap_s(), given.sampler().wrap_t()].map(|mode| match mode {
+                WrappingMode::Repeat => Wrap::Repeat,
+                WrappingMode::MirroredRepeat => Wrap::Mirror,
+                WrappingMode::ClampToEdge => Wrap::Clamp,
+            });
+            Arc::new(Texture { width: pixels.width, height: pixels.height, texels, wrap })
         };
         let mut coat = Coat::default();
+        let used = material.pbr_metallic_roughness().base_color_texture().map(|base| base.texture());
+        let used = used.into_iter().chain(material.normal_texture().map(|normals| normals.texture()));
+        self.is_nearest |= used.into_iter().any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest));
         if let Some(base) = material.pbr_metallic_roughness().base_color_texture() {
             let linear: Vec<f32> =
                 (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();
             let pixels = self.pixels(base.texture().source())?;
-            coat.base = Some(texture(&pixels, &|code| code.map(|code| linear[usize::from(code)])));
+            coat.base = Some(texture(&pixels, &base.texture(), &|code| code.map(|code| linear[usize::from(code)])));
         }
         if let Some(normals) = material.normal_texture() {
             let (pixels, scale) = (self.pixels(normals.texture().source())?, normals.scale());
             let component = |code: u8| f32::from(code) / 127.5 - 1.0;
             let of = |[x, y, z]: [u8; 3]| [component(x) * scale, component(y) * scale, component(z)];
-            coat.normals = Some(texture(&pixels, &of));
+            coat.normals = Some(texture(&pixels, &normals.texture(), &of));
         }
         let coats = &mut self.faces.polygons.coats;
         coats.push(coat);

@@ -10,7 +10,8 @@
 //! create creases where faces meet at more than the crease angle. Faces of a glTF file without normals are flat, as its
 //! specification says, unless normals are to be estimated.
 //!
-//! **Winding** is repaired: faces whose neighbors go around the other way are reversed, the fewer in each connected part.
+//! **Winding** is repaired: faces whose neighbors go around the other way are reversed, the fewer in each connected part, or
+//! those that face inward in a closed part without given normals. Closed surfaces that are inside out are turned.
 
 mod faces;
 mod gltf;
@@ -75,6 +76,12 @@ fn parse_in(
     normals: Normals,
 ) -> Result<MeshFile, FileErrors> {
     let text = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content).trim_ascii_start();
+    // A binary STL file has 80 bytes of any kind, the number of its triangles, and 50 bytes for each.
+    let triangles = content.get(80..84).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
+    let is_stl = triangles.is_some_and(|count| content.len() as u64 == 84 + 50 * u64::from(count));
+    if is_stl || (text.starts_with(b"solid") && text.windows(5).any(|word| word == b"facet")) {
+        return Err(FileErrors::whole(file, "is an STL file; expected an OBJ, PLY, glTF or GLB file"));
+    }
     let (faces, expected) = if content.starts_with(b"glTF") || text.starts_with(b"{") {
         (gltf::parse(folder, file, content, normals == Normals::Given)?, "at least one primitive with triangles")
     } else if text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {

@@ -1,6 +1,7 @@
 //! Reads Wavefront OBJ files.
 //!
-//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files),
+//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files,
+//! or from 0 to 255 if any is above 1),
 //! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
 //! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
@@ -77,7 +78,7 @@ struct Reader {
     /// uses.
     counts: [usize; 2],
     vertices: Vec<DVec3>,
-    /// The linear color of each vertex; empty until a vertex has one.
+    /// The color of each vertex, as it is written; empty until a vertex has one.
     colors: Vec<DVec3>,
     /// The normals; `None` for a normal that is zero or not finite.
     normals: Vec<Option<DVec3>>,
@@ -85,11 +86,16 @@ struct Reader {
     corners: Vec<(usize, Option<usize>)>,
     /// Where each face ends in `corners`.
     ends: Vec<usize>,
+    /// What was ignored.
+    notes: Vec<String>,
 }
 
 impl Reader {
     fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
+        if matches!(keyword, b"usemtl") && self.notes.is_empty() {
+            self.notes.push("materials in the file were ignored".to_owned());
+        }
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
@@ -111,7 +117,7 @@ impl Reader {
                 {
                     let color = statement.three_numbers(color)?;
                     self.colors.resize(self.vertices.len() - 1, DVec3::ONE);
-                    self.colors.push(linear(color));
+                    self.colors.push(color);
                 }
                 vertex.map(drop)
             }
@@ -165,24 +171,30 @@ impl Reader {
 
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
+        faces.notes.extend(self.notes);
+        // Some programs write the codes of 8 bits.
+        let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
+        let scale = if most > 1.0 {
+            faces.notes.push("colors above 1 are taken as codes of 8 bits".to_owned());
+            1.0 / 255.0
+        } else {
+            1.0
+        };
+        let coat = (!self.colors.is_empty()).then_some(0);
         let mut start = 0;
         for end in self.ends {
             let corners = self.corners[start..end].iter();
             let corners: Vec<_> = corners
                 .map(|(vertex, normal)| {
-                    let color = self.colors.get(*vertex).copied().unwrap_or(DVec3::ONE);
+                    let color = self.colors.get(*vertex).map_or(DVec3::ONE, |color| linear(*color * scale));
                     let paint = PaintedCorner { color, ..PaintedCorner::default() };
                     (faces.site(self.vertices[*vertex]), normal.and_then(|n| self.normals[n]), paint)
                 })
                 .collect();
-            if self.colors.is_empty() {
-                faces.polygons.push(corners.into_iter().map(|(site, normal, _)| (site, normal)));
-            } else {
-                faces.polygons.push_painted(corners, 0);
-            }
+            faces.add(corners, coat);
             start = end;
         }
-        if !self.colors.is_empty() {
+        if coat.is_some() {
             faces.polygons.coats.push(Coat::default());
         }
         faces

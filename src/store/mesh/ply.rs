@@ -43,7 +43,12 @@ impl PropertyAccess for Element {
             };
             return PropertyAccessResult::Set;
         }
-        let name = name.strip_prefix("diffuse_").unwrap_or(name);
+        let name = match name.strip_prefix("diffuse_").unwrap_or(name) {
+            "r" => "red",
+            "g" => "green",
+            "b" => "blue",
+            name => name,
+        };
         let Some(at) = NUMBERS.iter().position(|known| *known == name) else { return PropertyAccessResult::Ignored };
         let number = match property {
             Property::Char(x) => f64::from(x),
@@ -154,10 +159,7 @@ impl PlyMesh {
         for strip in corners.as_deref().unwrap_or_default().split(|index| *index == -1) {
             for (i, w) in strip.windows(3).enumerate() {
                 let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-                // Strips continue over triangles without area.
-                if w[0] != w[1] && w[1] != w[2] && w[2] != w[0] {
-                    self.polygon(&triangle)?;
-                }
+                self.polygon(&triangle)?;
             }
         }
         Ok(())
@@ -178,7 +180,7 @@ impl PlyMesh {
             found.copied().ok_or_else(|| format!("refers to vertex {index}, which does not exist; expected 0…{most}"))
         };
         let corners = list.iter().map(corner).collect::<Result<Vec<_>, String>>()?;
-        self.faces.polygons.push_painted(corners, 0);
+        self.faces.add(corners, Some(0));
         Ok(())
     }
 }
