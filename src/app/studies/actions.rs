@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, Align, Key, Layout, Popup, RichText, Ui};
+use eframe::egui::{self, Align, Layout, Popup, RichText, Ui};
 
 use super::{
     form::Checked,
@@ -102,15 +102,10 @@ impl Studies {
         let mut next = None;
         let folder = self.folder();
         let unfinished = self.sessions.of(&protocol.name).find(|session| !session.complete).cloned();
-        let entered = self.open.is_none() && ui::shortcut(ui, Key::Enter);
         ui.horizontal_wrapped(|ui| {
-            let hover = format!("Enter begins {} at once.", self.suggested);
+            let hover = format!("For {}, the next participant.", self.suggested);
             if main_action(ui, Icon::Play, "New session").on_hover_text(hover).clicked() {
                 self.open_session(None);
-            }
-            if entered {
-                next = self.begin_checked(ui, checked, monitor, settings);
-                self.open = next.is_none().then_some(Open::Session);
             }
             if let Some(session) = unfinished {
                 let text = format!("Resume {}", Cell::of(&session).title());
@@ -184,6 +179,11 @@ impl Studies {
         settings: &Settings,
     ) -> Option<Destination> {
         match self.recorded(cell) {
+            None if self.form.participant == cell.subject && self.form.session == cell.session => {
+                let begun = self.begin_checked(ui, checked, monitor, settings);
+                self.open = begun.is_none().then_some(Open::Session);
+                return begun;
+            }
             None => self.open_session(Some(cell)),
             Some(session) if session.complete => open_file(ui, &session),
             Some(session) => return self.resume(ui, &session, monitor, checked, settings),

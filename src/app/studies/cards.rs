@@ -61,11 +61,12 @@ impl Studies {
     pub(super) fn detail(
         &mut self,
         ui: &mut Ui,
+        cell: &Cell,
         checked: &Checked,
         monitor: &Monitor,
         settings: &Settings,
     ) -> Option<Destination> {
-        let session = self.selected.as_ref().and_then(|cell| self.recorded(cell));
+        let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
         panel.show(ui, |ui| {
@@ -79,14 +80,12 @@ impl Studies {
                 ui.set_min_width(ui.available_width());
                 ui.set_min_height(theme::CONTROL);
                 ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
-                        ui::hint(
-                            ui,
-                            "Choose a session with a click or the arrow keys; Enter resumes, begins or opens it.",
-                        );
+                        Icon::Play.show(ui, ink(ui).text);
+                        ui::hint(ui, "Not begun. Enter begins it.");
                         return;
                     };
-                    ui.label(RichText::new(Cell::of(session).title()).strong().size(SECTION));
                     let SessionState { rated, planned, complete, .. } = session;
                     let (icon, color) = if *complete { (Icon::Done, ink(ui).text) } else { (Icon::Part, ink(ui).warn) };
                     icon.show(ui, color);

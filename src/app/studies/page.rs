@@ -117,6 +117,7 @@ impl Studies {
     pub fn refresh(&mut self, completed: bool, settings: &Settings) {
         if completed {
             self.form.participant.clear();
+            self.selected = None;
         }
         self.checked = None;
         self.sessions.refresh();
@@ -199,6 +200,7 @@ impl Studies {
         self.form.experiment = name_or_path;
         // The choice of gray belongs to the definition.
         self.form.gray = false;
+        self.selected = None;
         if self.form.screen.distance_cm == self.planned_cm {
             self.form.screen.distance_cm.clear();
         }
@@ -255,13 +257,14 @@ impl Studies {
                     .show(ui, |ui| self.cards(ui, protocol));
             });
         }
-        next = self.detail(ui, checked, monitor, settings).or(next);
+        let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
+        let selected = self.selected.clone().unwrap_or_else(|| new.clone());
+        next = self.detail(ui, &selected, checked, monitor, settings).or(next);
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let nothing = BTreeSet::new();
         let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
         let wrong = wrong.map_or(&nothing, |found| &found.wrong);
-        let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
-        let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, self.selected.as_ref());
+        let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, &selected, self.open.is_none());
         let results = self.results();
         for error in &self.sessions.all.errors {
             ui::show_error(ui, error.lines().next().unwrap_or_default());

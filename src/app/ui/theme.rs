@@ -5,7 +5,7 @@ use eframe::egui::{
     self, Button, Color32, ComboBox, CornerRadius, FontFamily, FontId, Rect, Sense, Shadow, Shape, Stroke, Style,
     TextStyle, Theme, Ui, Vec2, Visuals,
     class::HasClasses as _,
-    style::HandleShape,
+    style::{HandleShape, ScrollAnimation},
     theme::{DefaultStyle, StyleProvider},
     widget_style::{ButtonStyle, StyleArgs, WidgetState},
 };
@@ -258,6 +258,7 @@ fn sizes(style: &mut Style) {
     style.spacing.text_edit_width = 280.0;
     style.spacing.slider_rail_height = SMALL_GAP;
     style.animation_time = 0.0;
+    style.scroll_animation = ScrollAnimation::none();
     // A scroll bar that can be seen says that there is more.
     style.spacing.scroll.dormant_handle_opacity = 0.6;
 }
