@@ -22,6 +22,8 @@ use crate::{
 
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
+/// In a place lower than this, in points, there is no card of the selected session.
+const ROOM_FOR_DETAIL: f32 = 160.0;
 
 impl Studies {
     /// Shows a newcomer what a Mach band is.
@@ -69,12 +71,26 @@ impl Studies {
         let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
+        let is_low = ui.available_height() < ROOM_FOR_DETAIL;
         panel.show(ui, |ui| {
-            grid::key(ui);
+            for error in &self.sessions.all.errors {
+                ui::show_error(ui, error.lines().next().unwrap_or_default());
+            }
             if let Some(error) = &self.error
                 && self.open.is_none()
             {
                 ui::show_error(ui, error);
+            }
+            let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+            // In a low window, the grid needs the room.
+            if is_low {
+                return;
+            }
+            if self.sessions.of(name).next().is_some() {
+                grid::key(ui);
+            } else if self.sessions.all.errors.is_empty() {
+                ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
+                ui.add_space(theme::SMALL_GAP);
             }
             theme::card(ui).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());

@@ -6,7 +6,8 @@ use std::{
 };
 
 use eframe::egui::{
-    self, Color32, FocusDirection, Id, Key, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2,
+    self, Color32, FocusDirection, Id, Key, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke, StrokeKind,
+    TextStyle, Ui, Vec2,
 };
 
 use crate::{
@@ -19,9 +20,9 @@ use crate::{
     store::session::overview::{Overview, SessionState},
 };
 
-/// Width of the column of participants, and of their answers, points.
+/// Width of the column of participants, and minimum and maximum width of their answers, points.
 const NAMES: f32 = 96.0;
-const ANSWERS: f32 = 136.0;
+const ANSWERS: [f32; 2] = [136.0, 320.0];
 /// Minimum and maximum width of a cell, points.
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.
@@ -194,9 +195,11 @@ impl<'a> Grid<'a> {
     /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
     pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<Chosen> {
         let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
-        let answers = if has_answers && ui.available_width() > 560.0 { ANSWERS } else { 0.0 };
-        let room = ui.available_width() - NAMES - answers - GAP;
         let columns = self.columns.len() as f32;
+        let room = ui.available_width() - NAMES - GAP;
+        let is_wide = has_answers && ui.available_width() > 560.0;
+        let answers = if is_wide { (room - columns * (CELL[1] + GAP)).clamp(ANSWERS[0], ANSWERS[1]) } else { 0.0 };
+        let room = room - answers;
         let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
         let focused = ui.memory(|memory| memory.focused());
         let has_keys = has_keys

@@ -37,6 +37,8 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
+/// In a page lower than this, in points, there is no greeting.
+const ROOM_FOR_GREETING: f32 = 600.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -167,7 +169,7 @@ impl Studies {
         let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
         page.show(ui, |ui| {
             ui.set_max_width(ui.available_width().min(theme::CONTENT));
-            if settings.greeting && ui.available_height() > 520.0 {
+            if settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
             next = self.place(ui, &checked, CARDS[wide], monitor, settings).or(next.take());
@@ -265,14 +267,6 @@ impl Studies {
         let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
         let wrong = wrong.map_or(&nothing, |found| &found.wrong);
         let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, &selected, self.open.is_none());
-        let results = self.results();
-        for error in &self.sessions.all.errors {
-            ui::show_error(ui, error.lines().next().unwrap_or_default());
-        }
-        let is_empty = self.sessions.of(&protocol.name).next().is_none();
-        if is_empty && self.sessions.all.errors.is_empty() {
-            ui::hint(ui, format!("No sessions yet. They are saved in {}.", results.join(&protocol.name).display()));
-        }
         match chosen {
             Some(Chosen::Selected(cell)) => self.selected = Some(cell),
             Some(Chosen::Entered(cell)) => {
