@@ -2,7 +2,9 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{self, Color32, ColorImage, Label, Pos2, Rect, RichText, ScrollArea, Sense, TextureHandle, Vec2};
+use eframe::egui::{
+    self, Align, Color32, ColorImage, Label, Layout, Pos2, Rect, RichText, ScrollArea, Sense, TextureHandle, Vec2,
+};
 
 use super::table::TableView;
 use crate::{
@@ -148,8 +150,10 @@ fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut B
         let beside = two && !left.figure.wide;
         match blocks.next_if(|next| beside && fits(next)) {
             Some((_, BlockView::Figure(right))) => ui.columns(2, |columns| {
-                left.show(&mut columns[0]);
-                right.show(&mut columns[1]);
+                for (column, figure) in columns.iter_mut().zip([left, right]) {
+                    // Columns would stretch the spaces of captions.
+                    column.with_layout(Layout::top_down(Align::Min), |ui| figure.show(ui));
+                }
             }),
             _ => left.show(ui),
         }

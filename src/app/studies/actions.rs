@@ -73,7 +73,9 @@ impl Studies {
                 if let Some(protocol) = &checked.protocol {
                     let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
                     let task = match &protocol.adaptive {
-                        Some(adaptive) => format!("{}, {}", protocol.task.name(), adaptive.method.name()),
+                        Some(adaptive) => {
+                            format!("{}, {}", protocol.task.name(), ui::parameter::method(adaptive.method.name()))
+                        }
                         None if protocol.task.is_default() => {
                             format!("rating, {} categories", protocol.response.categories.len())
                         }

@@ -151,7 +151,9 @@ impl Studies {
                 let bar = egui::ProgressBar::new(share).desired_height(4.0).fill(ink(ui).dim);
                 ui.add(bar);
             }
-            ui::hint(ui, format!("{finished} of {all} sessions finished."));
+            if all > 0 {
+                ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
+            }
             let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
             if simulated > 0 {
                 ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));

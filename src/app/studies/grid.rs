@@ -22,7 +22,7 @@ use crate::{
 
 /// Width of the column of participants, and minimum and maximum width of their answers, points.
 const NAMES: f32 = 96.0;
-const ANSWERS: [f32; 2] = [136.0, 320.0];
+const ANSWERS: [f32; 2] = [136.0, 208.0];
 /// Minimum and maximum width of a cell, points.
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.

@@ -225,7 +225,8 @@ impl StyleProvider<ButtonStyle> for Buttons {
         let frame = &mut button.atom_layout.frame;
         if args.classes.has_class(&ComboBox::CLASS) {
             frame.fill = ink.field;
-        } else if args.state != WidgetState::Active && frame.stroke.color == ink.edge {
+        } else if args.state != WidgetState::Active && (frame.stroke.color == ink.edge || frame.stroke.color == ink.bad)
+        {
             frame.stroke.color = Color32::TRANSPARENT;
         }
         if args.classes.has_class(&Button::CLASS_SELECTED) {
@@ -261,6 +262,8 @@ fn sizes(style: &mut Style) {
     style.scroll_animation = ScrollAnimation::none();
     // A scroll bar that can be seen says that there is more.
     style.spacing.scroll.dormant_handle_opacity = 0.6;
+    // It lies beside what it scrolls, not on it.
+    style.spacing.scroll.floating_allocated_width = GAP;
 }
 
 fn visuals(visuals: &mut Visuals) {
@@ -309,6 +312,17 @@ pub fn compact(ui: &mut Ui) {
     let style = ui.style_mut();
     style.spacing.button_padding = Vec2::new(8.0, 3.0);
     style.spacing.interact_size.y = 26.0;
+}
+
+/// Outlines the fields that follow: what is in them is wrong.
+pub fn outline_wrong(ui: &mut Ui) {
+    let bad = ink(ui).bad;
+    let visuals = ui.visuals_mut();
+    let widgets = &mut visuals.widgets;
+    for widget in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active, &mut widgets.open] {
+        widget.bg_stroke.color = bad;
+    }
+    visuals.selection.stroke.color = bad;
 }
 
 /// Returns the frame of a card: a group of things that belong together.
