@@ -105,7 +105,7 @@ fn a_task_and_its_method_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = duplicate("orientation");
     click(&mut window, "Choice");
-    window.get_by_label_contains("in which the reference differs from the target.");
+    window.get_by_label_contains("Choose a parameter in which it differs from the target.");
     click(&mut window, "Remove depth");
     choose(&mut window, "Add to reference", "depth");
     assert_eq!(value(&window, "Reference depth"), "inf");

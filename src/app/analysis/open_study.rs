@@ -148,12 +148,6 @@ impl OpenStudy {
         }
     }
 
-    /// Closes the field that saves a figure; returns whether there was one.
-    pub fn cancel(&mut self) -> bool {
-        self.shown.as_mut().is_some_and(|(_, view)| view.cancel())
-            || self.draft.as_mut().is_some_and(DocumentView::cancel)
-    }
-
     /// Records why the files could not be read with other options. The current data stay.
     pub fn keep(&mut self, error: String) {
         self.not_reread = Some(error);
@@ -178,7 +172,7 @@ impl OpenStudy {
             });
         }
         CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            dense(ui);
+            theme::compact(ui);
             ui.horizontal_wrapped(|ui| {
                 if narrow {
                     back = ui.button("Back").clicked();
@@ -459,7 +453,7 @@ pub(super) fn side(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
     let panel = Panel::left("analysis").resizable(false).exact_size(width).frame(Frame::NONE.inner_margin(12.0));
     panel.show(ui, |ui| {
-        dense(ui);
+        theme::compact(ui);
         add(ui);
     });
 }
@@ -468,12 +462,6 @@ pub(super) fn side(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
 pub(super) fn pinned(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     let frame = Frame::NONE.inner_margin(egui::Margin { top: theme::GAP as i8, ..Default::default() });
     Panel::bottom("export").resizable(false).frame(frame).show(ui, add);
-}
-
-/// Makes the page dense, with small text and thin scroll bars.
-pub(super) fn dense(ui: &mut egui::Ui) {
-    theme::compact(ui);
-    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
 }
 
 /// How many studies the analysis has simulated so far.

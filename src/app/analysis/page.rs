@@ -114,10 +114,7 @@ impl Analysis {
 
     /// Draws the page. `recent` are the paths that were opened recently.
     pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Step {
-        let escaped = escaped(ui)
-            && ui.memory(|memory| memory.focused().is_none())
-            && !self.open.as_mut().is_some_and(|open| open.cancel())
-            && !self.task.as_mut().is_some_and(|task| task.cancel());
+        let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
         // While its files are read again, the study stays in view.

@@ -7,7 +7,7 @@ use eframe::egui::{self, CentralPanel, Frame, RichText, ScrollArea};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    open_study::{NARROW, Request, STALE, dense, pinned, problems, side},
+    open_study::{NARROW, Request, STALE, pinned, problems, side},
     query::people,
 };
 use crate::{
@@ -68,11 +68,6 @@ impl OpenTask {
         Self { study, results, asked, people, excluded, view, section, export, error: None }
     }
 
-    /// Closes the field that saves a figure; returns whether there was one.
-    pub fn cancel(&mut self) -> bool {
-        self.view.cancel()
-    }
-
     /// Says why the data could not be read with another selection. The current results stay.
     pub fn keep(&mut self, error: String) {
         self.error = Some(error);
@@ -92,18 +87,18 @@ impl OpenTask {
             });
         }
         CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            dense(ui);
+            theme::compact(ui);
             ui.horizontal_wrapped(|ui| {
                 if narrow {
                     back = ui.button("Back").clicked();
-                    ui.selectable_value(&mut self.section, "data", "Data");
+                    ui.selectable_value(&mut self.section, "people", "Participants");
                 }
                 for (id, heading) in self.view.headings() {
                     ui.selectable_value(&mut self.section, id, heading);
                 }
             });
             ui.separator();
-            if narrow && self.section == "data" {
+            if narrow && self.section == "people" {
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                     request = self.controls(ui);
                     self.show_export(ui, is_stale);

@@ -52,8 +52,7 @@ pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
 fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     let count = Task::NAMES.len() as f32;
     let gap = ui.spacing().item_spacing.x;
-    // Leaves room for the scroll bar.
-    let room = ui.available_width() - 8.0 + gap;
+    let room = ui.available_width() + gap;
     let across = (room / (CARD.x + gap)).floor().clamp(1.0, count);
     let width = (room / across - gap).floor();
     let mut chosen = None;
@@ -316,8 +315,8 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
     let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name) && !factors.contains(name)).collect();
     let (mut chosen, mut error) = (String::new(), form.own_error(key));
     if names.is_empty() && !error.is_empty() {
-        let them = if free.is_empty() { "Remove a factor, then choose it here" } else { "Choose what differs" };
-        error = format!("{them}: a parameter in which the {} differs from the target.", option.label.to_lowercase());
+        let first = if free.is_empty() { "Remove a factor, then choose" } else { "Choose" };
+        error = format!("{first} a parameter in which it differs from the target.");
     }
     let title = format!("Add to {}", option.label.to_lowercase());
     let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);

@@ -283,6 +283,8 @@ fn visuals(visuals: &mut Visuals) {
     visuals.error_fg_color = ink.bad;
     visuals.warn_fg_color = ink.warn;
     visuals.handle_shape = HandleShape::Circle;
+    // In the light theme, an empty track is hardly visible.
+    visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, ink.line);
     for (widget, fill, stroke) in [
