@@ -45,7 +45,7 @@ fn a_copy_is_edited_and_saved() {
     window.get_by_label_contains("Enter a whole number of 0 or more.");
     type_into(&mut window, "Repetitions", "2");
     type_into(&mut window, "Name", "My study");
-    window.get_by_label_contains("name \"My study\" is not allowed");
+    window.get_by_label_contains("Enter at most 64 lowercase letters");
     type_into(&mut window, "Name", "my-study");
     type_into(&mut window, "Stimulus, s", "0.5");
     click(&mut window, "Remove orientation, °");

@@ -99,13 +99,13 @@ fn a_session_without_ratings_can_be_removed() {
     press(&mut window, Key::ArrowRight);
     window.get_by_label("P002, session 2");
     press(&mut window, Key::Enter);
-    window.run_steps(3);
+    wait_for(&mut window, "Viewing distance, cm");
     assert_eq!(["Participant", "Session"].map(|field| value(&window, field)), ["P002", "2"]);
     press(&mut window, Key::Escape);
     click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     press(&mut window, Key::Enter);
     wait_for(&mut window, "Before the session");
-    window.get_by_label_contains("P001, session 1");
+    wait_for(&mut window, "participant P001 · session 1");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     let csv = common::session_csv(&results, "five", "P001");

@@ -404,7 +404,7 @@ impl Gallery {
             ui.add_space(AXIS);
             ui::legend(ui, [(requested, "requested"), (after, "after quantization")]);
             if !marks.is_empty() {
-                ui::hint(ui, "⬆⬇ predicted band");
+                ui::hint(ui, "arrows: predicted bands");
             }
         });
         // The requested light is drawn last: where the curves agree, it covers the other.

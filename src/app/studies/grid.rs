@@ -6,8 +6,8 @@ use std::{
 };
 
 use eframe::egui::{
-    self, Color32, FocusDirection, Id, Key, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke, StrokeKind,
-    TextStyle, Ui, Vec2,
+    self, Color32, FocusDirection, Id, Key, Modifiers, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Ui, Vec2,
 };
 
 use crate::{
@@ -168,7 +168,8 @@ impl<'a> Grid<'a> {
     /// Returns what a key does in the grid, which has the keys while no other control has the focus.
     fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<Chosen> {
         let presses = |key| ui.input(|input| input.num_presses(key));
-        if presses(Key::Enter) > 0 {
+        // A dialog that opens in this frame must not take Enter for its answer.
+        if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
             return Some(Chosen::Entered(selected.clone()));
         }
         if presses(Key::Delete) > 0 {
@@ -207,10 +208,9 @@ impl<'a> Grid<'a> {
             && ui.memory(|memory| memory.allows_interaction(ui.layer_id()))
             && !Popup::is_any_open(ui.ctx());
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
-        let wanted = match &chosen {
-            Some(Chosen::Selected(cell)) => self.subjects.iter().position(|subject| *subject == cell.subject),
-            _ => None,
-        };
+        let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
+        let wanted = moved.as_ref().and_then(|cell| self.subjects.iter().position(|id| *id == cell.subject));
+        let selected = moved.as_ref().unwrap_or(selected);
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
         ScrollArea::both().id_salt("grid").auto_shrink([false, true]).show_rows(
             ui,
