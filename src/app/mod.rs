@@ -257,7 +257,7 @@ impl App {
             }
         };
         // A message of one study is not shown with another.
-        let study = if self.place == Place::Studies { about.as_str() } else { "" };
+        let study = if self.place == Place::Studies { self.studies.chosen() } else { "" };
         let page = format!("{:?} {study}", self.place);
         ui::status_line(ui, &page, (!about.is_empty()).then_some((icon, &about)));
     }

@@ -52,6 +52,7 @@ impl Studies {
                             Err(error) => ui::complain(ctx, error.to_string()),
                         }
                         (self.checked, self.selected) = (None, None);
+                        self.form.participant.clear();
                         self.sessions.refresh();
                         None
                     }

@@ -108,6 +108,11 @@ impl Studies {
         self.form.results()
     }
 
+    /// Returns the chosen study, as it was named.
+    pub fn chosen(&self) -> &str {
+        &self.form.experiment
+    }
+
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
