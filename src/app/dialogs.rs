@@ -31,7 +31,9 @@ const EVERYWHERE: &[(&str, &str)] = &[
 fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
     match place {
         Place::Studies => &[
-            ("Enter", "Start or resume the session"),
+            ("Arrow keys", "Choose a session"),
+            ("Enter", "Begin or resume the chosen session, or open its file"),
+            ("Delete", "Remove the chosen session if nothing was rated; asks first"),
             ("Ctrl+S", "In a duplicated experiment: save it"),
             ("In a session: 0 1 2 3", "Rate the image (a definition can choose other keys)"),
             ("In a session: Backspace", "Withdraw the last answer, before the next image"),

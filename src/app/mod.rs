@@ -159,8 +159,11 @@ impl App {
     }
 
     fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
-        if !self.direct && self.measured().is_none() {
+        let is_measured = self.measured().is_some();
+        if !is_measured {
             self.draw_status(ui);
+        }
+        if !self.direct && !is_measured {
             match ui::side_bar(ui, self.place) {
                 Some(SideChoice::Go(place)) => self.go(place, false),
                 Some(SideChoice::Help) => self.dialog = Some(Dialog::Help),
@@ -253,7 +256,10 @@ impl App {
                 (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
             }
         };
-        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
+        // A message of one study is not shown with another.
+        let study = if self.place == Place::Studies { self.studies.chosen() } else { "" };
+        let page = format!("{:?} {study}", self.place);
+        ui::status_line(ui, &page, (!about.is_empty()).then_some((icon, &about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {
@@ -263,6 +269,7 @@ impl App {
             Step::Back => self.go(Place::Studies, false),
             Step::Next(editor::Saved { path, renamed }) => {
                 self.memory.settings.recent.experiments.retain(|other| renamed.as_ref() != Some(other));
+                ui::say(ui.ctx(), ui::saved(&path));
                 self.studies.choose_new(&path, &mut self.memory.settings);
             }
         }

@@ -89,7 +89,7 @@ texts! {
     /// Heading shown after the session was left early.
     left_heading = "The session is interrupted";
     /// Shown after the session was left early.
-    left = "All your answers are saved. To resume, start the session again with the same participant and session.";
+    left = "All your answers are saved. The session can be resumed later.";
     /// Shown above the plot at the end; `{x}` and `{lines}` are filled in.
     ratings = "Your mean rating by {x}, one line for each {lines}";
     /// Label of the plot's vertical axis.
@@ -122,6 +122,8 @@ texts! {
     about_you_text = "Answers marked with * are required. Your answers are saved with the data of this experiment.";
     /// Label of the box that agrees to a text.
     agree = "I have read this and agree.";
+    /// The choice of those who leave out a question that is not required.
+    no_answer = "no answer";
     /// Shown at a question that needs an answer.
     answer_missing = "Please answer this question.";
     /// Shown at a text that the participant must agree to.

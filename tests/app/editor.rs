@@ -38,14 +38,14 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
     window.get_by_label_contains("width \"wide\" is not a number; expected");
     window.get_by_label_contains("level 0.05 of width appears twice");
-    window.get_by_label_contains("2 errors in factors.width.");
+    window.get_by_label_contains("2 errors, first in width.");
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
     assert!(window.query_by_label_contains("appears twice").is_none());
     type_into(&mut window, "Repetitions", "many");
-    window.get_by_label_contains("design.repetitions is the text \"many\"; expected a whole number");
+    window.get_by_label_contains("Enter a whole number of 0 or more.");
     type_into(&mut window, "Repetitions", "2");
     type_into(&mut window, "Name", "My study");
-    window.get_by_label_contains("name \"My study\" is not allowed");
+    window.get_by_label_contains("Enter at most 64 lowercase letters");
     type_into(&mut window, "Name", "my-study");
     type_into(&mut window, "Stimulus, s", "0.5");
     click(&mut window, "Remove orientation, °");
@@ -105,7 +105,7 @@ fn a_task_and_its_method_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = duplicate("orientation");
     click(&mut window, "Choice");
-    window.get_by_label_contains("task.reference is missing");
+    window.get_by_label_contains("Choose a parameter in which it differs from the target.");
     click(&mut window, "Remove depth");
     choose(&mut window, "Add to reference", "depth");
     assert_eq!(value(&window, "Reference depth"), "inf");

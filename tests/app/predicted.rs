@@ -82,7 +82,7 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
     for entry in catalog::all().iter().filter_map(|entry| entry.no_bands.map(|why| (entry.title, why))) {
         choose(&mut window, "Stimulus", entry.0);
         window.get_by_label(&format!("No Mach bands. {}", entry.1));
-        assert!(window.query_by_label_contains("times threshold").is_none());
+        assert!(window.query_by_label_contains("times the threshold").is_none());
     }
     choose(&mut window, "Stimulus", "Mach band");
     assert_eq!(settings(&window), ["3", "ordered"]);
@@ -94,7 +94,7 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
 
 /// The left and right cells of the row of the visible difference.
 fn differences(window: &Window) -> Vec<String> {
-    let head = window.get_by_label("visible difference, times threshold").rect();
+    let head = window.get_by_label("visible difference, times the threshold").rect();
     let mut cells: Vec<_> = window
         .query_all(By::new().predicate(|node| node.role() == Role::Label))
         .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))

@@ -11,7 +11,7 @@ use machband::{
 
 use crate::{
     common,
-    window::{self, Window, click, is_chosen, open_study, press, request, texts, type_into, wait_for},
+    window::{self, Window, click, is_chosen, open_study, press, request, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"five\"\ntitle = \"Five categories\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[design]\nrepetitions = 3\n[response]\nlabels = [\"none\", \"faint\", \"clear\", \"strong\", \"very strong\"]\nkeys = [\"1\", \"2\", \"3\", \"4\", \"5\"]\n[plan]\nparticipants = 3\nsessions = 2\n";
@@ -94,6 +94,20 @@ fn a_session_without_ratings_can_be_removed() {
     window.event(eframe::egui::Event::WindowFocused(true));
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    // The arrow keys move from the cell that was clicked, and Enter does what the card says.
+    press(&mut window, Key::ArrowDown);
+    press(&mut window, Key::ArrowRight);
+    window.get_by_label("P002, session 2");
+    press(&mut window, Key::Enter);
+    wait_for(&mut window, "Viewing distance, cm");
+    assert_eq!(["Participant", "Session"].map(|field| value(&window, field)), ["P002", "2"]);
+    press(&mut window, Key::Escape);
+    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    press(&mut window, Key::Enter);
+    wait_for(&mut window, "Before the session");
+    wait_for(&mut window, "participant P001 · session 1");
+    press(&mut window, Key::Escape);
+    wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     let csv = common::session_csv(&results, "five", "P001");
     assert!(csv.exists());
     click(&mut window, "Remove…");

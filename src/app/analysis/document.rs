@@ -2,7 +2,10 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{self, Color32, ColorImage, Label, Pos2, Rect, RichText, ScrollArea, Sense, TextureHandle, Vec2};
+use eframe::egui::{
+    self, Align, Color32, ColorImage, Label, Layout, Popup, PopupCloseBehavior, Pos2, Rect, RichText, ScrollArea,
+    Sense, TextureHandle, Vec2,
+};
 
 use super::table::TableView;
 use crate::{
@@ -25,6 +28,8 @@ use crate::{
 const SUMMARY: &str = "summary";
 /// In a view wider than this, points, figures are in two columns.
 const TWO_COLUMNS: f32 = 880.0;
+/// Width of the controls that save a figure, points.
+const SAVING: f32 = 440.0;
 /// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
 const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
 
@@ -115,17 +120,6 @@ impl DocumentView {
             }
         }
     }
-
-    /// Closes the field that saves a figure; returns whether there was one.
-    pub fn cancel(&mut self) -> bool {
-        let mut closed = false;
-        for block in self.sections.iter_mut().flat_map(|section| &mut section.blocks) {
-            if let BlockView::Figure(figure) = block {
-                closed |= figure.saving.take().is_some();
-            }
-        }
-        closed
-    }
 }
 
 /// Draws blocks. Two ordinary figures that follow each other are side by side if there is room.
@@ -148,8 +142,10 @@ fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut B
         let beside = two && !left.figure.wide;
         match blocks.next_if(|next| beside && fits(next)) {
             Some((_, BlockView::Figure(right))) => ui.columns(2, |columns| {
-                left.show(&mut columns[0]);
-                right.show(&mut columns[1]);
+                for (column, figure) in columns.iter_mut().zip([left, right]) {
+                    // Columns would stretch the spaces of captions.
+                    column.with_layout(Layout::top_down(Align::Min), |ui| figure.show(ui));
+                }
             }),
             _ => left.show(ui),
         }
@@ -194,14 +190,15 @@ struct FigureView {
     canvas: Canvas,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<(u32, bool)>, TextureHandle)>,
-    /// The path to save it to, while the user enters one, and the outcome.
-    saving: Option<(String, Saving)>,
+    /// The path to save it to, and the outcome.
+    saving: (String, Saving),
 }
 
 impl FigureView {
     /// Creates a figure that has not been drawn yet.
     fn new(figure: Figure) -> Self {
-        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving: None }
+        let saving = (format!("{}.svg", figure.name), Saving::default());
+        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving }
     }
 
     /// Shows the image of the previous figure until this one is drawn.
@@ -229,18 +226,16 @@ impl FigureView {
             ui.add(Label::new(RichText::new(&self.figure.title).strong()).wrap());
             let save = ui.small_button("Save…");
             name(ui, &save, &format!("Save the figure: {}", self.figure.title));
-            if save.on_hover_text("Saves this figure alone, as SVG or PNG.").clicked() {
-                let path = format!("{}.svg", self.figure.name);
-                self.saving = if self.saving.is_some() { None } else { Some((path, Saving::default())) };
-            }
+            let save = save.on_hover_text("Saves this figure alone, as SVG or PNG.");
+            let popup = Popup::from_toggle_button_response(&save).width(SAVING);
+            popup.close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| self.save(ui));
         });
-        self.save(ui);
         hint(ui, &self.figure.caption);
     }
 
     /// Draws the controls that save the figure. Its ending chooses the format.
     fn save(&mut self, ui: &mut egui::Ui) {
-        let Some((typed, saving)) = &mut self.saving else { return };
+        let (typed, saving) = &mut self.saving;
         ui.horizontal_wrapped(|ui| {
             let field = Field::new("Save the figure as").width(240.0).text(ui, typed);
             if field.on_hover_text("End the name in .svg or .png, which chooses the format.").changed() {

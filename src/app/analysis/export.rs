@@ -8,12 +8,11 @@ use std::{
 use eframe::egui;
 
 use crate::{
-    analysis::Results,
     app::ui::{
-        Dialog, FileKind, Saving, full, hint, open, secondary, show_error,
+        Dialog, FileKind, Saving, complain, full, hint, open, say, secondary,
         work::{BackgroundTask, Progress},
     },
-    report::{Provenance, Study, study::shell_command, write_all},
+    report::{Provenance, study::shell_command},
     store::{StoreError, Writer},
     system::now,
     work::{Analyze, words},
@@ -28,20 +27,19 @@ pub struct Export {
     dialog: Dialog,
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
     saving: Saving,
-    copied: Option<String>,
     /// The folder with the last export.
     written: Option<PathBuf>,
-    /// Why it could not be opened.
-    not_opened: Option<String>,
 }
 
+/// Writes the files of an analysis into a folder; returns their number.
+type Write = dyn Fn(&Writer, &Provenance, &Path) -> Result<usize, StoreError> + Send + Sync;
+
 pub struct Exported<'a> {
-    pub study: &'a Arc<Study>,
     /// What was requested.
     pub request: &'a Analyze,
-    pub results: &'a Arc<Results>,
     /// A phrase that describes the selected data; empty if nothing is excluded.
     pub filter: String,
+    pub write: Arc<Write>,
 }
 
 impl Export {
@@ -76,21 +74,19 @@ impl Export {
         if changed {
             self.forget();
         }
-        if let Some(Exported { filter, .. }) = exported.filter(|exported| !exported.filter.is_empty()) {
-            hint(ui, format!("The export includes only the data shown: {filter}."));
-        }
         self.dialog.missing_error(ui);
         self.saving.show(ui);
-        self.open_buttons(ui);
-        let copy = ui.add_enabled(exported.is_some(), egui::Button::new("Copy as command")).clicked();
+        let copy = self.open_buttons(ui, exported.is_some());
         if let Some(exported) = exported.filter(|_| copy) {
             let command = self.command(exported);
             ui.ctx().copy_text(command.clone());
-            self.copied = Some(command);
+            say(ui.ctx(), format!("Copied: {command}"));
         }
-        if let Some(command) = &self.copied {
-            hint(ui, format!("Copied: {command}"));
-        }
+        let all = match exported.map(|exported| exported.filter.as_str()) {
+            Some("") | None => "all data.".to_owned(),
+            Some(filter) => format!("only the data shown: {filter}."),
+        };
+        hint(ui, format!("The export includes {all}"));
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
@@ -110,29 +106,32 @@ impl Export {
     }
 
     fn forget(&mut self) {
-        (self.saving, self.written, self.not_opened) = (Saving::default(), None, None);
+        (self.saving, self.written) = (Saving::default(), None);
     }
 
-    /// Draws the buttons that open the last export in other programs.
-    fn open_buttons(&mut self, ui: &mut egui::Ui) {
-        let Some(folder) = &self.written else { return };
+    /// Draws the buttons that open the last export in other programs, and the one that copies the command, which it
+    /// returns.
+    fn open_buttons(&self, ui: &mut egui::Ui, is_ready: bool) -> bool {
         ui.horizontal_wrapped(|ui| {
+            let folder = self.written.clone().unwrap_or_default();
             for (text, path) in [("Open report", folder.join("report.html")), ("Open folder", folder.clone())] {
-                if ui.button(text).clicked() {
-                    self.not_opened = open(&path);
+                let button = ui.add_enabled(self.written.is_some(), egui::Button::new(text));
+                if button.clicked()
+                    && let Some(error) = open(&path)
+                {
+                    complain(ui.ctx(), error);
                 }
             }
-        });
-        if let Some(error) = &self.not_opened {
-            show_error(ui, error);
-        }
+            ui.add_enabled(is_ready, egui::Button::new("Copy as command")).clicked()
+        })
+        .inner
     }
 
     fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
         self.written = None;
-        let (study, results, to) = (exported.study.clone(), exported.results.clone(), folder.clone());
-        let command = self.command(exported);
-        self.work = Some((folder, BackgroundTask::start(ctx, move || write(&writer, &study, &results, &command, &to))));
+        let (write, to, command) = (exported.write.clone(), folder.clone(), self.command(exported));
+        let work = move || write(&writer, &Provenance::new(command, now()), &to);
+        self.work = Some((folder, BackgroundTask::start(ctx, work)));
     }
 
     /// Returns the command that repeats the request.
@@ -140,12 +139,4 @@ impl Export {
         let out = ["--out".to_owned(), self.folder.trim().to_owned()];
         shell_command(["analyze".to_owned()].into_iter().chain(words(exported.request)).chain(out))
     }
-}
-
-/// Writes everything that `machband analyze` writes; returns the number of files.
-fn write(writer: &Writer, study: &Study, results: &Results, command: &str, folder: &Path) -> Result<usize, StoreError> {
-    // The report covers the ratings on which the results are based.
-    let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-    let made = Provenance::new(command, now());
-    Ok(write_all(writer, &shown, results, &made, folder, false)?.files.len())
 }

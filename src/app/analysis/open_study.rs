@@ -31,6 +31,7 @@ use crate::{
         figures::{self, Figure},
         prediction::StudyPrediction,
         study::{Parts, document},
+        write_all,
     },
     store::{
         FileError,
@@ -42,9 +43,9 @@ use crate::{
 /// Maximum number of listed errors, and of listed warnings.
 const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, in points, the data and filters have a separate view.
-const NARROW: f32 = 700.0;
+pub(super) const NARROW: f32 = 700.0;
 /// Opacity of results that a newer analysis is about to replace.
-const STALE: f32 = 0.6;
+pub(super) const STALE: f32 = 0.6;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
@@ -147,12 +148,6 @@ impl OpenStudy {
         }
     }
 
-    /// Closes the field that saves a figure; returns whether there was one.
-    pub fn cancel(&mut self) -> bool {
-        self.shown.as_mut().is_some_and(|(_, view)| view.cancel())
-            || self.draft.as_mut().is_some_and(DocumentView::cancel)
-    }
-
     /// Records why the files could not be read with other options. The current data stay.
     pub fn keep(&mut self, error: String) {
         self.not_reread = Some(error);
@@ -168,18 +163,16 @@ impl OpenStudy {
             if self.section == DATA.0 {
                 self.section = "summary";
             }
-            let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
-            let panel = Panel::left("analysis").resizable(false).exact_size(width);
-            panel.frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-                dense(ui);
+            side(ui, |ui| {
+                pinned(ui, |ui| self.show_export(ui));
                 ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    back = heading(ui, "Analysis");
+                    back = heading(ui, "Analyze");
                     self.controls(ui);
                 });
             });
         }
         CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            dense(ui);
+            theme::compact(ui);
             ui.horizontal_wrapped(|ui| {
                 if narrow {
                     back = ui.button("Back").clicked();
@@ -189,7 +182,10 @@ impl OpenStudy {
             self.state(ui);
             ui.separator();
             if self.section == DATA.0 {
-                ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| self.controls(ui));
+                ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
+                    self.controls(ui);
+                    self.show_export(ui);
+                });
             } else {
                 self.show_document(ui);
             }
@@ -345,7 +341,7 @@ impl OpenStudy {
         }
     }
 
-    /// Draws the controls: files, filters, model, export.
+    /// Draws the controls: files, filters, model.
     fn controls(&mut self, ui: &mut egui::Ui) {
         let source = &self.study.source;
         about(ui, &self.study);
@@ -370,23 +366,31 @@ impl OpenStudy {
         ui.separator();
         let counts = &self.study.measured.counts;
         self.filters.show(ui, counts);
-        if self.filters.is_narrowed() && ui.button("Select everything").clicked() {
+        if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
         ui.separator();
         let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
         self.model.show(ui, counts, &self.filters, &is_column);
-        ui.separator();
+        self.read_columns_of_terms();
+    }
+
+    fn show_export(&mut self, ui: &mut egui::Ui) {
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
-        let exported = outcome.map(|outcome| Exported {
-            study: &self.study,
-            request: &outcome.request,
-            results: &outcome.results,
-            filter: outcome.filter.clone(),
+        let exported = outcome.map(|outcome| {
+            let (study, results) = (self.study.clone(), outcome.results.clone());
+            Exported {
+                request: &outcome.request,
+                filter: outcome.filter.clone(),
+                write: Arc::new(move |writer, made, folder| {
+                    // The report covers the ratings on which the results are based.
+                    let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
+                    Ok(write_all(writer, &shown, &results, made, folder, false)?.files.len())
+                }),
+            }
         });
         self.export.show(ui, exported.as_ref());
-        self.read_columns_of_terms();
     }
 
     /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
@@ -428,7 +432,7 @@ fn columns(source: &Source) -> BTreeSet<String> {
     source.files.iter().filter_map(|file| column_names(&file.path).ok()).flatten().collect()
 }
 
-fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
+pub(super) fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
     if problems.is_empty() {
         return;
     }
@@ -444,10 +448,20 @@ fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui:
     });
 }
 
-/// Makes the page dense, with small text and thin scroll bars.
-pub(super) fn dense(ui: &mut egui::Ui) {
-    theme::compact(ui);
-    ui.spacing_mut().scroll = egui::style::ScrollStyle::thin();
+/// Draws the column of controls beside the results.
+pub(super) fn side(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
+    let panel = Panel::left("analysis").resizable(false).exact_size(width).frame(Frame::NONE.inner_margin(12.0));
+    panel.show(ui, |ui| {
+        theme::compact(ui);
+        add(ui);
+    });
+}
+
+/// Draws the lower edge of that column, which stays in view.
+pub(super) fn pinned(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
+    let frame = Frame::NONE.inner_margin(egui::Margin { top: theme::GAP as i8, ..Default::default() });
+    Panel::bottom("export").resizable(false).frame(frame).show(ui, add);
 }
 
 /// How many studies the analysis has simulated so far.

@@ -7,7 +7,7 @@ use eframe::egui::{self, Key};
 use super::{
     open_study::{OpenStudy, Request},
     questions::{CategoryOrder, Columns},
-    task::{OpenTask, TaskDocument},
+    task::{OpenTask, TaskRead},
 };
 use crate::{
     app::ui::{
@@ -45,13 +45,13 @@ pub struct Analysis {
 /// What was read.
 enum Read {
     Ratings(Box<Study>),
-    Task(TaskDocument),
+    Task(Box<TaskRead>),
 }
 
 /// Reads what is asked for: ratings, or the answers to another task, which are analyzed at once.
 fn read(asked: &Analyze) -> Result<Read, String> {
     match asked.read_task() {
-        Ok(Some(study)) => Ok(Read::Task(TaskDocument::of(&study, asked))),
+        Ok(Some(study)) => Ok(Read::Task(TaskRead::of(study, asked).into())),
         Ok(None) => {
             asked.read_unordered().map(|study| Read::Ratings(study.into())).map_err(|errors| errors.to_string())
         }
@@ -109,26 +109,21 @@ impl Analysis {
     /// Returns the file or folder that is open; `None` if there is none, or if there are several.
     pub fn opened(&self) -> Option<PathBuf> {
         let [path] = self.asked.ratings.paths.as_slice() else { return None };
-        self.open.as_ref().and_then(|_| std::path::absolute(path).ok())
+        std::path::absolute(path).ok().filter(|_| self.open.is_some() || self.task.is_some())
     }
 
     /// Draws the page. `recent` are the paths that were opened recently.
     pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Step {
-        let escaped = escaped(ui)
-            && ui.memory(|memory| memory.focused().is_none())
-            && !self.open.as_mut().is_some_and(|open| open.cancel());
+        let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
         // While its files are read again, the study stays in view.
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
-        if let Some(task) = self.task.as_mut().filter(|_| !is_reading) {
-            if task.show(ui) || escaped {
-                self.task = None;
-            }
-            return Step::Stay;
-        }
+        let task = self.task.as_mut().filter(|_| !is_reading);
         let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
-        let back = match open.map(|open| open.show(ui)) {
+        let is_stale = self.reading.is_some();
+        let step = task.map(|task| task.show(ui, is_stale)).or_else(|| open.map(|open| open.show(ui)));
+        let back = match step {
             None => self.show_start(ui, recent),
             Some(Step::Stay) => false,
             Some(Step::Back) => true,
@@ -159,13 +154,14 @@ impl Analysis {
         };
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
-            Ok(Read::Task(document)) => {
+            Ok(Read::Task(read)) => {
                 (self.columns, self.open) = (None, None);
-                self.task = Some(Box::new(OpenTask::new(document, &asked)));
+                let before = self.task.take().filter(|_| again).map(|before| *before);
+                self.task = Some(Box::new(OpenTask::new(*read, asked, before)));
             }
             Ok(Read::Ratings(study)) => {
                 let study = *study;
-                self.columns = None;
+                (self.columns, self.task) = (None, None);
                 let before = self.open.take().filter(|_| again);
                 self.order = CategoryOrder::needed(&study, &asked.ratings);
                 if self.order.is_some() {
@@ -176,10 +172,11 @@ impl Analysis {
                     None => OpenStudy::new(study, asked),
                 }));
             }
-            Err(error) => match self.open.as_mut().filter(|_| again) {
-                Some(open) => open.keep(error),
-                None => {
-                    self.open = None;
+            Err(error) => match (self.open.as_mut().filter(|_| again), self.task.as_mut().filter(|_| again)) {
+                (Some(open), _) => open.keep(error),
+                (None, Some(task)) => task.keep(error),
+                (None, None) => {
+                    (self.open, self.task) = (None, None);
                     self.columns = Columns::needed(&asked.ratings);
                     // A missing selection is not an error before the user has seen the form.
                     let is_first = self.columns.is_some() && asked.ratings.subject.is_none();
@@ -192,7 +189,7 @@ impl Analysis {
     /// Performs an action requested by the controls of the study.
     fn follow(&mut self, ctx: &egui::Context, request: Request) {
         match request {
-            Request::OtherData => self.open = None,
+            Request::OtherData => (self.open, self.task) = (None, None),
             Request::Columns => {
                 self.columns = self.open.as_ref().and_then(|open| Columns::of(&open.asked.ratings));
             }
@@ -209,7 +206,7 @@ impl Analysis {
     fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
         page_from(ui, 0.02, |ui| {
-            let back = heading(ui, "Analysis");
+            let back = heading(ui, "Analyze");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {
                     ui.spinner();

@@ -76,20 +76,7 @@ impl Filters {
 
     /// Draws the checklists.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
-        let excluded: HashSet<&str> = self.0.exclude.iter().map(String::as_str).collect();
-        let mut people: Vec<bool> = counts.subjects.iter().map(|id| !excluded.contains(&**id)).collect();
-        let title = format!("Participants: {} of {}", checked(&people), people.len());
-        list(ui, "participants", &title, &mut people, |ui, people| {
-            // A long list has its own scroll area; only the visible part is drawn.
-            let height = ui.spacing().interact_size.y;
-            let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
-            area.show_rows(ui, height, people.len(), |ui, rows| {
-                ui.set_width(ui.available_width());
-                for row in rows {
-                    check(ui, &mut people[row], "Participant", &counts.subjects[row]);
-                }
-            });
-        });
+        people(ui, &counts.subjects, &mut self.0.exclude);
         let mut only = Vec::new();
         for (index, factor) in counts.factors.iter().enumerate() {
             let names = counts.selectable_levels(index);
@@ -109,9 +96,27 @@ impl Filters {
                 only.push((factor.name.clone(), kept.collect()));
             }
         }
-        let exclude = counts.subjects.iter().zip(people).filter(|(_, kept)| !kept).map(|(id, _)| id.clone());
-        self.0 = Exclusions { exclude: exclude.collect(), only };
+        self.0.only = only;
     }
+}
+
+/// Draws the checklist of the participants.
+pub fn people(ui: &mut egui::Ui, all: &[String], excluded: &mut Vec<String>) {
+    let out: HashSet<&str> = excluded.iter().map(String::as_str).collect();
+    let mut people: Vec<bool> = all.iter().map(|id| !out.contains(&**id)).collect();
+    let title = format!("Participants: {} of {}", checked(&people), people.len());
+    list(ui, "participants", &title, &mut people, |ui, people| {
+        // A long list has its own scroll area; only the visible part is drawn.
+        let height = ui.spacing().interact_size.y;
+        let area = ScrollArea::vertical().id_salt("people").max_height(190.0);
+        area.show_rows(ui, height, people.len(), |ui, rows| {
+            ui.set_width(ui.available_width());
+            for row in rows {
+                check(ui, &mut people[row], "Participant", &all[row]);
+            }
+        });
+    });
+    *excluded = all.iter().zip(people).filter(|(_, kept)| !kept).map(|(id, _)| id.clone()).collect();
 }
 
 fn checked(list: &[bool]) -> usize {

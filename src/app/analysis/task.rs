@@ -1,67 +1,162 @@
 //! Shows the analysis of a task other than a rating.
 
-use eframe::egui::{self, CentralPanel, Frame};
+use std::sync::Arc;
 
-use super::{document::DocumentView, open_study::dense};
+use eframe::egui::{self, CentralPanel, Frame, RichText, ScrollArea};
+
+use super::{
+    document::DocumentView,
+    export::{Export, Exported},
+    open_study::{NARROW, Request, STALE, pinned, problems, side},
+    query::people,
+};
 use crate::{
-    app::ui::{heading, hint},
+    app::ui::{Step, heading, hint, paragraph, show_error, theme},
     report::{
-        study::shell_command,
+        document::{Document, numbers::count},
+        task_files,
         tasks::{TaskResults, TaskStudy, document, figures},
     },
-    work::{Analyze, words},
+    store::table::List,
+    work::Analyze,
 };
+
+/// The analysis of a task, as it was made on another thread.
+pub struct TaskRead {
+    study: Arc<TaskStudy>,
+    results: Arc<TaskResults>,
+    document: Document,
+}
+
+impl TaskRead {
+    /// Analyzes a study.
+    pub fn of(study: TaskStudy, asked: &Analyze) -> Self {
+        let results = TaskResults::of(&study, asked.resampling.seed);
+        let document = document(&study, &results, &figures(&study, &results), None);
+        Self { study: study.into(), results: results.into(), document }
+    }
+}
 
 /// The results of a task, as they are shown.
 pub struct OpenTask {
+    study: Arc<TaskStudy>,
+    results: Arc<TaskResults>,
+    asked: Analyze,
+    /// All participants, and those who are to be left out.
+    people: Vec<String>,
+    excluded: Vec<String>,
     view: DocumentView,
     section: &'static str,
-    /// The command that writes the report.
-    command: String,
-    copied: bool,
-}
-
-/// A document that was made on another thread.
-pub struct TaskDocument(crate::report::document::Document);
-
-impl TaskDocument {
-    /// Analyzes a study.
-    pub fn of(study: &TaskStudy, asked: &Analyze) -> Self {
-        let results = TaskResults::of(study, asked.resampling.seed);
-        Self(document(study, &results, &figures(study, &results), None))
-    }
+    export: Export,
+    /// Why the data could not be read with another selection.
+    error: Option<String>,
 }
 
 impl OpenTask {
-    /// Shows a document.
-    pub fn new(TaskDocument(document): TaskDocument, asked: &Analyze) -> Self {
-        let out = ["--out", "analysis"].map(str::to_owned);
-        let command = shell_command(["analyze".to_owned()].into_iter().chain(words(asked)).chain(out));
-        Self { view: DocumentView::new(document, None), section: "summary", command, copied: false }
+    /// Shows results; `before` are those of the same data with another selection.
+    pub fn new(read: TaskRead, asked: Analyze, before: Option<Self>) -> Self {
+        let TaskRead { study, results, document } = read;
+        let excluded = asked.ratings.exclude.clone().unwrap_or_default().0;
+        let (people, view, section, export) = match before {
+            Some(before) => (before.people, Some(before.view), before.section, before.export),
+            None => {
+                let files = study.files.iter().map(|(path, _)| path.clone());
+                (study.people.clone(), None, "summary", Export::new(&asked.ratings.paths, files))
+            }
+        };
+        let view = DocumentView::new(document, view);
+        Self { study, results, asked, people, excluded, view, section, export, error: None }
     }
 
-    /// Draws the page; returns whether the user leaves it.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
-        let mut back = false;
+    /// Says why the data could not be read with another selection. The current results stay.
+    pub fn keep(&mut self, error: String) {
+        self.error = Some(error);
+    }
+
+    /// Draws the page. `is_stale`: the data are being read with another selection.
+    pub fn show(&mut self, ui: &mut egui::Ui, is_stale: bool) -> Step<Request> {
+        let (mut back, mut request) = (false, None);
+        let narrow = ui.available_width() < NARROW;
+        if !narrow {
+            side(ui, |ui| {
+                pinned(ui, |ui| self.show_export(ui, is_stale));
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    back = heading(ui, "Analyze");
+                    request = self.controls(ui);
+                });
+            });
+        }
         CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            dense(ui);
-            back = heading(ui, "Analysis");
+            theme::compact(ui);
             ui.horizontal_wrapped(|ui| {
+                if narrow {
+                    back = ui.button("Back").clicked();
+                    ui.selectable_value(&mut self.section, "people", "Participants");
+                }
                 for (id, heading) in self.view.headings() {
                     ui.selectable_value(&mut self.section, id, heading);
                 }
-                ui.separator();
-                if ui.button("Copy as command").clicked() {
-                    ui.ctx().copy_text(self.command.clone());
-                    self.copied = true;
-                }
             });
-            if self.copied {
-                hint(ui, format!("Copied: {}. It writes the report, its figures and the tables.", self.command));
-            }
             ui.separator();
-            self.view.show(ui, self.section);
+            if narrow && self.section == "people" {
+                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                    request = self.controls(ui);
+                    self.show_export(ui, is_stale);
+                });
+                return;
+            }
+            if is_stale {
+                ui.multiply_opacity(STALE);
+            }
+            if !self.view.show(ui, self.section) {
+                self.section = "summary";
+            }
         });
-        back
+        request.map_or(Step::back_if(back), Step::Next)
+    }
+
+    /// Draws the data and who is left out; returns what only the page can do.
+    fn controls(&mut self, ui: &mut egui::Ui) -> Option<Request> {
+        paragraph(ui, RichText::new(&self.study.asked.title).strong());
+        let of = |what: &str, n: usize| count(n as u64, what);
+        let answers = count(self.study.answers(), "answer");
+        hint(ui, format!("{}, {answers}.", of("participant", self.people.len())));
+        problems(ui, "Errors", &self.study.errors, theme::ink(ui).bad);
+        let other = ui.button("Other data…").clicked();
+        ui.separator();
+        let before = self.excluded.clone();
+        people(ui, &self.people, &mut self.excluded);
+        if ui.add_enabled(!self.excluded.is_empty(), egui::Button::new("Select everything")).clicked() {
+            self.excluded.clear();
+        }
+        if let Some(error) = &self.error {
+            show_error(ui, error);
+        }
+        if self.excluded == before {
+            return other.then_some(Request::OtherData);
+        }
+        let mut asked = self.asked.clone();
+        asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
+        Some(Request::Read(Box::new(asked)))
+    }
+
+    fn show_export(&mut self, ui: &mut egui::Ui, is_stale: bool) {
+        let Self { study, results, asked, people, excluded, .. } = self;
+        let left = people.len() - excluded.len();
+        let filter =
+            if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
+        let (study, results) = (study.clone(), results.clone());
+        let exported = Exported {
+            request: asked,
+            filter,
+            write: Arc::new(move |writer, made, folder| {
+                writer.make_folder(folder)?;
+                let contents = task_files(&study, &results, made, folder, false)?;
+                let files: Vec<_> = contents.into_iter().map(|(name, text)| (folder.join(name), text)).collect();
+                writer.write_all(&files)?;
+                Ok(files.len())
+            }),
+        };
+        self.export.show(ui, Some(&exported).filter(|_| !is_stale));
     }
 }

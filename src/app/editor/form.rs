@@ -8,8 +8,9 @@ use std::{
 use eframe::egui::{Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::Field,
+    app::ui::{Dialog, Field, parameter},
     experiment::Protocol,
+    stimulus::picture::Picture,
     store::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
@@ -42,6 +43,10 @@ pub struct DefinitionForm {
     errors: Vec<FileError>,
     /// The indices of the errors that this frame has shown next to their fields.
     shown: BTreeSet<usize>,
+    /// The labels of the fields, by their keys.
+    labels: BTreeMap<String, String>,
+    /// The dialog that chooses a folder of pictures.
+    pub pictures: Dialog,
 }
 
 impl DefinitionForm {
@@ -57,9 +62,11 @@ impl DefinitionForm {
             let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
             // Saving never replaces a file, whatever is said here.
             let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
-            draft.set("name", &(1..).map(copy).find(is_free).unwrap_or_default(), Typed::Text);
+            let number = (1..).find(|number| is_free(&copy(*number))).unwrap_or(1);
+            draft.set("name", &copy(number), Typed::Text);
             if let Some(title) = draft.get("title") {
-                draft.set("title", &format!("{title} (copy)"), Typed::Text);
+                let copy = if number == 1 { "copy".to_owned() } else { format!("copy {number}") };
+                draft.set("title", &format!("{title} ({copy})"), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.
@@ -76,6 +83,8 @@ impl DefinitionForm {
             revision: 0,
             errors: Vec::new(),
             shown: BTreeSet::new(),
+            labels: BTreeMap::new(),
+            pictures: Dialog::default(),
         };
         form.check();
         form.hash = form.protocol.as_ref().map(definition::hash);
@@ -113,6 +122,11 @@ impl DefinitionForm {
 
     pub fn errors(&self) -> &[FileError] {
         &self.errors
+    }
+
+    /// Returns whether the stimulus is to be pictures, which are not chosen yet.
+    pub fn lacks_pictures(&self) -> bool {
+        self.value("stimulus.kind", "") == Picture::KIND && self.value("stimulus.files", "").trim().is_empty()
     }
 
     /// Returns the errors that this frame has not shown next to a field.
@@ -179,34 +193,41 @@ impl DefinitionForm {
 
     fn show(&mut self, found: &[usize]) -> String {
         self.shown.extend(found);
-        let mut lines: Vec<String> = found.iter().take(MAX_SHOWN).map(|i| self.errors[*i].message.clone()).collect();
+        let mut lines: Vec<String> = found.iter().take(MAX_SHOWN).map(|i| plain(&self.errors[*i])).collect();
         if found.len() > MAX_SHOWN {
             lines.push(format!("and {} more", found.len() - MAX_SHOWN));
         }
         lines.join("\n")
     }
 
+    /// Returns the label of the field with an error.
+    pub fn label(&self, error: &FileError) -> String {
+        let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
+        let label = self.labels.get(&parts.join(".")).cloned();
+        label.or_else(|| parts.last().map(|name| parameter::label(name))).unwrap_or_else(|| "file".to_owned())
+    }
+
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(key, default, Typed::Text, about, |error, text| {
-            Field::new(label).column(LABELS).error(error).width(width).text(ui, text)
+        self.field(label, key, default, Typed::Text, about, |error, text| {
+            Field::new(label).column(LABELS).slot().error(error).width(width).text(ui, text)
         });
     }
 
     /// Draws a field for text of several lines, with its errors.
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
-        self.field(key, default, Typed::Text, about, |error, text| {
+        self.field(label, key, default, Typed::Text, about, |error, text| {
             let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width);
-            Field::new(label).column(LABELS).error(error).add(ui, edit)
+            Field::new(label).column(LABELS).slot().error(error).add(ui, edit)
         });
     }
 
     /// Draws a field for a number, with its errors.
     pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
-        self.field(key, &default.to_string(), Typed::Value, about, |error, text| {
-            Field::new(label).column(LABELS).error(error).width(NUMBER).text(ui, text)
+        self.field(label, key, &default.to_string(), Typed::Value, about, |error, text| {
+            Field::new(label).column(LABELS).slot().error(error).width(NUMBER).text(ui, text)
         });
     }
 
@@ -214,9 +235,9 @@ impl DefinitionForm {
     /// what that means.
     pub fn list(&mut self, ui: &mut Ui, label: &str, key: &str, [default, absent]: [&str; 2], about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(key, default, Typed::Values, about, |error, text| {
+        self.field(label, key, default, Typed::Values, about, |error, text| {
             let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).hint_text(absent);
-            Field::new(label).column(LABELS).error(error).add(ui, edit.desired_width(width).return_key(None))
+            Field::new(label).column(LABELS).slot().error(error).add(ui, edit.desired_width(width).return_key(None))
         });
         if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) && self.draft.get(key).is_some() {
             self.edit(|draft| draft.remove(key));
@@ -225,8 +246,8 @@ impl DefinitionForm {
 
     /// Draws a field for a number that can be absent; `absent` says what that means, and `owner` is then removed.
     pub fn optional(&mut self, ui: &mut Ui, label: &str, [key, owner]: [&str; 2], absent: &str, about: &str) {
-        self.field(key, "", Typed::Value, about, |error, text| {
-            Field::new(label).column(LABELS).error(error).width(OPTIONAL).hint(absent).text(ui, text)
+        self.field(label, key, "", Typed::Value, about, |error, text| {
+            Field::new(label).column(LABELS).slot().error(error).width(OPTIONAL).hint(absent).text(ui, text)
         });
         if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) {
             self.typed.remove(key);
@@ -236,16 +257,27 @@ impl DefinitionForm {
 
     fn field(
         &mut self,
+        label: &str,
         key: &str,
         default: &str,
         typed: Typed,
         about: &str,
         draw: impl FnOnce(&str, &mut String) -> Response,
     ) {
+        self.labels.entry(key.to_owned()).or_insert_with(|| label.to_owned());
         let mut text = self.value(key, default);
         let response = draw(&self.error(key), &mut text);
         if response.on_hover_text(about).changed() {
             self.type_value(key, &text, typed);
         }
     }
+}
+
+/// Returns the message of an error beside its field, without the names and the limits of the file.
+fn plain(error: &FileError) -> String {
+    let message = match error.message.strip_prefix(&*error.key).and_then(|rest| rest.split_once("; expected ")) {
+        Some((_, expected)) if !error.key.is_empty() => format!("Enter {expected}."),
+        _ => error.message.clone(),
+    };
+    message.replace(&format!("from 0 to {}", u32::MAX), "of 0 or more").replace(" in quotes", "")
 }

@@ -7,6 +7,7 @@ use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifier
 use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
+    report::document::numbers::count,
     store::definition,
 };
 
@@ -183,14 +184,6 @@ impl Editor {
         if let Some(protocol) = form.protocol() {
             ui::section(ui, ui::extent(protocol));
         }
-        for error in form.unshown() {
-            ui.horizontal_wrapped(|ui| {
-                ui::show_error(ui, &error.message);
-                if !error.key.is_empty() && ui.button("Remove").on_hover_text(&error.key).clicked() {
-                    form.rebuild(|draft| draft.remove(&error.key));
-                }
-            });
-        }
         if self.copy {
             Self::folder_field(ui, &mut self.folder, &mut self.dialog);
             form.set_folder(&absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into()));
@@ -202,18 +195,25 @@ impl Editor {
         };
         let Ok(form) = &mut self.form else { return None };
         let is_frozen = self.sessions > 0 && form.is_another_experiment();
-        let hint = match form.errors() {
-            [] if is_frozen => "Only the plan may change while there are sessions.".to_owned(),
-            [] => format!("as {}", path.display()),
-            errors => {
-                let mut fields: Vec<&str> = errors.iter().map(|error| field_of(&error.key)).collect();
-                fields.dedup();
-                let count = if errors.len() == 1 { "1 error".to_owned() } else { format!("{} errors", errors.len()) };
-                format!("{count} in {}. The conditions shown are the last ones without errors.", fields.join(", "))
-            }
-        };
         let valid = form.errors().is_empty() && !is_frozen;
-        let clicked = ui::neutral_primary(ui, self.saving.caption("Save", &path), valid, &hint);
+        let clicked = ui.horizontal(|ui| {
+            let clicked = ui::neutral_primary(ui, self.saving.caption("Save", &path), valid, "");
+            match form.errors() {
+                [] if is_frozen => ui::note(ui, "Only the plan may change while there are sessions."),
+                [] => ui::hint(ui, format!("as {}", path.display())),
+                _ if form.lacks_pictures() => ui::hint(ui, "Choose the pictures first."),
+                [first, ..] => {
+                    let count = count(form.errors().len() as u64, "error");
+                    let text = format!(
+                        "{count}, first in {}. The conditions shown are the last ones without errors.",
+                        form.label(first)
+                    );
+                    ui::show_error(ui, text);
+                }
+            }
+            clicked
+        });
+        let clicked = clicked.inner;
         let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
         let written = saves.then(|| {
             let text = form.draft().text();
@@ -231,6 +231,15 @@ impl Editor {
             None => {}
         }
         self.saving.show(ui);
+        let Ok(form) = &mut self.form else { return None };
+        for error in form.unshown() {
+            ui.horizontal_wrapped(|ui| {
+                ui::show_error(ui, &error.message);
+                if !error.key.is_empty() && ui.button("Remove").on_hover_text(&error.key).clicked() {
+                    form.rebuild(|draft| draft.remove(&error.key));
+                }
+            });
+        }
         None
     }
 
@@ -271,9 +280,4 @@ impl Editor {
         self.leaving = discard != Some(false);
         discard == Some(true)
     }
-}
-
-/// Returns the key without the index in a list.
-fn field_of(key: &str) -> &str {
-    key.match_indices('.').nth(1).map_or(key, |(end, _)| &key[..end])
 }

@@ -1,5 +1,7 @@
 //! The fields of a definition, in the order of its file.
 
+use std::path::Path;
+
 use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, Response, Role, TextEdit, Ui, Vec2, WidgetInfo};
 
 use super::{
@@ -7,7 +9,7 @@ use super::{
     task,
 };
 use crate::{
-    app::ui::{self, Field, parameter, theme::Icon},
+    app::ui::{self, Field, FileKind, parameter, theme::Icon},
     experiment::{Design, ParticipantFields, Recovery, Texts, ViewingPlan},
     stimulus::{
         KINDS, Parameter, Stimulus, catalog,
@@ -97,8 +99,28 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
     let about = "A folder beside the definition, a slash, and a name in which * stands for any letters.";
-    form.text(ui, "Files", "stimulus.files", "", about);
-    if let Some(Stimulus::Image(picture)) = form.protocol().map(|protocol| &protocol.stimulus) {
+    if form.lacks_pictures() {
+        // Nothing was chosen yet, so nothing is wrong.
+        form.error("stimulus");
+        let mut files = String::new();
+        let field = Field::new("Files").column(LABELS).slot().hint("pictures/*.png").text(ui, &mut files);
+        if field.on_hover_text(about).changed() {
+            form.type_value("stimulus.files", &files, Typed::Text);
+        }
+    } else {
+        form.text(ui, "Files", "stimulus.files", "", about);
+    }
+    Field::new("").column(LABELS).show(ui, |ui, _| {
+        let mut folder = String::new();
+        if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
+            let beside = Path::new(&folder).strip_prefix(&form.draft().folder).unwrap_or(Path::new(&folder));
+            form.type_value("stimulus.files", &beside.join("*.png").display().to_string(), Typed::Text);
+        }
+        form.pictures.missing_error(ui);
+    });
+    let is_wrong = form.errors().iter().any(|error| error.key.starts_with("stimulus"));
+    let protocol = form.protocol().filter(|_| !is_wrong);
+    if let Some(Stimulus::Image(picture)) = protocol.map(|protocol| &protocol.stimulus) {
         let (count, factors) = (picture.gallery.pictures.len(), &picture.gallery.factors);
         let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
         ui::hint(ui, format!("{count} pictures; levels from pictures.csv: {levels}. The data have their SHA-256."));
@@ -330,11 +352,11 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Text of {shown}"));
             } else {
-                let hint = if is_known { "as usual" } else { "What the participant reads" };
+                let hint = if is_known { "the usual question" } else { "What the participant reads" };
                 let edit = TextEdit::singleline(&mut label).id_salt(&label_key).hint_text(hint).desired_width(160.0);
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Label of {shown}"));
-                let hint = if is_known { "usual answers" } else { "left, right" };
+                let hint = if is_known { "the usual answers" } else { "left, right" };
                 let edit =
                     TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
                 let edit = ui.add(edit);

@@ -52,8 +52,7 @@ pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
 fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     let count = Task::NAMES.len() as f32;
     let gap = ui.spacing().item_spacing.x;
-    // Leaves room for the scroll bar.
-    let room = ui.available_width() - 8.0 + gap;
+    let room = ui.available_width() + gap;
     let across = (room / (CARD.x + gap)).floor().clamp(1.0, count);
     let width = (room / across - gap).floor();
     let mut chosen = None;
@@ -132,8 +131,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     let field = Field::new("Levels chosen by").column(LABELS).error(&error).width(LIST);
     let title = |name: &String| match name.as_str() {
         NONE => "the factors alone".to_owned(),
-        "quest-plus" => "QUEST+".to_owned(),
-        name => capitalized(name),
+        name => capitalized(&parameter::method(name)),
     };
     field.choice(ui, &mut chosen, &all, title);
     if chosen != before {
@@ -170,7 +168,10 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
         numbers
     };
     let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
-    free.map(|parameter| (parameter.name, numbers(parameter))).find(|(_, numbers)| numbers.len() > 1)
+    let found: Vec<_> = free.map(|parameter| (parameter.name, numbers(parameter))).collect();
+    // Two numbers are hardly a range.
+    let with = |least: usize| found.iter().find(|(_, numbers)| numbers.len() >= least).cloned();
+    with(3).or_else(|| with(2))
 }
 
 /// Gives a method levels to begin with.
@@ -309,20 +310,24 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
             form.type_value(&inner, &text, Typed::Value);
         }
     }
+    let factors = form.draft().factors();
     let free: Vec<String> = parameters(form).iter().map(|parameter| parameter.name.to_owned()).collect();
-    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name)).collect();
-    let (mut chosen, error) = (String::new(), form.own_error(key));
+    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name) && !factors.contains(name)).collect();
+    let (mut chosen, mut error) = (String::new(), form.own_error(key));
+    if names.is_empty() && !error.is_empty() {
+        let first = if free.is_empty() { "Remove a factor, then choose" } else { "Choose" };
+        error = format!("{first} a parameter in which it differs from the target.");
+    }
     let title = format!("Add to {}", option.label.to_lowercase());
     let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);
     let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { parameter::label(name) };
     field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
     if !chosen.is_empty() {
-        let factors = form.draft().factors();
         let now = form.value(&format!("stimulus.{chosen}"), "");
         let hint = parameters(form).iter().find(|parameter| parameter.name == chosen);
-        // A value that differs from that of the target, and no factor has.
+        // A value that differs from that of the target.
         let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(|level| **level != now));
-        let value = other.filter(|_| !factors.contains(&chosen)).map_or(now.as_str(), |level| level);
+        let value = other.map_or(now.as_str(), |level| level);
         form.edit(|draft| {
             if names.is_empty() {
                 draft.add_table(key);

@@ -94,7 +94,7 @@ impl Thumbnails {
             let before = old.iter().find(|old| keep && old.stimulus == condition.stimulus);
             Thumbnail {
                 texture: before.and_then(|before| before.texture.clone()),
-                levels: levels.join("; "),
+                levels: levels.join("; ").replace("inf", "∞"),
                 description: described.join("; "),
                 stimulus: condition.stimulus.clone(),
             }

@@ -402,8 +402,10 @@ impl Gallery {
         let [after, requested] = ink.sides();
         ui.horizontal(|ui| {
             ui.add_space(AXIS);
-            let band = (!marks.is_empty()).then_some((ink.ink, "predicted band"));
-            ui::legend(ui, [(requested, "requested"), (after, "after quantization")].into_iter().chain(band));
+            ui::legend(ui, [(requested, "requested"), (after, "after quantization")]);
+            if !marks.is_empty() {
+                ui::hint(ui, "arrows: predicted bands");
+            }
         });
         // The requested light is drawn last: where the curves agree, it covers the other.
         let lines = [(after, &curves.emitted), (requested, &curves.requested)];
@@ -453,7 +455,7 @@ fn plot(
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    ui::still_plot(what)
+    ui::still_plot(ui, what)
         .width(width)
         .height(PLOT)
         .y_axis_min_width(AXIS)
@@ -466,7 +468,12 @@ fn plot(
         .x_axis_label("position along the orientation, in sides of the image")
         .y_axis_label(what)
         .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
-        .x_axis_formatter(|mark, _| mark.value.to_string())
+        // At the corner, it would meet the label of the other axis.
+        .y_axis_formatter(|mark, range| match mark.value - range.start() {
+            from if from < 0.06 * (range.end() - range.start()) => String::new(),
+            _ => ui::signed(&format!("{:.*}", (-mark.step_size.log10()).ceil().max(0.0) as usize, mark.value)),
+        })
+        .x_axis_formatter(|mark, _| ui::signed(&mark.value.to_string()))
         .show(ui, |plot| {
             for (color, points) in lines {
                 plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));

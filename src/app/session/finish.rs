@@ -17,6 +17,8 @@ pub struct Finish {
     complete: bool,
     plot: Option<OwnPlot>,
     opened: Option<String>,
+    /// Whether no frame was drawn yet, so that the experimenter's section begins closed.
+    is_new: bool,
     /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
@@ -34,7 +36,7 @@ impl Finish {
         error: Option<String>,
     ) -> Self {
         let plot = OwnPlot::new(&protocol, rows);
-        Self { protocol, path, complete, plot, opened: None, frames, error }
+        Self { protocol, path, complete, plot, opened: None, is_new: true, frames, error }
     }
 
     /// Returns whether every planned trial is rated.
@@ -71,6 +73,7 @@ impl Finish {
             leave = ui::neutral_primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             ui.add_space(theme::LARGE_GAP);
             let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt("experimenter");
+            let section = section.open(std::mem::take(&mut self.is_new).then_some(false));
             section.show(ui, |ui| analyze = self.details(ui));
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());

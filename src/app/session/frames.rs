@@ -4,6 +4,7 @@ use crate::{
     app::ui::Monitor,
     display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::FrameCount,
+    report::document::numbers::count,
     store::sitting::FrameSummary,
 };
 
@@ -42,7 +43,7 @@ impl ScreenRefresh {
     pub fn sentence(&self, times: &FrameTimes) -> Option<String> {
         let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
         let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
-        let counted = times.intervals_us().len();
+        let counted = count(times.intervals_us().len() as u64, "frame");
         let verdict = match (times.dropped(), self.now.0) {
             (Some(dropped), Some(refresh)) => {
                 let late = times.late_onsets();
@@ -52,7 +53,7 @@ impl ScreenRefresh {
             (Some(dropped), None) => format!("{dropped} dropped"),
             (None, _) => "none could be judged, because the screen's refresh rate is unknown".to_owned(),
         };
-        Some(format!("{counted} frames, half of them within {median} and 99 % within {p99}: {verdict}."))
+        Some(format!("{counted}, half of them within {median} and 99 % within {p99}: {verdict}."))
     }
 
     /// Returns the summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of

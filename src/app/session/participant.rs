@@ -1,6 +1,6 @@
 //! The page that asks about the participant before the first page of a session.
 
-use eframe::egui::{self, Ui};
+use eframe::egui::{self, Key, Modifiers, Ui};
 
 use crate::{
     app::ui::{self, Field, Step, theme, today},
@@ -20,18 +20,22 @@ pub struct ParticipantPage {
     tried: bool,
     /// The field that gets the keyboard focus in the next frame.
     focus: Option<usize>,
+    /// Whether a choice has the keyboard focus: Space chooses, and Enter continues as in every other field.
+    on_choice: bool,
 }
 
 impl ParticipantPage {
     pub fn new(fields: &ParticipantFields, texts: &Texts) -> Self {
         let typed = vec![String::new(); fields.0.len()];
-        Self { fields: fields.clone(), texts: texts.clone(), typed, tried: false, focus: Some(0) }
+        Self { fields: fields.clone(), texts: texts.clone(), typed, tried: false, focus: Some(0), on_choice: false }
     }
 
     /// Draws the page; returns the answers once they are complete. `refused` says why the session could not begin.
     pub fn show(&mut self, ui: &mut Ui, refused: Option<&str>) -> Step<Answers> {
         let back = ui::escaped(ui);
-        let entered = ui::entered(ui.ctx());
+        let entered = ui::entered(ui.ctx())
+            || self.on_choice && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
+        self.on_choice = false;
         let (proceed, left) = ui::page_from(ui, 0.06, |ui| {
             ui.heading(&self.texts.about_you);
             ui::paragraph(ui, &self.texts.about_you_text);
@@ -43,7 +47,7 @@ impl ParticipantPage {
                     Err(error) if self.tried || error != AnswerError::Missing => sentence(&self.texts, field, error),
                     _ => "",
                 };
-                let first = draw(ui, field, typed, &self.texts, error);
+                let first = draw(ui, field, typed, &self.texts, error, &mut self.on_choice);
                 if let Some(control) = first.filter(|_| focus == Some(at)) {
                     control.request_focus();
                     control.scroll_to_me(None);
@@ -103,11 +107,14 @@ fn draw(
     typed: &mut String,
     texts: &Texts,
     error: &str,
+    on_choice: &mut bool,
 ) -> Option<egui::Response> {
     let mark = if field.spec.required { " *" } else { "" };
     let label = field.label() + mark;
     if let Some(text) = &field.spec.text {
-        return Some(agreement(ui, &label, text, typed, &format!("{}{mark}", texts.agree), error));
+        let tick = agreement(ui, &label, text, typed, &format!("{}{mark}", texts.agree), error);
+        *on_choice |= tick.has_focus();
+        return Some(tick);
     }
     let form = Field::new(&label).column(LABELS).error(error);
     if field.kind() != FieldKind::Choice {
@@ -118,13 +125,13 @@ fn draw(
     form.show(ui, |ui, _| {
         let mut first = None;
         ui.horizontal_wrapped(|ui| {
-            for (choice, shown) in field.options() {
+            let none = (!field.spec.required).then_some(("", texts.no_answer.as_str()));
+            for (choice, shown) in field.options().into_iter().chain(none) {
                 let radio = ui.radio(typed == choice, shown);
                 if radio.clicked() {
-                    // Choosing an answer again takes it back.
-                    let answer = if typed == choice { "" } else { choice };
-                    answer.clone_into(typed);
+                    choice.clone_into(typed);
                 }
+                *on_choice |= radio.has_focus();
                 first.get_or_insert(radio);
             }
         });

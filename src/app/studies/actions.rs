@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, Align, Key, Layout, Popup, RichText, Ui};
+use eframe::egui::{self, Align, Layout, Popup, RichText, Ui};
 
 use super::{
     form::Checked,
@@ -22,6 +22,10 @@ use crate::{
 
 /// In a page narrower than this, in points, what is rarely needed is in a menu.
 const ROOM_FOR_ACTIONS: f32 = 560.0;
+/// In a window narrower than this, in points, buttons beside the title have no words.
+const SMALL: f32 = 600.0;
+/// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
+const ROOM_FOR_ALL: f32 = 720.0;
 
 impl Studies {
     /// Draws the title of the study, its extent, and what is rarely needed.
@@ -50,12 +54,13 @@ impl Studies {
             if (is_wide || is_built_in) && quiet(ui, Icon::Plus, "Duplicate as…", "Duplicate as…").clicked() {
                 next = Some(Destination::Editor(experiment.clone(), None));
             }
-            if !is_built_in && quiet(ui, Icon::Edit, "Edit", "Edit").clicked() {
+            let word = |ui: &Ui, word| if ui.ctx().content_rect().width() < SMALL { "" } else { word };
+            if !is_built_in && quiet(ui, Icon::Edit, word(ui, "Edit"), "Edit").clicked() {
                 let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
                 next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
             }
             if ui.ctx().content_rect().width() < NARROW {
-                let menu = quiet(ui, Icon::Down, "Studies", "Choose another study");
+                let menu = quiet(ui, Icon::Down, word(ui, "Studies"), "Choose another study");
                 Popup::menu(&menu).width(LIST[1]).show(|ui| {
                     ui.set_max_height(420.0);
                     self.studies(ui);
@@ -68,7 +73,9 @@ impl Studies {
                 if let Some(protocol) = &checked.protocol {
                     let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
                     let task = match &protocol.adaptive {
-                        Some(adaptive) => format!("{}, {}", protocol.task.name(), adaptive.method.name()),
+                        Some(adaptive) => {
+                            format!("{}, {}", protocol.task.name(), ui::parameter::method(adaptive.method.name()))
+                        }
                         None if protocol.task.is_default() => {
                             format!("rating, {} categories", protocol.response.categories.len())
                         }
@@ -102,51 +109,62 @@ impl Studies {
         let mut next = None;
         let folder = self.folder();
         let unfinished = self.sessions.of(&protocol.name).find(|session| !session.complete).cloned();
-        let entered = self.open.is_none() && ui::shortcut(ui, Key::Enter);
-        ui.horizontal_wrapped(|ui| {
-            let hover = format!("Enter begins {} at once.", self.suggested);
+        let is_wide = ui.available_width() >= ROOM_FOR_ALL;
+        ui.horizontal(|ui| {
+            let hover = format!("For {}, the next participant.", self.suggested);
             if main_action(ui, Icon::Play, "New session").on_hover_text(hover).clicked() {
                 self.open_session(None);
             }
-            if entered {
-                next = self.begin_checked(ui, checked, monitor, settings);
-                self.open = next.is_none().then_some(Open::Session);
-            }
-            if let Some(session) = unfinished {
-                let text = format!("Resume {}", Cell::of(&session).title());
-                if action(ui, Icon::Resume, &text).clicked() {
+            ui.add_enabled_ui(unfinished.is_some(), |ui| {
+                let title = unfinished.as_ref().map(|session| format!("Resume {}", Cell::of(session).title()));
+                let title = title.as_deref().unwrap_or("Resume");
+                let resume = action(ui, Icon::Resume, "Resume").on_hover_text(title);
+                ui::text::name(ui, &resume, title);
+                if let Some(session) = unfinished.filter(|_| resume.clicked()) {
                     next = self.resume(ui, &session, monitor, checked, settings);
                 }
+            });
+            let mut rest = |ui: &mut Ui| next = self.rest(ui, protocol, &folder).or(next.take());
+            if is_wide {
+                rest(ui);
+            } else {
+                Popup::menu(&quiet(ui, Icon::More, "", "More actions")).show(rest);
             }
-            // The result of a job that another one replaced would be lost.
-            let is_free = self.job.is_none();
-            ui.add_enabled_ui(is_free, |ui| {
-                if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                    self.open = Some(Open::Pilot(PilotForm::new(protocol.plan.participants)));
-                }
-            });
-            let has_sessions = self.sessions.of(&protocol.name).next().is_some();
-            ui.add_enabled_ui(has_sessions && is_free, |ui| {
-                if quiet(ui, Icon::Check, "Check", "Check").clicked() {
-                    self.job = Some(Job::check(ui.ctx(), folder.clone()));
-                }
-            });
-            ui.add_enabled_ui(has_sessions, |ui| {
-                if quiet(ui, Icon::Analyze, "Analyze", "Analyze this study").clicked() {
-                    next = Some(Destination::Analysis(folder.clone()));
-                }
-            });
-            ui.add_enabled_ui(has_sessions && is_free, |ui| {
-                if quiet(ui, Icon::Out, "Export…", "Export…").clicked() {
-                    self.open = Some(Open::Export(ExportForm::new(&folder)));
-                }
-            });
         });
         // The room for the progress is there before and after.
         ui.allocate_ui(egui::vec2(ui.available_width(), theme::MESSAGE), |ui| {
             ui.set_min_height(theme::MESSAGE);
             if let Some(job) = &self.job {
                 job.show(ui);
+            }
+        });
+        next
+    }
+
+    /// Draws what can be done besides beginning and resuming sessions.
+    fn rest(&mut self, ui: &mut Ui, protocol: &Protocol, folder: &Path) -> Option<Destination> {
+        // The result of a job that another one replaced would be lost.
+        let is_free = self.job.is_none();
+        let has_sessions = self.sessions.of(&protocol.name).next().is_some();
+        let mut next = None;
+        ui.add_enabled_ui(is_free, |ui| {
+            if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
+                self.open = Some(Open::Pilot(PilotForm::new(protocol)));
+            }
+        });
+        ui.add_enabled_ui(has_sessions && is_free, |ui| {
+            if quiet(ui, Icon::Check, "Check", "Check").clicked() {
+                self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
+            }
+        });
+        ui.add_enabled_ui(has_sessions, |ui| {
+            if quiet(ui, Icon::Analyze, "Analyze", "Analyze this study").clicked() {
+                next = Some(Destination::Analysis(folder.to_owned()));
+            }
+        });
+        ui.add_enabled_ui(has_sessions && is_free, |ui| {
+            if quiet(ui, Icon::Out, "Export…", "Export…").clicked() {
+                self.open = Some(Open::Export(ExportForm::new(folder)));
             }
         });
         next
@@ -184,6 +202,11 @@ impl Studies {
         settings: &Settings,
     ) -> Option<Destination> {
         match self.recorded(cell) {
+            None if self.form.participant == cell.subject && self.form.session == cell.session => {
+                let begun = self.begin_checked(ui, checked, monitor, settings);
+                self.open = begun.is_none().then_some(Open::Session);
+                return begun;
+            }
             None => self.open_session(Some(cell)),
             Some(session) if session.complete => open_file(ui, &session),
             Some(session) => return self.resume(ui, &session, monitor, checked, settings),

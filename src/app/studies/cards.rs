@@ -22,6 +22,8 @@ use crate::{
 
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
+/// In a place lower than this, in points, there is no card of the selected session.
+const ROOM_FOR_DETAIL: f32 = 160.0;
 
 impl Studies {
     /// Shows a newcomer what a Mach band is.
@@ -61,32 +63,45 @@ impl Studies {
     pub(super) fn detail(
         &mut self,
         ui: &mut Ui,
+        cell: &Cell,
         checked: &Checked,
         monitor: &Monitor,
         settings: &Settings,
     ) -> Option<Destination> {
-        let session = self.selected.as_ref().and_then(|cell| self.recorded(cell));
+        let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
+        let is_low = ui.available_height() < ROOM_FOR_DETAIL;
         panel.show(ui, |ui| {
-            grid::key(ui);
+            for error in &self.sessions.all.errors {
+                ui::show_error(ui, error.lines().next().unwrap_or_default());
+            }
             if let Some(error) = &self.error
                 && self.open.is_none()
             {
                 ui::show_error(ui, error);
             }
+            let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+            // In a low window, the grid needs the room.
+            if is_low {
+                return;
+            }
+            if self.sessions.of(name).next().is_some() {
+                grid::key(ui);
+            } else if self.sessions.all.errors.is_empty() {
+                ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
+                ui.add_space(theme::SMALL_GAP);
+            }
             theme::card(ui).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
                 ui.set_min_height(theme::CONTROL);
                 ui.horizontal_wrapped(|ui| {
+                    ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
-                        ui::hint(
-                            ui,
-                            "Choose a session with a click or the arrow keys; Enter resumes, begins or opens it.",
-                        );
+                        Icon::Play.show(ui, ink(ui).text);
+                        ui::hint(ui, "Not begun. Enter begins it.");
                         return;
                     };
-                    ui.label(RichText::new(Cell::of(session).title()).strong().size(SECTION));
                     let SessionState { rated, planned, complete, .. } = session;
                     let (icon, color) = if *complete { (Icon::Done, ink(ui).text) } else { (Icon::Part, ink(ui).warn) };
                     icon.show(ui, color);
@@ -136,7 +151,9 @@ impl Studies {
                 let bar = egui::ProgressBar::new(share).desired_height(4.0).fill(ink(ui).dim);
                 ui.add(bar);
             }
-            ui::hint(ui, format!("{finished} of {all} sessions finished."));
+            if all > 0 {
+                ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
+            }
             let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
             if simulated > 0 {
                 ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));

@@ -51,7 +51,8 @@ impl Studies {
                             Ok(()) => ui::say(ctx, format!("{title} was removed.")),
                             Err(error) => ui::complain(ctx, error.to_string()),
                         }
-                        self.checked = None;
+                        (self.checked, self.selected) = (None, None);
+                        self.form.participant.clear();
                         self.sessions.refresh();
                         None
                     }

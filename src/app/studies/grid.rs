@@ -6,7 +6,8 @@ use std::{
 };
 
 use eframe::egui::{
-    self, Color32, Key, Rect, RichText, ScrollArea, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, Vec2,
+    self, Color32, FocusDirection, Id, Key, Modifiers, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke,
+    StrokeKind, TextStyle, Ui, Vec2,
 };
 
 use crate::{
@@ -19,9 +20,9 @@ use crate::{
     store::session::overview::{Overview, SessionState},
 };
 
-/// Width of the column of participants, and of their answers, points.
+/// Width of the column of participants, and minimum and maximum width of their answers, points.
 const NAMES: f32 = 96.0;
-const ANSWERS: f32 = 136.0;
+const ANSWERS: [f32; 2] = [136.0, 208.0];
 /// Minimum and maximum width of a cell, points.
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.
@@ -76,7 +77,7 @@ impl Sessions {
 }
 
 /// A participant and a session.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, Hash, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cell {
     pub subject: String,
     pub session: String,
@@ -89,6 +90,10 @@ impl Cell {
 
     pub fn title(&self) -> String {
         format!("{}, session {}", self.subject, self.session)
+    }
+
+    fn id(&self) -> Id {
+        Id::unique(("session", self))
     }
 }
 
@@ -160,20 +165,63 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Draws the grid in the available room; returns what the user did.
-    pub fn show(&self, ui: &mut Ui, selected: Option<&Cell>) -> Option<Chosen> {
+    /// Returns what a key does in the grid, which has the keys while no other control has the focus.
+    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<Chosen> {
+        let presses = |key| ui.input(|input| input.num_presses(key));
+        // A dialog that opens in this frame must not take Enter for its answer.
+        if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
+            return Some(Chosen::Entered(selected.clone()));
+        }
+        if presses(Key::Delete) > 0 {
+            return Some(Chosen::Removed(selected.clone()));
+        }
+        let [up, down, left, right] =
+            [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
+        if up + down + left + right == 0 {
+            return None;
+        }
+        let moved = |list: &[String], id: &String, by: isize| {
+            let at = list.iter().position(|other| other == id).unwrap_or_default();
+            list[at.saturating_add_signed(by).min(list.len() - 1)].clone()
+        };
+        let subject = moved(&self.subjects, &selected.subject, down - up);
+        let cell = Cell { subject, session: moved(&self.columns, &selected.session, right - left) };
+        ui.memory_mut(|memory| {
+            memory.request_focus(cell.id());
+            memory.move_focus(FocusDirection::None);
+        });
+        Some(Chosen::Selected(cell))
+    }
+
+    /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
+    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<Chosen> {
         let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
-        let answers = if has_answers && ui.available_width() > 560.0 { ANSWERS } else { 0.0 };
-        let room = ui.available_width() - NAMES - answers - GAP;
         let columns = self.columns.len() as f32;
+        let room = ui.available_width() - NAMES - GAP;
+        let is_wide = has_answers && ui.available_width() > 560.0;
+        let answers = if is_wide { (room - columns * (CELL[1] + GAP)).clamp(ANSWERS[0], ANSWERS[1]) } else { 0.0 };
+        let room = room - answers;
         let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
-        let mut chosen = None;
+        let focused = ui.memory(|memory| memory.focused());
+        let has_keys = has_keys
+            && focused.is_none_or(|id| id == selected.id())
+            && ui.memory(|memory| memory.allows_interaction(ui.layer_id()))
+            && !Popup::is_any_open(ui.ctx());
+        let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
+        let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
+        let wanted = moved.as_ref().and_then(|cell| self.subjects.iter().position(|id| *id == cell.subject));
+        let selected = moved.as_ref().unwrap_or(selected);
+        ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
         ScrollArea::both().id_salt("grid").auto_shrink([false, true]).show_rows(
             ui,
             CONTROL,
             self.subjects.len() + 1,
             |ui, rows| {
-                ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
+                if let Some(row) = wanted {
+                    let below = (row as f32 + 1.0 - rows.start as f32) * (CONTROL + 1.0);
+                    let top = ui.max_rect().left_top() + Vec2::new(0.0, below);
+                    ui.scroll_to_rect(Rect::from_min_size(top, Vec2::splat(CONTROL)), None);
+                }
                 for row in rows {
                     ui.horizontal(|ui| {
                         let Some(subject) = row.checked_sub(1).map(|index| &self.subjects[index]) else {
@@ -191,8 +239,8 @@ impl<'a> Grid<'a> {
                         }
                         for session in &self.columns {
                             let cell = Cell { subject: subject.clone(), session: session.clone() };
-                            let is_selected = selected == Some(&cell);
-                            chosen = self.cell(ui, &cell, width, is_selected).or(chosen.take());
+                            let ring = (*selected == cell).then_some(if has_keys { 2.0 } else { 1.0 });
+                            chosen = self.cell(ui, &cell, width, ring).or(chosen.take());
                         }
                     });
                 }
@@ -212,8 +260,11 @@ impl<'a> Grid<'a> {
         heads.into_iter().for_each(|head| text(ui, width, head));
     }
 
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, is_selected: bool) -> Option<Chosen> {
-        let (rect, response) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::click());
+    /// Draws a cell. `ring` is the width of the ring around the selected one, the only cell that Tab reaches.
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<f32>) -> Option<Chosen> {
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
+        let is_selected = ring.is_some();
+        let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
         let ink = ink(ui);
         let (icon, text, color, said) = match self.state(cell) {
             State::Recorded(session) if self.wrong.contains(&session.csv) => {
@@ -244,8 +295,8 @@ impl<'a> Grid<'a> {
             painter.rect_filled(rect, 4.0, fill);
             let outline = rect.shrink(0.5);
             match self.state(cell) {
-                _ if response.has_focus() || is_selected => {
-                    let ring = Stroke::new(2.0, ink.ink);
+                _ if is_selected => {
+                    let ring = Stroke::new(ring.unwrap_or_default(), ink.ink);
                     _ = painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
                 }
                 State::Recorded(_) => {}
@@ -269,15 +320,15 @@ impl<'a> Grid<'a> {
             let at = egui::pos2(square.right() + GAP, rect.center().y);
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
         }
-        let entered = response.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let removed = response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete));
-        if entered || response.double_clicked() {
-            Some(Chosen::Entered(cell.clone()))
-        } else if removed {
-            Some(Chosen::Removed(cell.clone()))
-        } else {
-            (response.clicked() || response.gained_focus()).then(|| Chosen::Selected(cell.clone()))
+        if response.double_clicked() {
+            return Some(Chosen::Entered(cell.clone()));
         }
+        // Enter on the selected cell also counts as a click.
+        let clicked = response.clicked_by(egui::PointerButton::Primary) && !is_selected;
+        clicked.then(|| {
+            response.request_focus();
+            Chosen::Selected(cell.clone())
+        })
     }
 }
 

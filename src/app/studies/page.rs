@@ -37,6 +37,8 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
+/// In a page lower than this, in points, there is no greeting.
+const ROOM_FOR_GREETING: f32 = 600.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -106,6 +108,11 @@ impl Studies {
         self.form.results()
     }
 
+    /// Returns the chosen study, as it was named.
+    pub fn chosen(&self) -> &str {
+        &self.form.experiment
+    }
+
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
@@ -117,6 +124,7 @@ impl Studies {
     pub fn refresh(&mut self, completed: bool, settings: &Settings) {
         if completed {
             self.form.participant.clear();
+            self.selected = None;
         }
         self.checked = None;
         self.sessions.refresh();
@@ -166,7 +174,7 @@ impl Studies {
         let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
         page.show(ui, |ui| {
             ui.set_max_width(ui.available_width().min(theme::CONTENT));
-            if settings.greeting && ui.available_height() > 520.0 {
+            if settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
             next = self.place(ui, &checked, CARDS[wide], monitor, settings).or(next.take());
@@ -199,6 +207,7 @@ impl Studies {
         self.form.experiment = name_or_path;
         // The choice of gray belongs to the definition.
         self.form.gray = false;
+        self.selected = None;
         if self.form.screen.distance_cm == self.planned_cm {
             self.form.screen.distance_cm.clear();
         }
@@ -255,21 +264,14 @@ impl Studies {
                     .show(ui, |ui| self.cards(ui, protocol));
             });
         }
-        next = self.detail(ui, checked, monitor, settings).or(next);
+        let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
+        let selected = self.selected.clone().unwrap_or_else(|| new.clone());
+        next = self.detail(ui, &selected, checked, monitor, settings).or(next);
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let nothing = BTreeSet::new();
         let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
         let wrong = wrong.map_or(&nothing, |found| &found.wrong);
-        let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
-        let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, self.selected.as_ref());
-        let results = self.results();
-        for error in &self.sessions.all.errors {
-            ui::show_error(ui, error.lines().next().unwrap_or_default());
-        }
-        let is_empty = self.sessions.of(&protocol.name).next().is_none();
-        if is_empty && self.sessions.all.errors.is_empty() {
-            ui::hint(ui, format!("No sessions yet. They are saved in {}.", results.join(&protocol.name).display()));
-        }
+        let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, &selected, self.open.is_none());
         match chosen {
             Some(Chosen::Selected(cell)) => self.selected = Some(cell),
             Some(Chosen::Entered(cell)) => {

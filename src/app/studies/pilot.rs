@@ -6,6 +6,7 @@ use eframe::egui::{self, RichText};
 
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Step, primary, theme::GAP},
+    experiment::Protocol,
     store::export::Format,
     system::found,
     work::{
@@ -24,11 +25,16 @@ const PARTICIPANTS: u32 = 8;
 pub struct PilotForm {
     participants: u32,
     observer: ObserverKind,
+    /// Whether participants rate, as in the paper, and do no other task.
+    is_rating: bool,
 }
 
 impl PilotForm {
-    pub fn new(planned: Option<u32>) -> Self {
-        Self { participants: planned.unwrap_or(PARTICIPANTS), observer: ObserverKind::Paper }
+    pub fn new(protocol: &Protocol) -> Self {
+        let is_rating = protocol.task.is_default();
+        // The findings of the paper are about ratings.
+        let observer = if is_rating { ObserverKind::Paper } else { ObserverKind::Vision };
+        Self { participants: protocol.plan.participants.unwrap_or(PARTICIPANTS), observer, is_rating }
     }
 
     /// Draws the dialog; returns the request once it is confirmed.
@@ -39,7 +45,11 @@ impl PilotForm {
         let entered = ui::entered(ctx);
         let (step, closed) = ui::modal(ctx, "pilot", WIDTH, |ui, _| {
             ui.heading("Simulate a pilot");
-            ui::hint(ui, "Simulated observers rate every trial, and their ratings are analyzed as a study would be.");
+            let [rate, ratings] = if self.is_rating { ["rate", "ratings"] } else { ["do", "answers"] };
+            let text = format!(
+                "Simulated observers {rate} every trial, and their {ratings} are analyzed as a study would be."
+            );
+            ui::hint(ui, text);
             ui.add_space(GAP);
             Field::new("Participants").column(LABELS).show(ui, |ui, label| {
                 ui.add(egui::DragValue::new(&mut self.participants).range(1..=1000)).labelled_by(label)
@@ -47,7 +57,7 @@ impl PilotForm {
             let kinds = [ObserverKind::Paper, ObserverKind::Vision, ObserverKind::Random];
             let title = |kind: &ObserverKind| match kind {
                 ObserverKind::Paper => "follows the findings of the paper".to_owned(),
-                ObserverKind::Vision => "rates what the vision model predicts".to_owned(),
+                ObserverKind::Vision => "answers what the vision model predicts".to_owned(),
                 ObserverKind::Random => "presses keys at random".to_owned(),
             };
             Field::new("Observer").column(LABELS).width(300.0).choice(ui, &mut self.observer, &kinds, title);

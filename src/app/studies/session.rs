@@ -4,6 +4,7 @@ use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, Viewp
 
 use super::{
     form::{Checked, SessionField, SessionForm, labels},
+    grid::Cell,
     page::{Destination, Studies},
 };
 use crate::{
@@ -282,8 +283,10 @@ impl Studies {
         }
     }
 
-    pub(super) fn begin(&self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
+    pub(super) fn begin(&mut self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
         request.windowed = !settings.full_screen;
+        let (subject, session) = (request.identity.subject().to_owned(), request.identity.session().to_owned());
+        self.selected = Some(Cell { subject, session });
         if settings.full_screen {
             // Choosing a monitor makes the window full screen there.
             ui.ctx().send_viewport_cmd(match self.monitor_choice {

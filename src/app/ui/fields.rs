@@ -7,7 +7,10 @@ use eframe::{
     emath::Numeric,
 };
 
-use super::{text, theme::MESSAGE};
+use super::{
+    text,
+    theme::{MESSAGE, outline_wrong},
+};
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
 const NARROW: f32 = 2.0;
@@ -82,6 +85,9 @@ impl<'a> Field<'a> {
             return added;
         };
         let add = |ui: &mut Ui, label| {
+            if !self.error.is_empty() {
+                outline_wrong(ui);
+            }
             let added = add(ui, label);
             self.show_errors(ui);
             added

@@ -74,7 +74,7 @@ impl OwnPlot {
         let pad = 0.05 * (high - low);
         let last = self.places.len().saturating_sub(1) as f64;
         let (ink, places) = (theme::ink(ui), self.places.clone());
-        let mut plot = still_plot("ratings")
+        let mut plot = still_plot(ui, "ratings")
             .height(height)
             .include_y(low - pad)
             .include_y(high + pad)

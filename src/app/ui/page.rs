@@ -206,8 +206,8 @@ pub fn ask(ctx: &Context, question: &str, text: &str, [keep, leave]: [&str; 2]) 
 
 /// Returns whether a key was pressed that is meant for the page. A control with keyboard focus handles keys itself.
 pub fn shortcut(ui: &Ui, key: Key) -> bool {
-    let focused = ui.memory(|memory| memory.focused().is_some());
-    !focused && ui.input(|input| input.key_pressed(key))
+    let is_free = ui.memory(|memory| memory.focused().is_none() && memory.allows_interaction(ui.layer_id()));
+    is_free && ui.input(|input| input.key_pressed(key))
 }
 
 /// Returns whether Enter confirms the page or dialog: also in a text field, but not on a control that handles it itself.

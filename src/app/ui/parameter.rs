@@ -34,6 +34,11 @@ pub fn label(parameter: &str) -> String {
     parameter.replace('_', " ").replace(" deg", ", °")
 }
 
+/// Returns the name of a method as it is read: `QUEST+` for `quest-plus`.
+pub fn method(name: &str) -> String {
+    name.replace("quest-plus", "QUEST+")
+}
+
 /// Draws the control of a parameter: a slider if it has a range, and otherwise a text field with a list of common
 /// values, and a color picker if it is a color. A value outside the range can be typed; the page then shows the error.
 ///

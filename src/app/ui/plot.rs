@@ -1,13 +1,30 @@
 //! Static plots, their legends, and tables of numbers.
 
-use eframe::egui::{AsIdSalt, Color32, Grid, ScrollArea, Sense, Stroke, Ui, Vec2};
-use egui_plot::Plot;
+use eframe::{
+    egui::{AsIdSalt, Color32, FontId, Grid, ScrollArea, Sense, Stroke, Ui, Vec2},
+    emath::Rangef,
+};
+use egui_plot::{AxisHints, Plot};
 
-use super::{text::secondary, theme::GRID};
+use super::{
+    text::secondary,
+    theme::{GRID, NOTE, ink},
+};
+
+/// Minimum distance between the labels of an axis, across and down, points.
+const TICKS: [f32; 2] = [56.0, 18.0];
 
 /// Creates a static plot. Dragging and scrolling move the page, not the plot.
-pub fn still_plot<'a>(id: impl AsIdSalt) -> Plot<'a> {
+pub fn still_plot<'a>(ui: &Ui, id: impl AsIdSalt) -> Plot<'a> {
+    let dim = ink(ui).dim;
+    let small = |axis: AxisHints<'a>, spacing: f32| {
+        let axis = axis.tick_label_font(FontId::proportional(NOTE)).tick_label_color(dim);
+        // Labels are there or not; none is faint.
+        vec![axis.label_spacing(Rangef::new(spacing, spacing))]
+    };
     Plot::new(id)
+        .custom_x_axes(small(AxisHints::new_x(), TICKS[0]))
+        .custom_y_axes(small(AxisHints::new_y(), TICKS[1]))
         .grid_color(GRID)
         .allow_drag(false)
         .allow_zoom(false)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, Ui};
 
-use super::text;
+use super::{status::say, text};
 use crate::store::{StoreError, Writer};
 
 /// Returns the ending of a path, which chooses the format of the file.
@@ -89,9 +89,16 @@ impl Saving {
         }));
     }
 
-    /// Draws the outcome.
-    pub fn show(&self, ui: &mut Ui) {
-        text::outcome(ui, self.outcome.as_ref());
+    /// Tells the outcome: an error here, anything else in the status line.
+    pub fn show(&mut self, ui: &mut Ui) {
+        match &self.outcome {
+            Some(Err(error)) => text::show_error(ui, error),
+            Some(Ok(done)) => {
+                say(ui.ctx(), done);
+                self.outcome = None;
+            }
+            None => {}
+        }
     }
 
     fn asks(&self, path: &Path) -> bool {

@@ -38,15 +38,6 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }
 
-/// Draws the outcome of an action, if any: a success message or an error.
-pub fn outcome(ui: &mut Ui, outcome: Option<&Result<String, String>>) {
-    match outcome {
-        Some(Ok(done)) => hint(ui, done),
-        Some(Err(error)) => show_error(ui, error),
-        None => {}
-    }
-}
-
 /// Draws errors, one a line.
 pub fn errors(ui: &mut Ui, errors: &str) {
     errors.lines().for_each(|error| show_error(ui, error));

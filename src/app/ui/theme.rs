@@ -5,7 +5,7 @@ use eframe::egui::{
     self, Button, Color32, ComboBox, CornerRadius, FontFamily, FontId, Rect, Sense, Shadow, Shape, Stroke, Style,
     TextStyle, Theme, Ui, Vec2, Visuals,
     class::HasClasses as _,
-    style::HandleShape,
+    style::{HandleShape, ScrollAnimation},
     theme::{DefaultStyle, StyleProvider},
     widget_style::{ButtonStyle, StyleArgs, WidgetState},
 };
@@ -225,7 +225,8 @@ impl StyleProvider<ButtonStyle> for Buttons {
         let frame = &mut button.atom_layout.frame;
         if args.classes.has_class(&ComboBox::CLASS) {
             frame.fill = ink.field;
-        } else if args.state != WidgetState::Active && frame.stroke.color == ink.edge {
+        } else if args.state != WidgetState::Active && (frame.stroke.color == ink.edge || frame.stroke.color == ink.bad)
+        {
             frame.stroke.color = Color32::TRANSPARENT;
         }
         if args.classes.has_class(&Button::CLASS_SELECTED) {
@@ -258,8 +259,11 @@ fn sizes(style: &mut Style) {
     style.spacing.text_edit_width = 280.0;
     style.spacing.slider_rail_height = SMALL_GAP;
     style.animation_time = 0.0;
+    style.scroll_animation = ScrollAnimation::none();
     // A scroll bar that can be seen says that there is more.
     style.spacing.scroll.dormant_handle_opacity = 0.6;
+    // It lies beside what it scrolls, not on it.
+    style.spacing.scroll.floating_allocated_width = GAP;
 }
 
 fn visuals(visuals: &mut Visuals) {
@@ -279,6 +283,8 @@ fn visuals(visuals: &mut Visuals) {
     visuals.error_fg_color = ink.bad;
     visuals.warn_fg_color = ink.warn;
     visuals.handle_shape = HandleShape::Circle;
+    // In the light theme, an empty track is hardly visible.
+    visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, ink.line);
     for (widget, fill, stroke) in [
@@ -308,6 +314,17 @@ pub fn compact(ui: &mut Ui) {
     let style = ui.style_mut();
     style.spacing.button_padding = Vec2::new(8.0, 3.0);
     style.spacing.interact_size.y = 26.0;
+}
+
+/// Outlines the fields that follow: what is in them is wrong.
+pub fn outline_wrong(ui: &mut Ui) {
+    let bad = ink(ui).bad;
+    let visuals = ui.visuals_mut();
+    let widgets = &mut visuals.widgets;
+    for widget in [&mut widgets.inactive, &mut widgets.hovered, &mut widgets.active, &mut widgets.open] {
+        widget.bg_stroke.color = bad;
+    }
+    visuals.selection.stroke.color = bad;
 }
 
 /// Returns the frame of a card: a group of things that belong together.

@@ -127,7 +127,7 @@ fn plot(ui: &mut egui::Ui, report: &TimingReport) {
     let ink = ink(ui);
     let points: Vec<[f64; 2]> =
         (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
-    still_plot("intervals").height(220.0).include_y(0.0).x_axis_label("frame").y_axis_label("interval, ms").show(
+    still_plot(ui, "intervals").height(220.0).include_y(0.0).x_axis_label("frame").y_axis_label("interval, ms").show(
         ui,
         |plot| {
             if let Some(refresh) = report.refresh {

@@ -27,7 +27,7 @@ pub fn creases(ui: &mut egui::Ui, full_scale: Option<f64>) {
 /// once it is known.
 pub fn visible(ui: &mut egui::Ui, full_scale: Option<f64>) {
     let most = full_scale.map_or_else(String::new, |most| format!("{most:.1} "));
-    key(ui, "as the smooth surface", heat, &format!("{most}times what people can just see"));
+    key(ui, "as the smooth surface", heat, &format!("{most}times the threshold"));
 }
 
 fn heat(share: f64) -> Color32 {

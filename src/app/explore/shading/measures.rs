@@ -19,9 +19,9 @@ use crate::{
     vision::luminance,
 };
 
-/// Maximum length of the shorter side of the image used for predictions, pixels. A larger image would take longer and
-/// change the prediction little.
-const MAX_SIDE_PX: u32 = 512;
+/// Length of the shorter side of the image used for predictions, pixels. A larger image would take longer and change the
+/// prediction little.
+const SIDE_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
@@ -116,14 +116,12 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
 }
 
 /// Returns the size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the
-/// shorter side is limited.
+/// shorter side is always the same, so that the prediction does not depend on the room for the picture.
 #[must_use]
 pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
-    let shorter = size[0].min(size[1]).max(1);
-    if shorter <= MAX_SIDE_PX {
-        return size;
-    }
-    size.map(|side| (f64::from(side) * f64::from(MAX_SIDE_PX) / f64::from(shorter)).round() as u32)
+    let shorter = f64::from(size[0].min(size[1]).max(1));
+    // The middle of the picture is between two pixels in every case.
+    size.map(|side| 2 * (f64::from(side) * f64::from(SIDE_PX) / shorter / 2.0).round() as u32)
 }
 
 /// The color of a map beside the mesh, encoded.
@@ -217,7 +215,7 @@ impl Scan {
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
     hint(ui, format!("{what}, along the scan line"));
     let sides = ink(ui).sides();
-    let plot = still_plot(what)
+    let plot = still_plot(ui, what)
         .width(ui.available_width())
         .height(ui.available_height())
         .y_axis_min_width(44.0)

@@ -411,7 +411,7 @@ impl ShadingPage {
                 ("creases, rms, light per pixel", &self.creases, 0),
                 ("creases, p95, light per pixel", &self.creases, 1),
                 ("creases, rms relative to Gouraud", &self.creases, 2),
-                ("visible difference, times threshold", &self.visible, 0),
+                ("visible difference, times the threshold", &self.visible, 0),
                 ("visible difference relative to Gouraud", &self.visible, 1),
             ] {
                 ui.label(secondary(name));
@@ -438,7 +438,7 @@ impl ShadingPage {
             return format!("Difference from the smooth surface: {status}");
         };
         let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
-        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
+        format!("{a} differs from the smooth surface by {left:.1} times the threshold; {b} by {right:.1}.")
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
