@@ -192,8 +192,11 @@ impl Counts {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
     }
 
-    /// Returns the categories that look like codes for a missing answer, with their numbers of ratings: numbers of digits
-    /// from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
+    /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
+    ///
+    /// Mistakes are rare categories outside the run of consecutive whole numbers that has the most ratings: together less
+    /// than 2 % of all, or a single rating, if the run has at least three categories and is less than half as wide as the
+    /// distance to it. Codes are numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
     /// two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
     /// 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are apart, and no
     /// other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as
@@ -215,10 +218,25 @@ impl Counts {
             number => least >= 0.0 && least - number > widest,
         };
         let codes = numbers.iter().enumerate().filter(|(_, number)| is_code(**number) && is_isolated(**number));
-        let ratings =
-            |code: usize| self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum();
-        let codes = codes.filter(|_| others.len() > 1);
-        codes.map(|(code, _)| (self.categories[code].as_str(), ratings(code))).filter(|(_, n)| *n > 0).collect()
+        let ratings = |code: usize| -> u64 {
+            self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum()
+        };
+        let mut found: Vec<usize> = codes.filter(|_| others.len() > 1).map(|(code, _)| code).collect();
+        let n: Vec<u64> = (0..numbers.len()).map(ratings).collect();
+        let used: Vec<usize> = (0..numbers.len()).filter(|code| n[*code] > 0 && !found.contains(code)).collect();
+        let is_next = |a: &usize, b: &usize| numbers[*a].fract() == 0.0 && numbers[*b] == numbers[*a] + 1.0;
+        let sum = |codes: &[usize]| codes.iter().map(|code| n[*code]).sum::<u64>();
+        if let Some(run @ [first, .., last]) = used.chunk_by(is_next).max_by_key(|run| sum(run)) {
+            let (low, high) = (numbers[*first], numbers[*last]);
+            let strays = used.iter().copied().filter(|code| !run.contains(code));
+            let is_rare = 50 * (sum(&used) - sum(run)) < sum(&used);
+            let is_far = |code: usize| {
+                run.len() > 2 && n[code] == 1 && (numbers[code] - high).max(low - numbers[code]) > 2.0 * (high - low)
+            };
+            found.extend(strays.filter(|code| is_rare || is_far(*code)));
+        }
+        found.sort_unstable();
+        found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
     design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
-    random::{Loadings, RandomPart, is_within},
+    random::{Component, Loadings, RandomPart, is_within, within_part},
     search::{self, MixedFit, MixedFitEnd, Task},
     terms::{Term, Variable},
 };
@@ -361,6 +361,29 @@ impl Fitted<'_> {
         term.variables.iter().any(between)
     }
 
+    /// Returns whether participants may differ in the effect of a term without a random slope of it. If nobody rated a level
+    /// twice, such differences are part of the variation between ratings, for which the model allows.
+    pub fn lacks_slope(&self, term: &Term) -> bool {
+        let Ok(part) = within_part(&self.frame, term) else { return false };
+        let has_slope = |slope: &Component| slope.term.same(&part);
+        if self.spec.slopes != Slopes::Independent
+            || part.variables.is_empty()
+            || self.random.components.iter().any(has_slope)
+        {
+            return false;
+        }
+        let factors: Vec<usize> =
+            part.variables.iter().filter_map(|v| find_factor(self.frame.counts, v).ok()).map(|(factor, _)| factor).collect();
+        let mut ratings = HashMap::new();
+        self.frame.rows.iter().any(|row| {
+            let levels = &self.frame.counts.conditions[row.condition as usize];
+            let own: Vec<Option<u32>> = factors.iter().map(|&factor| levels[factor]).collect();
+            let known = ratings.entry((row.subject, own)).or_insert(0);
+            *known += row.count;
+            *known > 1
+        })
+    }
+
     /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means
     /// over participants or items and the coefficients of terms that vary only between them are estimated.
     pub fn degrees(&self, component: usize) -> (f64, f64) {
@@ -369,7 +392,13 @@ impl Fitted<'_> {
             self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
         };
         let between = [columns(&|term| self.is_between(term)), columns(&|term| self.is_between_items(term))];
-        self.random.degrees(component, self.frame.subjects.len(), between)
+        // An effect within participants that depends on their group has a mean in each group.
+        let own = &self.random.components[component].term;
+        let is_own = |term: &&Term| within_part(&self.frame, term).is_ok_and(|part| part.same(own));
+        let of = |term: &Term| columns(&|other| other == term) as f64;
+        let mut same = self.spec.terms.iter().filter(is_own).map(of);
+        let means = same.next().map_or(1.0, |first| 1.0 + same.sum::<f64>() / first.max(1.0));
+        self.random.degrees(component, self.frame.subjects.len(), between, means)
     }
 
     /// Returns the number of coefficients that can be estimated.
