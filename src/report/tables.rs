@@ -194,7 +194,8 @@ pub fn tests(results: &Results) -> Table {
         }
         for c in &report.comparisons {
             let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));
-            let note = at.into_iter().chain(c.withheld.map(|reason| format!("no p: {reason}"))).collect::<Vec<_>>().join("; ");
+            let note =
+                at.into_iter().chain(c.withheld.map(|reason| format!("no p: {reason}"))).collect::<Vec<_>>().join("; ");
             let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];
             let numbers = [None, Some(1.0), c.p, c.p_holm, Some(c.estimate), c.se, low, high];
             let names = ["comparison", &c.factor, &c.level, &c.other];

@@ -132,13 +132,24 @@ pub enum Excluded {
         /// Number of participants who gave them.
         participants: u64,
     },
+    /// Ratings without a value of a covariate, which the model needs.
+    Missing {
+        /// Name of the covariate.
+        factor: String,
+        /// Number of ratings.
+        ratings: u64,
+        /// Number of participants who gave them.
+        participants: u64,
+    },
 }
 
 impl Excluded {
     /// Returns the number of ratings that were excluded.
     pub fn ratings(&self) -> u64 {
         match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
+            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } | Self::Missing { ratings, .. } => {
+                *ratings
+            }
         }
     }
 
@@ -146,7 +157,7 @@ impl Excluded {
     pub fn participants(&self) -> u64 {
         match self {
             Self::Participant { .. } => 1,
-            Self::Levels { participants, .. } => *participants,
+            Self::Levels { participants, .. } | Self::Missing { participants, .. } => *participants,
         }
     }
 }

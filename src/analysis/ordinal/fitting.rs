@@ -10,7 +10,7 @@ use super::{
     design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
-    random::{Component, Loadings, RandomPart, is_within, within_part},
+    random::{Loadings, RandomPart, is_within, within_part},
     search::{self, MixedFit, MixedFitEnd, Task},
     terms::{Term, Variable},
 };
@@ -361,27 +361,23 @@ impl Fitted<'_> {
         term.variables.iter().any(between)
     }
 
-    /// Returns whether participants may differ in the effect of a term without a random slope of it. If nobody rated a level
-    /// twice, such differences are part of the variation between ratings, for which the model allows.
+    /// Returns whether participants may differ in the effect of a factor without a random slope of it. If nobody rated a level
+    /// twice, such differences are part of the variation between ratings, for which the model allows; so they almost are in
+    /// an interaction whose slope the design does not support.
     pub fn lacks_slope(&self, term: &Term) -> bool {
         let Ok(part) = within_part(&self.frame, term) else { return false };
-        let has_slope = |slope: &Component| slope.term.same(&part);
-        if self.spec.slopes != Slopes::Independent
-            || part.variables.is_empty()
-            || self.random.components.iter().any(has_slope)
-        {
-            return false;
-        }
-        let factors: Vec<usize> =
-            part.variables.iter().filter_map(|v| find_factor(self.frame.counts, v).ok()).map(|(factor, _)| factor).collect();
+        let [variable] = &part.variables[..] else { return false };
+        let Ok((factor, _)) = find_factor(self.frame.counts, variable) else { return false };
+        let has_slope = self.random.components.iter().any(|slope| slope.term == part);
         let mut ratings = HashMap::new();
-        self.frame.rows.iter().any(|row| {
-            let levels = &self.frame.counts.conditions[row.condition as usize];
-            let own: Vec<Option<u32>> = factors.iter().map(|&factor| levels[factor]).collect();
-            let known = ratings.entry((row.subject, own)).or_insert(0);
-            *known += row.count;
-            *known > 1
-        })
+        self.spec.slopes == Slopes::Independent
+            && !has_slope
+            && self.frame.rows.iter().any(|row| {
+                let level = self.frame.counts.conditions[row.condition as usize][factor];
+                let known = ratings.entry((row.subject, level)).or_insert(0);
+                *known += row.count;
+                *known > 1
+            })
     }
 
     /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means

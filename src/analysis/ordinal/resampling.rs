@@ -191,12 +191,14 @@ fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) ->
     let mut factors: Vec<usize> = (0..counts.factors.len()).collect();
     factors.sort_by_key(|&factor| &counts.factors[factor].name);
     let key = |condition: usize| factors.iter().map(|&f| counts.conditions[condition][f]).collect::<Vec<_>>();
-    let mut conditions: Vec<usize> = fitted.frame.conditions().into_iter().map(|condition| condition as usize).collect();
+    let mut conditions: Vec<usize> =
+        fitted.frame.conditions().into_iter().map(|condition| condition as usize).collect();
     conditions.sort_by_cached_key(|&condition| key(condition));
     let mut places = vec![0; counts.conditions.len()];
     conditions.iter().enumerate().for_each(|(place, &condition)| places[condition] = place);
     let term = |slot: usize| {
-        let mut names: Vec<String> = fitted.random.components.get(slot)?.term.variables.iter().map(ToString::to_string).collect();
+        let mut names: Vec<String> =
+            fitted.random.components.get(slot)?.term.variables.iter().map(ToString::to_string).collect();
         names.sort_unstable();
         Some(names)
     };

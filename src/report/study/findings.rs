@@ -549,9 +549,7 @@ fn simple_effects(
             " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
             names::factor(&of.name)
         ),
-        (None, None) => {
-            " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned()
-        }
+        (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
     let text = names::capitalized(&parts.join("; "));
     format!(" {text}{of_all}.{test}")
