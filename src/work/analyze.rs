@@ -14,6 +14,7 @@ use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
         counts::{Counts, Trial},
+        number_of,
         tasks::psychometric::{self, Guess},
         terms::Variable,
     },
@@ -170,9 +171,12 @@ impl Analyze {
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);
         }
-        let texts = list(counts.categories.iter().take(12));
-        let message =
-            format!("{}: {texts} are not numbers; expected their order, lowest first", study.source.shape.response);
+        let words = counts.categories.iter().filter(|category| number_of(category).is_none());
+        let message = format!(
+            "{}: {} are not numbers; expected numbers, or the order of all categories, lowest first",
+            study.source.shape.response,
+            list(words.take(12))
+        );
         // Not an order of these words, which somebody would copy.
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
     }

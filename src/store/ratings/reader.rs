@@ -109,6 +109,15 @@ fn read_inputs<T>(
     }
     let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_participants(&selection, options, &tables);
+    notes.extend(selection.inputs.iter().zip(&tables).filter_map(|(input, rows)| {
+        let (first, number) = rows.repeated(input.columns.subject).filter(|_| input.layout == Layout::Long)?;
+        let message = format!(
+            "{number} successive rows, from row {} below the header on, have the same cells as earlier rows, as if the file \
+             had been appended to itself; expected each rating once",
+            first + 1
+        );
+        Some(FileError::whole(&input.name, message))
+    }));
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
     let simulated = selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| simulated(input, rows)).collect();
@@ -130,6 +139,11 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
+    let mut known = HashMap::new();
+    warnings.extend(reports.iter().filter_map(|report| {
+        let other = known.insert(report.sha256.clone()?, report.path.display())?;
+        Some(FileError::whole(&report.path, format!("has the same content as {other}; expected each rating once")))
+    }));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -362,7 +376,7 @@ fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
 /// Which columns have only numbers, in all files together.
 struct AreNumbers {
     factors: Vec<bool>,
-    /// For each column with responses.
+    /// For each column with responses; also if hardly any value is something else and the categories are not named.
     responses: Vec<bool>,
 }
 
@@ -383,7 +397,11 @@ impl AreNumbers {
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
-                .map(|i| selection.own_scale.is_none() && are_numbers(&|columns| columns.responses[i]))
+                .map(|i| {
+                    let column = selection.texts(&tables, |columns| columns.responses[i]);
+                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
+                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                })
                 .collect(),
         }
     }
@@ -408,8 +426,8 @@ fn add_rows(
     let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
         texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
             _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
-            true => Ok(text),
-            false => Err(false),
+            true if !among_numbers || values::number(text).is_some() => Ok(text),
+            _ => Err(false),
         })
     });
     let responses: Vec<Mapped<'_, Result<&str, bool>>> = responses.collect();
@@ -441,7 +459,10 @@ fn add_rows(
             Ok(rating) => rating,
             Err(true) => return Ok(Err(Reason::NoResponse)),
             Err(false) => {
-                let Some(highest) = selection.own_scale else { return Err(RowError::new(row, response, "a rating")) };
+                let Some(highest) = selection.own_scale else {
+                    let expected = "a number, as in other rows, unless this value is named as missing";
+                    return Err(RowError::new(row, response, expected));
+                };
                 // Any scale is possible in a table from elsewhere.
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };

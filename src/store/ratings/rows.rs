@@ -1,6 +1,11 @@
 //! The rows of a file as columns, and the errors in them. Each file is read once.
 
-use std::{borrow::Cow, collections::BTreeSet, ops::Range};
+use std::{
+    borrow::Cow,
+    collections::{BTreeSet, HashMap, hash_map::Entry},
+    hash::{DefaultHasher, Hash as _, Hasher as _},
+    ops::Range,
+};
 
 use csv::Position;
 
@@ -19,6 +24,9 @@ use crate::store::{
 /// Maximum number of rows of a study; 100 million take about 4 GB.
 pub(super) const MAX_ROWS: usize = 100_000_000;
 
+/// Number of rows that are compared with earlier ones.
+const MAX_HASHED: usize = 1_000_000;
+
 /// Number of rows between positions that are kept, so that a row with an error can be read again.
 const MARK: usize = 64;
 
@@ -36,6 +44,8 @@ pub(super) struct Rows {
     pub foreign: Option<(usize, usize)>,
     /// The position of every 64th row.
     marks: Vec<Position>,
+    /// Hashes of the whole rows, of which the first [`MAX_HASHED`] have one.
+    hashes: Vec<u64>,
 }
 
 /// How a row is used.
@@ -142,6 +152,11 @@ impl Rows {
                     }
                 }
                 rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
+                if index < MAX_HASHED {
+                    let mut hasher = DefaultHasher::new();
+                    row.record.iter().for_each(|cell| cell.hash(&mut hasher));
+                    rows.hashes.push(hasher.finish());
+                }
                 rows.status.push(if text.is_some() { Status::default() } else { Status::Wrong });
             }
             rows.status.len() <= MAX_ROWS
@@ -163,6 +178,33 @@ impl Rows {
                 }
             }
         }
+    }
+
+    /// Returns the first of many successive rows, of several participants, that have the same cells as earlier successive rows,
+    /// and their number.
+    pub fn repeated(&self, subject: usize) -> Option<(usize, usize)> {
+        const MANY: usize = 20;
+        let (mut first_of, mut run): (HashMap<u64, usize>, Option<(usize, usize)>) = (HashMap::new(), None);
+        let ids = self.columns[subject].map(str::to_owned);
+        for row in 0..=self.hashes.len() {
+            let hash = self.hashes.get(row);
+            if let Some((first, before)) = run {
+                if hash == Some(&self.hashes[before + row - first]) {
+                    continue;
+                }
+                if row - first >= MANY && (first..row).any(|other| ids.get(other) != ids.get(first)) {
+                    return Some((first, row - first));
+                }
+            }
+            run = None;
+            if let Some(hash) = hash {
+                match first_of.entry(*hash) {
+                    Entry::Occupied(known) => run = Some((row, *known.get())),
+                    Entry::Vacant(free) => _ = free.insert(row),
+                }
+            }
+        }
+        None
     }
 
     /// Returns the indices of all rows.
