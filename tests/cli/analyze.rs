@@ -475,6 +475,54 @@ fn the_script_quotes_any_name() {
     }
 }
 
+/// Tables of other programs: what is wrong is said once, with what to do.
+#[test]
+fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let rows = |rating: &dyn Fn(usize) -> String| -> String {
+        let row = |i: usize| format!("p{},{},{},{},{}\n", i / 12, ["n", "f"][i % 2], ["u", "v"][i % 2], i, rating(i));
+        "id,a:b,count,trial,y\n".to_owned() + &(0..96).map(row).collect::<String>()
+    };
+    let usual = rows(&|i| ((i * i / 3 + i % 2) % 4).to_string());
+    write("stray.csv", &rows(&|i| if i == 7 { "33".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("word.csv", &rows(&|i| if i == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("words.csv", &rows(&|i| if i % 9 == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("usual.csv", &usual);
+    write("twice.csv", &(usual.clone() + usual.split_once('\n').unwrap().1));
+    write("nobody.csv", &usual.replace("p1,", ","));
+    write("data.json", "[{\"id\": 1, \"y\": 2}]");
+    write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
+    let run = |file: &str, options: &[&str]| {
+        let columns = ["analyze", file, "--subject", "id", "--response", "y"];
+        let output = ["--out", "out", "--tables-only", "--draws", "99", "--force"];
+        let output = machband(folder.path(), &[&columns, options, &output].concat());
+        (output.status.code(), text(&output.stderr), text(&output.stdout))
+    };
+    for (file, options, status, expected) in [
+        ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is apart from the other values"),
+        ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
+        ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
+        ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
+        ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
+        ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
+        ("usual.csv", &["--terms", "\"a:b\",num:trial"], 0, ""),
+        ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
+        (
+            "twice.csv",
+            &["--terms", "count"],
+            0,
+            "96 successive rows, from row 97 below the header on, have the same cells",
+        ),
+        ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
+        ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
+        ("q.csv", &["--terms", "a"], 1, "remove its second and third row"),
+    ] {
+        let (code, error, output) = run(file, options);
+        assert!(code == Some(status) && error.contains(expected), "{file} {options:?}: {code:?} {error} {output}");
+    }
+}
+
 /// What is left out on request or because it is missing is in the report; above 2 % of unreadable rows, there is none.
 #[test]
 fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
@@ -489,7 +537,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
                 --draws 99 --out";
     let error = fails(folder.path(), &split(&format!("{line} x")), 2);
     assert!(
-        error.contains("answer: -99 (6 ratings) is far from") && error.ends_with("such as --missing -99\n"),
+        error.contains("answer: -99 (6 ratings) is apart from") && error.ends_with("such as --missing -99\n"),
         "{error}"
     );
     let output = machband(folder.path(), &split(&format!("{line} a --missing -99")));

@@ -40,7 +40,9 @@ pub struct Terms(Vec<Term>);
 
 /// The error for a list of terms that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\"")]
+#[error(
+    "{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\""
+)]
 pub struct TermError(String);
 
 impl Variable {
