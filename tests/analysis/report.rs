@@ -313,16 +313,17 @@ fn problems_with_the_data_are_reported() {
 fn participants_with_unusual_answers_are_named() {
     let mut builder = MeasuredBuilder::new(&["width"]).with_categories(&SCALE);
     for (subject, time) in [("ann", 1.0), ("ben", 1.1), ("cyd", 0.2), ("dot", 9.0)] {
-        for width in WIDTHS {
+        for width in 1..=30 {
             for repetition in 1..=10 {
                 let rating = if subject == "ben" { "2" } else { SCALE[repetition as usize % 4] };
-                add(&mut builder, (subject, &[width]), rating, Some(repetition), Some(time));
+                add(&mut builder, (subject, &[&width.to_string()]), rating, Some(repetition), Some(time));
             }
         }
     }
-    let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions.join("\n");
+    let numbers = Options { terms: Some(Terms::parse("num:width").unwrap()), ..options() };
+    let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
-    let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00.\n";
+    let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00 (95\u{a0}% interval below .40).\n";
     let (ben, slow) = ("\nben used only one category: all their ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");

@@ -500,7 +500,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         (output.status.code(), text(&output.stderr), text(&output.stdout))
     };
     for (file, options, status, expected) in [
-        ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is apart from the other values"),
+        ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is far from the other values"),
         ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
         ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
         ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
@@ -508,12 +508,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
         ("usual.csv", &["--terms", "\"a:b\",num:trial"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
-        (
-            "twice.csv",
-            &["--terms", "count"],
-            0,
-            "96 successive rows, from row 97 below the header on, have the same cells",
-        ),
+        ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
         ("q.csv", &["--terms", "a"], 1, "remove its second and third row"),
@@ -537,7 +532,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
                 --draws 99 --out";
     let error = fails(folder.path(), &split(&format!("{line} x")), 2);
     assert!(
-        error.contains("answer: -99 (6 ratings) is apart from") && error.ends_with("such as --missing -99\n"),
+        error.contains("answer: -99 (6 ratings) is far from") && error.ends_with("such as --missing -99\n"),
         "{error}"
     );
     let output = machband(folder.path(), &split(&format!("{line} a --missing -99")));

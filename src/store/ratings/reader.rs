@@ -109,14 +109,11 @@ fn read_inputs<T>(
     }
     let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_participants(&selection, options, &tables);
-    notes.extend(selection.inputs.iter().zip(&tables).filter_map(|(input, rows)| {
-        let (first, number) = rows.repeated(input.columns.subject).filter(|_| input.layout == Layout::Long)?;
-        let message = format!(
-            "{number} successive rows, from row {} below the header on, have the same cells as earlier rows, as if the file \
-             had been appended to itself; expected each rating once",
-            first + 1
-        );
-        Some(FileError::whole(&input.name, message))
+    let is_doubled = |(input, rows): &(&Input, &Rows)| input.layout == Layout::Long && rows.are_doubled();
+    notes.extend(selection.inputs.iter().zip(&tables).filter(is_doubled).map(|(input, _)| {
+        let message =
+            "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
+        FileError::whole(&input.name, message)
     }));
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);

@@ -2,7 +2,7 @@
 
 use std::{
     borrow::Cow,
-    collections::{BTreeSet, HashMap, hash_map::Entry},
+    collections::BTreeSet,
     hash::{DefaultHasher, Hash as _, Hasher as _},
     ops::Range,
 };
@@ -24,7 +24,7 @@ use crate::store::{
 /// Maximum number of rows of a study; 100 million take about 4 GB.
 pub(super) const MAX_ROWS: usize = 100_000_000;
 
-/// Number of rows that are compared with earlier ones.
+/// Number of rows that are compared with each other.
 const MAX_HASHED: usize = 1_000_000;
 
 /// Number of rows between positions that are kept, so that a row with an error can be read again.
@@ -180,31 +180,11 @@ impl Rows {
         }
     }
 
-    /// Returns the first of many successive rows, of several participants, that have the same cells as earlier successive rows,
-    /// and their number.
-    pub fn repeated(&self, subject: usize) -> Option<(usize, usize)> {
+    /// Returns whether the second half of the rows repeats the first half in all cells.
+    pub fn are_doubled(&self) -> bool {
         const MANY: usize = 20;
-        let (mut first_of, mut run): (HashMap<u64, usize>, Option<(usize, usize)>) = (HashMap::new(), None);
-        let ids = self.columns[subject].map(str::to_owned);
-        for row in 0..=self.hashes.len() {
-            let hash = self.hashes.get(row);
-            if let Some((first, before)) = run {
-                if hash == Some(&self.hashes[before + row - first]) {
-                    continue;
-                }
-                if row - first >= MANY && (first..row).any(|other| ids.get(other) != ids.get(first)) {
-                    return Some((first, row - first));
-                }
-            }
-            run = None;
-            if let Some(hash) = hash {
-                match first_of.entry(*hash) {
-                    Entry::Occupied(known) => run = Some((row, *known.get())),
-                    Entry::Vacant(free) => _ = free.insert(row),
-                }
-            }
-        }
-        None
+        let (one, other) = self.hashes.split_at(self.hashes.len() / 2);
+        other.len() >= MANY && self.hashes.len() == self.status.len() && one == other
     }
 
     /// Returns the indices of all rows.
