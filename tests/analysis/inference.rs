@@ -229,7 +229,7 @@ fn the_order_of_terms_does_not_matter() {
         for (person, level, side) in (0..72).map(|i| (i / 12, i / 6 % 2, i % 6 / 2)) {
             let (level, side) = (["p", "q"][level], ["x", "y", "z"][side]);
             let values = if names[0] == "level" { [level, side] } else { [side, level] };
-            builder.add_counts(&person.to_string(), &values, &rate(0.3 * f64::from(person), &mut rng), 1).unwrap();
+            builder.add_counts(&person.to_string(), &values, &rate(0.3 * person as f64, &mut rng), 1).unwrap();
         }
         let results = analyze(builder.finish(), &Options { terms: Some(Terms::parse(terms).unwrap()), ..quick() });
         let report = results.model.unwrap();

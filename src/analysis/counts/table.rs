@@ -235,9 +235,10 @@ impl Counts {
         let mut found: Vec<usize> = codes.filter(|_| others.len() > 1).map(|(code, _)| code).collect();
         let n: Vec<u64> = (0..numbers.len()).map(ratings).collect();
         let used: Vec<usize> = (0..numbers.len()).filter(|code| n[*code] > 0 && !found.contains(code)).collect();
-        let is_next = |a: &usize, b: &usize| numbers[*a].fract() == 0.0 && numbers[*b] == numbers[*a] + 1.0;
+        let whole: Vec<usize> = used.iter().copied().filter(|code| numbers[*code].fract() == 0.0).collect();
+        let is_next = |a: &usize, b: &usize| numbers[*b] == numbers[*a] + 1.0;
         let sum = |codes: &[usize]| codes.iter().map(|code| n[*code]).sum::<u64>();
-        if let Some(run @ [first, .., last]) = used.chunk_by(is_next).max_by_key(|run| sum(run)) {
+        if let Some(run @ [first, .., last]) = whole.chunk_by(is_next).max_by_key(|run| sum(run)) {
             let (low, high) = (numbers[*first], numbers[*last]);
             let strays = used.iter().copied().filter(|code| !run.contains(code));
             let is_rare = 50 * (sum(&used) - sum(run)) < sum(&used);

@@ -361,7 +361,7 @@ impl Fitted<'_> {
         term.variables.iter().any(between)
     }
 
-    /// Returns whether participants may differ in the effect of a factor without a random slope of it. If nobody rated a level
+    /// Returns whether participants may differ in an effect without a random slope of it. If nobody rated a level of a factor
     /// twice, such differences are part of the variation between ratings, for which the model allows; so they almost are in
     /// an interaction whose slope the design does not support.
     pub fn lacks_slope(&self, term: &Term) -> bool {
@@ -370,14 +370,14 @@ impl Fitted<'_> {
         let Ok((factor, _)) = find_factor(self.frame.counts, variable) else { return false };
         let has_slope = self.random.components.iter().any(|slope| slope.term == part);
         let mut ratings = HashMap::new();
-        self.spec.slopes == Slopes::Independent
-            && !has_slope
-            && self.frame.rows.iter().any(|row| {
-                let level = self.frame.counts.conditions[row.condition as usize][factor];
-                let known = ratings.entry((row.subject, level)).or_insert(0);
-                *known += row.count;
-                *known > 1
-            })
+        let mut are_twice = self.frame.rows.iter().map(|row| {
+            let level = self.frame.counts.conditions[row.condition as usize][factor];
+            let known = ratings.entry((row.subject, level)).or_insert(0);
+            *known += row.count;
+            *known > 1
+        });
+        let is_number = matches!(variable, Variable::Number(_));
+        self.spec.slopes == Slopes::Independent && !has_slope && (is_number || are_twice.any(|is_twice| is_twice))
     }
 
     /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means

@@ -6,6 +6,8 @@
 //! its coefficients (Davison & Hinkley 1997, Bootstrap Methods and their Application, ch. 4 and 5; Halekoh & Højsgaard
 //! 2014, J. Stat. Softw. 59(9), for mixed models). Random numbers come from ChaCha8 with one stream per simulated study.
 
+use std::collections::BTreeSet;
+
 use clap::Args;
 use nalgebra::DVector;
 use rand::RngExt;
@@ -196,23 +198,16 @@ fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) ->
     conditions.sort_by_cached_key(|&condition| key(condition));
     let mut places = vec![0; counts.conditions.len()];
     conditions.iter().enumerate().for_each(|(place, &condition)| places[condition] = place);
-    let term = |slot: usize| {
-        let mut names: Vec<String> =
-            fitted.random.components.get(slot)?.term.variables.iter().map(ToString::to_string).collect();
-        names.sort_unstable();
-        Some(names)
-    };
-    let mut effects = Vec::new();
-    for (place, &condition) in conditions.iter().enumerate() {
-        let of_condition = weights[condition].iter().enumerate().filter(|(_, (effect, _))| *effect < own);
-        effects.extend(of_condition.map(|(slot, (effect, _))| (term(slot), place, *effect)));
-    }
-    effects.sort();
-    let mut seen = vec![false; own];
-    let mut effects: Vec<usize> = effects.into_iter().map(|(.., effect)| effect).collect();
-    effects.retain(|&effect| !std::mem::replace(&mut seen[effect], true));
-    // An effect that no condition has must still have a number.
-    effects.extend((0..own).filter(|&effect| !seen[effect]));
+    // Each slot of a condition belongs to a component.
+    let mut effects: Vec<usize> = (0..own).collect();
+    effects.sort_by_cached_key(|&effect| {
+        let slot_in = |condition: usize| weights[condition].iter().position(|(other, _)| *other == effect);
+        let found = conditions.iter().enumerate().find_map(|(place, &condition)| Some((slot_in(condition)?, place)));
+        found.map(|(slot, place)| {
+            let variables = fitted.random.components[slot].term.variables.iter();
+            (variables.map(ToString::to_string).collect::<BTreeSet<String>>(), place)
+        })
+    });
     (effects, places)
 }
 

@@ -109,12 +109,6 @@ fn read_inputs<T>(
     }
     let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_participants(&selection, options, &tables);
-    let is_doubled = |(input, rows): &(&Input, &Rows)| input.layout == Layout::Long && rows.are_doubled();
-    notes.extend(selection.inputs.iter().zip(&tables).filter(is_doubled).map(|(input, _)| {
-        let message =
-            "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
-        FileError::whole(&input.name, message)
-    }));
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
     let simulated = selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| simulated(input, rows)).collect();
@@ -125,7 +119,13 @@ fn read_inputs<T>(
     let mut reports = Vec::new();
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        read.sha256 = sha256(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
+            read.sha256 = Some(file::sha256(&bytes));
+            notes.extend(Some(input).filter(|input| input.layout == Layout::Long && is_doubled(&bytes)).map(|input| {
+                let message = "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
+                FileError::whole(&input.name, message)
+            }));
+        }
         errors.extend(file_errors(input, rows, &selection.inputs));
         reports.push(read);
     }
@@ -137,7 +137,7 @@ fn read_inputs<T>(
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     let mut known = HashMap::new();
-    warnings.extend(reports.iter().filter_map(|report| {
+    warnings.extend(reports.iter().filter(|report| report.layout == Layout::Long).filter_map(|report| {
         let other = known.insert(report.sha256.clone()?, report.path.display())?;
         Some(FileError::whole(&report.path, format!("has the same content as {other}; expected each rating once")))
     }));
@@ -558,12 +558,19 @@ fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError
     rows.into_errors(input).into_iter().chain(everything).collect()
 }
 
-fn sha256(input: &Input) -> Result<Option<String>, StoreError> {
+/// Returns the content of a file, unless it is large.
+fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
-    Ok(Some(file::sha256(&bytes)))
+    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
+}
+
+/// Returns whether the second half of the lines below the header repeats the first half.
+fn is_doubled(bytes: &[u8]) -> bool {
+    let header = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1);
+    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
+    one.ends_with(b"\n") && one == other
 }
 
 /// Returns the error that no row counts, with the reasons.

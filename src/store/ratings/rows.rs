@@ -1,11 +1,6 @@
 //! The rows of a file as columns, and the errors in them. Each file is read once.
 
-use std::{
-    borrow::Cow,
-    collections::BTreeSet,
-    hash::{DefaultHasher, Hash as _, Hasher as _},
-    ops::Range,
-};
+use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 
 use csv::Position;
 
@@ -24,9 +19,6 @@ use crate::store::{
 /// Maximum number of rows of a study; 100 million take about 4 GB.
 pub(super) const MAX_ROWS: usize = 100_000_000;
 
-/// Number of rows that are compared with each other.
-const MAX_HASHED: usize = 1_000_000;
-
 /// Number of rows between positions that are kept, so that a row with an error can be read again.
 const MARK: usize = 64;
 
@@ -44,8 +36,6 @@ pub(super) struct Rows {
     pub foreign: Option<(usize, usize)>,
     /// The position of every 64th row.
     marks: Vec<Position>,
-    /// Hashes of the whole rows, of which the first [`MAX_HASHED`] have one.
-    hashes: Vec<u64>,
 }
 
 /// How a row is used.
@@ -152,11 +142,6 @@ impl Rows {
                     }
                 }
                 rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
-                if index < MAX_HASHED {
-                    let mut hasher = DefaultHasher::new();
-                    row.record.iter().for_each(|cell| cell.hash(&mut hasher));
-                    rows.hashes.push(hasher.finish());
-                }
                 rows.status.push(if text.is_some() { Status::default() } else { Status::Wrong });
             }
             rows.status.len() <= MAX_ROWS
@@ -178,13 +163,6 @@ impl Rows {
                 }
             }
         }
-    }
-
-    /// Returns whether the second half of the rows repeats the first half in all cells.
-    pub fn are_doubled(&self) -> bool {
-        const MANY: usize = 20;
-        let (one, other) = self.hashes.split_at(self.hashes.len() / 2);
-        other.len() >= MANY && self.hashes.len() == self.status.len() && one == other
     }
 
     /// Returns the indices of all rows.
