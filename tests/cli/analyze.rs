@@ -222,7 +222,7 @@ fn non_numeric_scales_need_an_order() {
     let arguments = |line: &str| split(&format!("{line} --subject who --response answer"));
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms group"), 2);
     // In no order that somebody would copy.
-    let expected = "answer: high,low,medium are not numbers; expected their order, lowest first, such as --categories 'LOWEST,…,HIGHEST'";
+    let expected = "answer: high,low,medium are not numbers; expected numbers, or the order of all categories, lowest first, such as --categories 'LOWEST,…,HIGHEST'";
     assert!(error.contains(expected), "{error}");
     let analyze = |file: &str, out: &str, terms: &str| {
         let line = format!("analyze {file} --out {out} --terms {terms} --categories low,medium,high --tables-only");

@@ -205,10 +205,10 @@ impl Counts {
 
     /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
     ///
-    /// Mistakes are rare categories outside the run of consecutive whole numbers that has the most ratings: together less
-    /// than 2 % of all, or a single rating, if the run has at least three categories and is less than half as wide as the
-    /// distance to it. Codes are numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
-    /// two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
+    /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual ones
+    /// from each other at least are, also as a chain; or a single rating that is further from at least three others than
+    /// twice their range. Codes are numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the
+    /// other categories, of which there are at least two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
     /// 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are apart, and no
     /// other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as
     /// 1…7, 0…100 or −9…9, has no such number.
@@ -235,19 +235,21 @@ impl Counts {
         let mut found: Vec<usize> = codes.filter(|_| others.len() > 1).map(|(code, _)| code).collect();
         let n: Vec<u64> = (0..numbers.len()).map(ratings).collect();
         let used: Vec<usize> = (0..numbers.len()).filter(|code| n[*code] > 0 && !found.contains(code)).collect();
-        let whole: Vec<usize> = used.iter().copied().filter(|code| numbers[*code].fract() == 0.0).collect();
-        let is_next = |a: &usize, b: &usize| numbers[*b] == numbers[*a] + 1.0;
-        let sum = |codes: &[usize]| codes.iter().map(|code| n[*code]).sum::<u64>();
-        if let Some(run @ [first, .., last]) = whole.chunk_by(is_next).max_by_key(|run| sum(run)) {
-            let (low, high) = (numbers[*first], numbers[*last]);
-            let strays = used.iter().copied().filter(|code| !run.contains(code));
-            let is_rare = 50 * (sum(&used) - sum(run)) < sum(&used);
-            let is_far = |code: usize| {
-                run.len() > 2 && n[code] == 1 && (numbers[code] - high).max(low - numbers[code]) > 2.0 * (high - low)
-            };
-            found.extend(strays.filter(|code| is_rare || is_far(*code)));
+        let total: u64 = n.iter().sum();
+        let is_common = |code: &usize| 50 * n[*code] >= total;
+        let common: Vec<f64> = used.iter().filter(|code| is_common(code)).map(|code| numbers[*code]).collect();
+        let step = common.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        for chain in used.chunk_by(|a, b| numbers[*b] - numbers[*a] <= step + 1e-9).filter(|_| common.len() > 1) {
+            found.extend(chain.iter().filter(|_| !chain.iter().any(is_common)));
+        }
+        if let [first, second, .., before, last] = used[..] {
+            for (code, near, end) in [(first, second, last), (last, before, first)] {
+                let (gap, width) = (numbers[code] - numbers[near], numbers[near] - numbers[end]);
+                found.extend((n[code] == 1 && gap.abs() > 2.0 * width.abs()).then_some(code));
+            }
         }
         found.sort_unstable();
+        found.dedup();
         found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()
     }
 }
