@@ -91,7 +91,7 @@ fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
 }
 
 fn options() -> Options {
-    Options { resampling: Resampling { draws: 39, seed: 1 }, is_ours: true, ..Options::default() }
+    Options { resampling: Resampling { draws: 59, seed: 1 }, is_ours: true, ..Options::default() }
 }
 
 fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
@@ -343,7 +343,7 @@ fn the_limits_of_a_model_are_stated() {
     assert!(is_independent(&independent) && !is_independent(&mixed));
     // In that case, the sentence uses the test that does not treat ratings as independent.
     assert_parts(finding(&independent, "with depth"), &["exact Friedman test: χ²", "mean rating at 1 is"]);
-    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 39 simulated studies: χ²"]);
+    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 59 simulated studies: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
     finding(&crossed, "effects of width and depth depend on each other");
     assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
