@@ -506,7 +506,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
-        ("usual.csv", &["--terms", "\"a:b\",num:trial"], 0, ""),
+        ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
         ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
