@@ -91,7 +91,7 @@ fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
 }
 
 fn options() -> Options {
-    Options { resampling: Resampling { draws: 59, seed: 1 }, is_ours: true, ..Options::default() }
+    Options { resampling: Resampling { draws: 59, seed: 2 }, is_ours: true, ..Options::default() }
 }
 
 fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
