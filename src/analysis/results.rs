@@ -7,7 +7,7 @@ use super::{
     Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Prediction, Random,
     Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
-    counts::{Counts, Factor, Measured, Quartiles},
+    counts::{Counts, Factor, MAX_LEVELS, Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
@@ -20,7 +20,8 @@ use crate::statistics::Interval;
 pub struct Options {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels and of the covariates.
     pub terms: Option<Terms>,
-    /// Factors that are covariates. `None` means those that [`Counts::is_covariate`] says, unless a term uses their levels.
+    /// Factors that are covariates. `None` means those that [`Counts::is_covariate`] says or that have more levels than can be
+    /// listed, unless a term uses their levels.
     pub covariates: Option<Vec<String>>,
     /// The factor whose levels are items, each with a random intercept ([`ModelSpec::items`]).
     pub items: Option<String>,
@@ -213,6 +214,8 @@ pub fn analyze(measured: Measured, options: &Options) -> Results {
 /// Analyzes a study. `progress` is called after each simulated study, with the number of those done and of all.
 pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(usize, usize) + Sync)) -> Results {
     let covariates = covariates(&measured.counts, options);
+    // The model needs them, and describes the same ratings as the rest.
+    let measured = measured.complete(&covariates);
     let spec = model_spec(&measured, &covariates, options);
     let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
@@ -294,7 +297,9 @@ fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
         match &options.covariates {
             _ if options.items.as_ref() == Some(name) => false,
             Some(names) => names.contains(name),
-            None => counts.is_covariate(factor) && !by_level(name),
+            None => {
+                (counts.is_covariate(factor) || counts.factors[factor].levels.len() > MAX_LEVELS) && !by_level(name)
+            }
         }
     };
     (0..counts.factors.len()).filter(is_covariate).collect()

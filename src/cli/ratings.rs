@@ -36,9 +36,13 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
     if !left_out.is_empty() {
         line += &format!("; rows left out: {}", left_out.join(", "));
     }
-    if !excluded.is_empty() {
-        let ratings = excluded.iter().map(Excluded::ratings).sum();
-        line += &format!("; excluded on request: {}", count(ratings, "rating"));
+    let (missing, requested): (Vec<&Excluded>, _) =
+        excluded.iter().partition(|excluded| matches!(excluded, Excluded::Missing { .. }));
+    for (what, excluded) in [("excluded on request", requested), ("without a covariate", missing)] {
+        let ratings = excluded.into_iter().map(Excluded::ratings).sum();
+        if ratings > 0 {
+            line += &format!("; {what}: {}", count(ratings, "rating"));
+        }
     }
     if unfinished > 0 {
         line += &format!("; {unfinished} of {} unfinished", count(source.sessions.len() as u64, "session"));

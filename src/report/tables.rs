@@ -139,7 +139,7 @@ pub fn tests(results: &Results) -> Table {
         ("other", "", "Level with which it is compared."),
         ("n", "", "Number of participants, or of ratings for tests of the model."),
         ("statistic", "", "Test statistic."),
-        ("df", "", "Degrees of freedom."),
+        ("df", "", "Degrees of freedom; none for a comparison."),
         ("p", "", "Probability of such a statistic without an effect."),
         ("p_holm", "", "p with Holm's correction for the tests of the same kind."),
         ("effect", "", "Size of the effect."),
@@ -193,7 +193,9 @@ pub fn tests(results: &Results) -> Table {
             ));
         }
         for c in &report.comparisons {
-            let note = c.at.as_ref().map_or_else(String::new, |(factor, level)| format!("at {factor} {level}"));
+            let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));
+            let note =
+                at.into_iter().chain(c.withheld.map(|reason| format!("no p: {reason}"))).collect::<Vec<_>>().join("; ");
             let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];
             let numbers = [None, None, c.p, c.p_holm, Some(c.estimate), c.se, low, high];
             let names = ["comparison", &c.factor, &c.level, &c.other];

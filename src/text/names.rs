@@ -15,7 +15,15 @@ pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String 
     };
     let best = known.iter().filter_map(|candidate| Some((near(&candidate)?, candidate))).min().map(|(_, best)| best);
     let question = best.map_or_else(String::new, |candidate| format!("; did you mean {candidate}?"));
-    format!("expected one of {}{question}", known.join(", "))
+    format!("expected one of {}{question}", some_of(&known))
+}
+
+/// Lists names; if there are many, as of the columns of another program's table, only the first ones and the number of others.
+pub(crate) fn some_of<S: AsRef<str>>(names: &[S]) -> String {
+    const SHOWN: usize = 24;
+    let shown = if names.len() > SHOWN + 1 { SHOWN } else { names.len() };
+    let list = names[..shown].iter().map(AsRef::as_ref).collect::<Vec<_>>().join(", ");
+    if shown < names.len() { format!("{list} and {} more", names.len() - shown) } else { list }
 }
 
 /// Compares strings in natural order: runs of digits are compared as whole numbers, so that S2 comes before S10.

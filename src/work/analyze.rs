@@ -1,6 +1,11 @@
 //! The analysis of ratings.
 
-use std::{collections::HashSet, fmt, path::Path, str::FromStr};
+use std::{
+    collections::{HashMap, HashSet},
+    fmt,
+    path::Path,
+    str::FromStr,
+};
 
 use serde::Serialize;
 
@@ -8,8 +13,10 @@ use super::{Model, Ratings, RequestError, Watcher, changed, named, ratings::expl
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
-        counts::Trial,
+        counts::{Counts, Trial},
+        number_of,
         tasks::psychometric::{self, Guess},
+        terms::Variable,
     },
     experiment::task::{Common, Curve, Easier},
     report::{
@@ -117,11 +124,13 @@ impl FromStr for GuessRate {
 serde_as_text!(GuessRate);
 
 impl Analyze {
-    /// Returns the names of the columns that the terms use, and of the covariates and the items.
+    /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
     pub fn columns(&self) -> [Vec<String>; 2] {
         let terms = self.model.terms.iter().flat_map(|terms| terms.iter());
-        let variables = terms.flat_map(|term| &term.variables).map(|variable| variable.name().to_owned());
-        [variables.collect(), self.roles().map(|(_, name)| name.clone()).collect()]
+        let (numbers, factors): (Vec<&Variable>, Vec<&Variable>) =
+            terms.flat_map(|term| &term.variables).partition(|variable| matches!(variable, Variable::Number(_)));
+        let roles = numbers.into_iter().map(Variable::name).chain(self.roles().map(|(_, name)| name.as_str()));
+        [factors.into_iter().map(|factor| factor.name().to_owned()).collect(), roles.map(str::to_owned).collect()]
     }
 
     /// Returns the names of the covariates and the items, each with its option.
@@ -162,9 +171,12 @@ impl Analyze {
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);
         }
-        let texts = list(counts.categories.iter().take(12));
-        let message =
-            format!("{}: {texts} are not numbers; expected their order, lowest first", study.source.shape.response);
+        let words = counts.categories.iter().filter(|category| number_of(category).is_none());
+        let message = format!(
+            "{}: {} are not numbers; expected numbers, or the order of all categories, lowest first",
+            study.source.shape.response,
+            list(words.take(12))
+        );
         // Not an order of these words, which somebody would copy.
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
     }
@@ -281,6 +293,9 @@ impl Analyze {
             let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
             return Err(RequestError::value(option, format!("{name}: {}", expected_one_of(name, &names))));
         }
+        if let Some(message) = determined(counts, &self.columns()[0]) {
+            return Err(RequestError::value("terms", message));
+        }
         let Some(order) = &self.ratings.order else { return Ok(()) };
         let mut known = HashSet::new();
         let place = |trial: &Trial| Some((trial.subject, trial.session, trial.position?.to_bits()));
@@ -305,6 +320,25 @@ impl Analyze {
             None => Ok(results),
         }
     }
+}
+
+/// Says which factor among these determines another one, so that their effects cannot be told apart.
+fn determined(counts: &Counts, names: &[String]) -> Option<String> {
+    let factors: Vec<usize> = names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect();
+    let determines = |own: usize, other: usize| {
+        let mut found = HashMap::new();
+        let is_varied = |factor: usize| counts.factors[factor].levels.len() > 1;
+        let mut all = counts.conditions.iter().map(|levels| (levels[own], levels[other]));
+        own != other && is_varied(other) && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
+    };
+    let mut pairs = factors.iter().flat_map(|own| factors.iter().map(move |other| (*own, *other)));
+    let (own, other) = pairs.find(|(own, other)| determines(*own, *other))?;
+    let [one, two] = [own, other].map(|factor| &counts.factors[factor].name);
+    Some(format!(
+        "{one} determines {two}: each level of {one} occurs with one level of {two}{}, so their effects cannot be told apart; \
+         expected only one of them",
+        if determines(other, own) { ", and the reverse" } else { "" }
+    ))
 }
 
 /// Returns what is wrong with the requested model, if it is not the data.

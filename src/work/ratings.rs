@@ -9,7 +9,10 @@ use super::{
     request::{paths, positive},
 };
 use crate::{
-    analysis::counts::{ExclusionError, Exclusions},
+    analysis::{
+        counts::{ExclusionError, Exclusions},
+        numbers_of,
+    },
     report::{Study, StudyError, tasks::TaskStudy},
     store::{
         FileErrors,
@@ -124,6 +127,12 @@ fn categories(text: &str) -> Result<List, String> {
     let List(names) = text.parse()?;
     match names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
         Some((_, twice)) => Err(format!("{twice} appears twice; expected each category once")),
+        // Means are of the numbers, and the model follows the order.
+        None if numbers_of(&names).is_some_and(|numbers| !numbers.is_sorted()) => {
+            Err("numbers are categories in ascending order; expected this order (for a reversed scale, write each rating as \
+                 the lowest plus the highest category minus the rating in a new column)"
+                .to_owned())
+        }
         None => Ok(List(names)),
     }
 }

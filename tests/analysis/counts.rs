@@ -267,6 +267,25 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
     ] {
         assert_eq!(codes(&scale), code, "{scale:?}");
     }
+    // Rare values outside the run of whole numbers are mistakes; a next number is not.
+    let strays = |scale: std::ops::RangeInclusive<i32>, each: u64, others: &[(&str, u64)]| {
+        let mut builder = MeasuredBuilder::new::<&str>(&[]);
+        scale.for_each(|value| builder.add_counts::<&str>("S1", &[], &value.to_string(), each).unwrap());
+        others.iter().for_each(|(value, n)| builder.add_counts::<&str>("S1", &[], value, *n).unwrap());
+        let counts = builder.finish().counts;
+        counts.codes().into_iter().map(|(code, n)| format!("{code}:{n}")).collect::<Vec<_>>().join(" ")
+    };
+    for (each, others, expected) in [
+        (20, &[("33", 1)][..], "33:1"),
+        (20, &[("6", 1)], "6:1"),
+        (60, &[("-7", 1), ("12", 1), ("13", 1)], "-7:1 12:1 13:1"),
+        (4, &[("55", 1)], "55:1"),
+        (20, &[("5", 1)], ""),
+        (4, &[("6", 1)], ""),
+        (20, &[("10", 5)], ""),
+    ] {
+        assert_eq!(strays(0..=4, each, others), expected, "{others:?}");
+    }
     let every = |step: usize| (0..=100).step_by(step).collect::<Vec<i32>>();
     let negative = |most: i32| (-most..=most).collect::<Vec<i32>>();
     for scale in [

@@ -64,6 +64,14 @@ fn a_crossed_interaction_leads() {
             assert!(first.contains("At b x, the mean rating is") && first.contains("; at b z, it is"), "{found}");
             assert!(!findings.iter().chain(&cautions).any(|text| text.contains("no clear effect of a")), "{found}");
             assert!(!findings.iter().any(|text| text.contains("if a made no difference")), "{found}");
+            // The numbers of the summary are those of the table.
+            let comparisons = &results.model.as_ref().unwrap().comparisons;
+            let simple = comparisons.iter().find(|c| c.factor == "a" && c.at.is_some());
+            assert_eq!(simple.is_some(), terms.is_some(), "{found}");
+            if let Some(p) = simple.and_then(|c| c.p_holm) {
+                let told = machband::report::document::numbers::p_is(p).replace(' ', "\u{a0}");
+                assert!(first.replace(' ', "\u{a0}").contains(&told), "{told}: {found}");
+            }
             let additive = cautions.iter().any(|text| text.contains("The model is additive"));
             assert_eq!(additive, terms.is_none(), "{found}");
             let checks = results.model.as_ref().unwrap().checks.as_ref().unwrap();

@@ -222,7 +222,7 @@ fn non_numeric_scales_need_an_order() {
     let arguments = |line: &str| split(&format!("{line} --subject who --response answer"));
     let error = fails(folder.path(), &arguments("analyze d.csv --out x --terms group"), 2);
     // In no order that somebody would copy.
-    let expected = "answer: high,low,medium are not numbers; expected their order, lowest first, such as --categories 'LOWEST,…,HIGHEST'";
+    let expected = "answer: high,low,medium are not numbers; expected numbers, or the order of all categories, lowest first, such as --categories 'LOWEST,…,HIGHEST'";
     assert!(error.contains(expected), "{error}");
     let analyze = |file: &str, out: &str, terms: &str| {
         let line = format!("analyze {file} --out {out} --terms {terms} --categories low,medium,high --tables-only");
@@ -472,6 +472,49 @@ fn the_script_quotes_any_name() {
     assert!(script.is_ascii() && script.contains(r#"levels = c("a\"b", "c\\d", "it's", "#), "{script}");
     if let Some(printed) = run_script(&out) {
         assert!(printed.contains("num_time.ms"), "{printed}");
+    }
+}
+
+/// Tables of other programs: what is wrong is said once, with what to do.
+#[test]
+fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let rows = |rating: &dyn Fn(usize) -> String| -> String {
+        let row = |i: usize| format!("p{},{},{},{},{}\n", i / 12, ["n", "f"][i % 2], ["u", "v"][i % 2], i, rating(i));
+        "id,a:b,count,trial,y\n".to_owned() + &(0..96).map(row).collect::<String>()
+    };
+    let usual = rows(&|i| ((i * i / 3 + i % 2) % 4).to_string());
+    write("stray.csv", &rows(&|i| if i == 7 { "33".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("word.csv", &rows(&|i| if i == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("words.csv", &rows(&|i| if i % 9 == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
+    write("usual.csv", &usual);
+    write("twice.csv", &(usual.clone() + usual.split_once('\n').unwrap().1));
+    write("nobody.csv", &usual.replace("p1,", ","));
+    write("data.json", "[{\"id\": 1, \"y\": 2}]");
+    write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
+    let run = |file: &str, options: &[&str]| {
+        let columns = ["analyze", file, "--subject", "id", "--response", "y"];
+        let output = ["--out", "out", "--tables-only", "--draws", "99", "--force"];
+        let output = machband(folder.path(), &[&columns, options, &output].concat());
+        (output.status.code(), text(&output.stderr), text(&output.stdout))
+    };
+    for (file, options, status, expected) in [
+        ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is far from the other values"),
+        ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
+        ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
+        ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
+        ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
+        ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
+        ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
+        ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
+        ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
+        ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
+        ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
+        ("q.csv", &["--terms", "a"], 1, "remove its second and third row"),
+    ] {
+        let (code, error, output) = run(file, options);
+        assert!(code == Some(status) && error.contains(expected), "{file} {options:?}: {code:?} {error} {output}");
     }
 }
 

@@ -571,7 +571,7 @@ mod elsewhere {
         let some = bad(3).unwrap();
         assert_eq!((some.source.errors.len(), some.measured.counts.total()), (3, 137));
         let said = bad(4).unwrap_err().to_string();
-        let last = "a.csv: 4 of 150 rows cannot be read, so nothing is concluded from the others; expected at most 2\u{a0}% with errors";
+        let last = "a.csv: 4 of 150 rows cannot be read, so nothing is concluded from the others; expected at most 2\u{a0}% of such rows";
         assert!(said.lines().count() == 5 && said.ends_with(last), "{said}");
     }
 
@@ -664,7 +664,8 @@ mod elsewhere {
             let read = study(&path, "y", "c", ReadOptions::default());
             assert_eq!((&read.measured, &read.source.errors), (&plain.measured, &vec![]), "{name}");
             assert_eq!(read.source.files[0].sha256, Some(hash));
-            let note = "only the first sheet, Data & more, was read; expected one sheet (the others, in total 1, were ignored)";
+            let note =
+                "only the first sheet, Data & more, was read; expected one sheet (the others were ignored: Notes)";
             assert_eq!(warnings(&read), [note; 1][..usize::from(name == "t.xlsx")], "{name}");
         }
         // In a folder, too.
@@ -709,23 +710,22 @@ mod elsewhere {
     fn missing_answers_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let rows: String =
-            (0..60).map(|row| format!("S{},{},{}\n", row % 4, row % 2, ["-99", "0", "1", "2"][row % 4])).collect();
+            (0..120).map(|row| format!("S{},{},{}\n", row % 4, row % 2, ["-99", "0", "1", "2"][row % 4])).collect();
         let path = file(&folder, "t.csv", format!("id,c,y\n{rows}S1,0,N/A\nS1,0,.\n,0,1\nNA,0,1\n"));
         let named = |name: &str| Some(name.to_owned());
         let how = ReadOptions { subject: named("id"), response: named("y"), ..with_factors(&["c"]) };
         let said = Study::read(std::slice::from_ref(&path), &how).unwrap_err().to_string();
-        let expected =
-            "y: -99 (15 ratings) is far from the other values, as a code for a missing answer would be; expected ";
+        let expected = "y: -99 (30 ratings) is far from the other values, as a code for a missing answer or a mistake would be; expected ";
         assert!(said.starts_with(expected), "{said}");
         let how = ReadOptions { missing: vec!["-99.0".to_owned(), "f".to_owned()], ..how };
         let read = Study::read(&[path], &how).unwrap();
-        assert_eq!((read.measured.counts.categories.join(" "), read.measured.counts.total()), ("0 1 2".into(), 45));
+        assert_eq!((read.measured.counts.categories.join(" "), read.measured.counts.total()), ("0 1 2".into(), 90));
         assert_eq!(
             (read.source.left_out(Reason::NoResponse), read.source.left_out(Reason::NoParticipant)),
-            ((17, 2), (2, 0))
+            ((32, 2), (2, 0))
         );
-        assert!(warnings(&read)[0].starts_with("17 of 64 rows have no response ("), "{:?}", warnings(&read));
-        assert!(warnings(&read)[1].starts_with("2 of 64 rows have no participant ("), "{:?}", warnings(&read));
+        assert!(warnings(&read)[0].starts_with("32 of 124 rows have no response ("), "{:?}", warnings(&read));
+        assert!(warnings(&read)[1].starts_with("2 of 124 rows have no participant ("), "{:?}", warnings(&read));
     }
 
     #[test]

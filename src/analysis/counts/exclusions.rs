@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use thiserror::Error;
 
-use super::table::{Counts, Excluded, Measured};
+use super::table::{CountRow, Counts, Excluded, Measured};
 use crate::text::names::expected_one_of;
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
@@ -62,6 +62,27 @@ impl Counts {
 }
 
 impl Measured {
+    /// Returns the ratings that have values of these factors, given by index, unless none would be left. The others are
+    /// recorded as excluded.
+    #[must_use]
+    pub(in crate::analysis) fn complete(mut self, factors: &[usize]) -> Self {
+        for &factor in factors {
+            let is_missing = |row: &&CountRow| self.counts.conditions[row.condition as usize][factor].is_none();
+            let missing: Vec<&CountRow> = self.counts.rows.iter().filter(is_missing).collect();
+            if missing.is_empty() || missing.len() == self.counts.rows.len() {
+                continue;
+            }
+            let excluded = Excluded::Missing {
+                factor: self.counts.factors[factor].name.clone(),
+                ratings: missing.iter().map(|row| row.count).sum(),
+                participants: missing.iter().map(|row| row.subject).collect::<BTreeSet<_>>().len() as u64,
+            };
+            self = self.filtered(|_| true, |levels| levels[factor].is_some());
+            self.excluded.push(excluded);
+        }
+        self
+    }
+
     /// Returns the ratings without what is to be excluded.
     ///
     /// # Errors
@@ -96,7 +117,7 @@ impl Measured {
             let Some(reason) = reason else { continue };
             match &mut excluded[first + reason] {
                 Excluded::Participant { ratings, .. } => *ratings += row.count,
-                Excluded::Levels { ratings, participants, .. } => {
+                Excluded::Levels { ratings, participants, .. } | Excluded::Missing { ratings, participants, .. } => {
                     *ratings += row.count;
                     *participants += u64::from(seen.insert((reason, row.subject)));
                 }

@@ -6,7 +6,7 @@ use super::table::Counts;
 /// Maximum number of factors. A stimulus has at most ten parameters; a term is tested for each factor.
 const MAX_FACTORS: usize = 10;
 /// Maximum number of levels of a factor. Factors with more, such as a response time, are measurements and not factors.
-const MAX_LEVELS: usize = 120;
+pub(in crate::analysis) const MAX_LEVELS: usize = 120;
 /// Maximum number of conditions. A full crossing of 6, 5 and 4 levels has 120.
 const MAX_CONDITIONS: usize = 5000;
 /// Maximum number of participants.

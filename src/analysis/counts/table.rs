@@ -132,13 +132,24 @@ pub enum Excluded {
         /// Number of participants who gave them.
         participants: u64,
     },
+    /// Ratings without a value of a covariate, which the model needs.
+    Missing {
+        /// Name of the covariate.
+        factor: String,
+        /// Number of ratings.
+        ratings: u64,
+        /// Number of participants who gave them.
+        participants: u64,
+    },
 }
 
 impl Excluded {
     /// Returns the number of ratings that were excluded.
     pub fn ratings(&self) -> u64 {
         match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } => *ratings,
+            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } | Self::Missing { ratings, .. } => {
+                *ratings
+            }
         }
     }
 
@@ -146,7 +157,7 @@ impl Excluded {
     pub fn participants(&self) -> u64 {
         match self {
             Self::Participant { .. } => 1,
-            Self::Levels { participants, .. } => *participants,
+            Self::Levels { participants, .. } | Self::Missing { participants, .. } => *participants,
         }
     }
 }
@@ -192,9 +203,12 @@ impl Counts {
         declared.is_some() || levels::numbers_of(&self.categories).is_some()
     }
 
-    /// Returns the categories that look like codes for a missing answer, with their numbers of ratings: numbers of digits
-    /// from 7 to 9 only, at least 9 or negative, that are isolated from the other categories, of which there are at least
-    /// two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
+    /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
+    ///
+    /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual ones
+    /// from each other at least are, also as a chain; or a single rating that is further from at least three others than
+    /// twice their range. Codes are numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the
+    /// other categories, of which there are at least two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
     /// 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are apart, and no
     /// other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as
     /// 1…7, 0…100 or −9…9, has no such number.
@@ -215,10 +229,28 @@ impl Counts {
             number => least >= 0.0 && least - number > widest,
         };
         let codes = numbers.iter().enumerate().filter(|(_, number)| is_code(**number) && is_isolated(**number));
-        let ratings =
-            |code: usize| self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum();
-        let codes = codes.filter(|_| others.len() > 1);
-        codes.map(|(code, _)| (self.categories[code].as_str(), ratings(code))).filter(|(_, n)| *n > 0).collect()
+        let ratings = |code: usize| -> u64 {
+            self.rows.iter().filter(|row| usize::from(row.rating) == code).map(|row| row.count).sum()
+        };
+        let mut found: Vec<usize> = codes.filter(|_| others.len() > 1).map(|(code, _)| code).collect();
+        let n: Vec<u64> = (0..numbers.len()).map(ratings).collect();
+        let used: Vec<usize> = (0..numbers.len()).filter(|code| n[*code] > 0 && !found.contains(code)).collect();
+        let total: u64 = n.iter().sum();
+        let is_common = |code: &usize| 50 * n[*code] >= total;
+        let common: Vec<f64> = used.iter().filter(|code| is_common(code)).map(|code| numbers[*code]).collect();
+        let step = common.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        for chain in used.chunk_by(|a, b| numbers[*b] - numbers[*a] <= step + 1e-9).filter(|_| common.len() > 1) {
+            found.extend(chain.iter().filter(|_| !chain.iter().any(is_common)));
+        }
+        if let [first, second, .., before, last] = used[..] {
+            for (code, near, end) in [(first, second, last), (last, before, first)] {
+                let (gap, width) = (numbers[code] - numbers[near], numbers[near] - numbers[end]);
+                found.extend((n[code] == 1 && gap.abs() > 2.0 * width.abs()).then_some(code));
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()
     }
 }
 

@@ -72,8 +72,7 @@ pub struct ModelReport {
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    report.comparisons =
-        margins::comparisons(&full, &report.model, &vec![chi_squared_limit(1); full.spec.terms.iter().count()]);
+    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full));
     Ok(report)
 }
 
@@ -91,6 +90,14 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
         checks: None,
         model,
     })
+}
+
+/// For each term, the limit of its likelihood ratio for one degree of freedom, which may be simulated, or the reason why
+/// its test is withheld: there are then no intervals or comparisons either.
+pub(super) type Limits = Vec<Result<f64, Withheld>>;
+
+fn usual_limits(full: &Fitted) -> Limits {
+    vec![Ok(chi_squared_limit(1)); full.spec.terms.iter().count()]
 }
 
 /// The name of a factor, and the indices of two of its levels.
@@ -128,9 +135,13 @@ pub fn fit_calibrated(
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    let mut limits = vec![chi_squared_limit(1); full.spec.terms.iter().count()];
-    withhold(&full, &mut report, &mut limits);
+    let mut limits = usual_limits(&full);
+    withhold(&full, &mut report);
     calibrate_tests(&full, &mut report, &mut limits, calibration);
+    for (limit, term) in limits.iter_mut().zip(full.spec.terms.iter()) {
+        let own = report.terms.iter().find(|test| test.term == term.to_string());
+        *limit = own.and_then(|test| test.withheld).map_or(*limit, Err);
+    }
     correct(&mut report.proportional_odds);
     report.interactions = interactions(&full, calibration.resampling);
     report.order = order(&full, calibration.trials, calibration.resampling.seed);
@@ -149,9 +160,10 @@ pub fn fit_calibrated(
     Ok(report)
 }
 
-/// Withholds tests and intervals of terms that vary only between participants if a level has too few of them, and tests
-/// of assumptions with too few ratings: even simulated distributions are then not accurate.
-fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
+/// Withholds tests of terms that vary only between participants if a level has too few of them, tests of terms in which
+/// participants may differ although the model does not let them, and tests of assumptions with too few ratings: even
+/// simulated distributions are then not accurate.
+fn withhold(full: &Fitted, report: &mut ModelReport) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
     let is_between =
         |test: &TermTest| full.spec.terms.iter().any(|term| term.to_string() == test.term && full.is_between(term));
@@ -168,14 +180,14 @@ fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
             (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
         }
     }
-    for (term, limit) in full.spec.terms.iter().zip(limits) {
+    for term in full.spec.terms.iter() {
         let [people, items] = full.least_at_level(term);
         let reason = match full.mixed.is_some() {
             true if full.is_between(term) && people < LEAST_PER_LEVEL => Withheld::FewPerLevel,
             true if full.is_between_items(term) && items < LEAST_PER_LEVEL => Withheld::FewItems,
+            true if full.lacks_slope(term) => Withheld::NoSlope,
             _ => continue,
         };
-        *limit = f64::NAN;
         for test in report.terms.iter_mut().filter(|test| test.term == term.to_string()) {
             (test.p, test.withheld) = (None, Some(reason));
         }
@@ -184,7 +196,7 @@ fn withhold(full: &Fitted, report: &mut ModelReport, limits: &mut [f64]) {
 
 /// Replaces the probabilities of the tests by simulated ones, and the limits of the profiles, by term, where they are
 /// simulated.
-fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], calibration: &Calibration<'_>) {
+fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits, calibration: &Calibration<'_>) {
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
     let named = |tests: &[TermTest]| -> Vec<&Term> {
         let is_tested = |test: &TermTest| test.lr.is_some() && test.withheld.is_none();
@@ -231,7 +243,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut [f64], 
         let df = report.terms.iter().find(|test| test.term == term.to_string()).map_or(1, |test| test.df);
         // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
         if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
-            *limit *= simulated / chi_squared_limit(df);
+            *limit = limit.map(|limit| limit * simulated / chi_squared_limit(df));
         }
     }
 }
@@ -276,16 +288,15 @@ fn correct(tests: &mut [TermTest]) {
     tests.iter_mut().zip(corrected).for_each(|(test, p)| test.p_holm = p);
 }
 
-fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &[f64]) {
+fn profile_coefficients(full: &Fitted, report: &mut ModelReport, limits: &Limits) {
     let columns = &full.x.columns;
     let profiled = columns.len() <= MAX_PROFILES;
     let coefficients = &mut report.model.coefficients;
     coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
-        let limit = limits[columns[column].term];
-        if limit.is_nan() {
+        let Ok(limit) = limits[columns[column].term] else {
             coefficient.interval = None;
             return;
-        }
+        };
         let quantity = Quantity::Coefficient(column);
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
@@ -312,8 +323,8 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
 }
 
 /// Returns the differences between two levels with their profile intervals.
-fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(String, [u32; 2])]) -> Vec<Contrast> {
-    let of_pair = |(factor, levels): &(String, [u32; 2])| {
+fn contrasts(full: &Fitted, report: &ModelReport, limits: &Limits, wanted: &[Pair]) -> Vec<Contrast> {
+    let of_pair = |(factor, levels): &Pair| {
         let own = Term::factor(factor);
         // An effect that depends on another factor has no single size.
         let is_own = |term: &Term| *term == own && !full.spec.terms.is_marginal(term);
@@ -333,8 +344,8 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &[f64], wanted: &[(Str
             // The difference from the baseline is the coefficient, or its negative.
             [Some(column), None] => report.model.coefficients[column].interval,
             [None, Some(column)] => report.model.coefficients[column].interval.map(Interval::negative),
-            [Some(a), Some(b)] => (se.filter(|_| estimate.is_finite() && limits[term].is_finite()))
-                .and_then(|se| profile::interval(full, Quantity::Difference(a, b), estimate, se, [limits[term]; 2])),
+            [Some(a), Some(b)] => (se.filter(|_| estimate.is_finite()).zip(limits[term].ok()))
+                .and_then(|(se, limit)| profile::interval(full, Quantity::Difference(a, b), estimate, se, [limit; 2])),
             [None, None] => None,
         };
         let [level, other] = names;

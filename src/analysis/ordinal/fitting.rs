@@ -10,7 +10,7 @@ use super::{
     design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
-    random::{Loadings, RandomPart, is_within},
+    random::{Loadings, RandomPart, is_within, within_part},
     search::{self, MixedFit, MixedFitEnd, Task},
     terms::{Term, Variable},
 };
@@ -361,6 +361,25 @@ impl Fitted<'_> {
         term.variables.iter().any(between)
     }
 
+    /// Returns whether participants may differ in an effect without a random slope of it. If nobody rated a level of a factor
+    /// twice, such differences are part of the variation between ratings, for which the model allows; so they almost are in
+    /// an interaction whose slope the design does not support.
+    pub fn lacks_slope(&self, term: &Term) -> bool {
+        let Ok(part) = within_part(&self.frame, term) else { return false };
+        let [variable] = &part.variables[..] else { return false };
+        let Ok((factor, _)) = find_factor(self.frame.counts, variable) else { return false };
+        let has_slope = self.random.components.iter().any(|slope| slope.term == part);
+        let mut ratings = HashMap::new();
+        let mut are_twice = self.frame.rows.iter().map(|row| {
+            let level = self.frame.counts.conditions[row.condition as usize][factor];
+            let known = ratings.entry((row.subject, level)).or_insert(0);
+            *known += row.count;
+            *known > 1
+        });
+        let is_number = matches!(variable, Variable::Number(_));
+        self.spec.slopes == Slopes::Independent && !has_slope && (is_number || are_twice.any(|is_twice| is_twice))
+    }
+
     /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means
     /// over participants or items and the coefficients of terms that vary only between them are estimated.
     pub fn degrees(&self, component: usize) -> (f64, f64) {
@@ -369,7 +388,13 @@ impl Fitted<'_> {
             self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
         };
         let between = [columns(&|term| self.is_between(term)), columns(&|term| self.is_between_items(term))];
-        self.random.degrees(component, self.frame.subjects.len(), between)
+        // An effect within participants that depends on their group has a mean in each group.
+        let own = &self.random.components[component].term;
+        let is_own = |term: &&Term| within_part(&self.frame, term).is_ok_and(|part| part.same(own));
+        let of = |term: &Term| columns(&|other| other == term) as f64;
+        let mut same = self.spec.terms.iter().filter(is_own).map(of);
+        let means = same.next().map_or(1.0, |first| 1.0 + same.sum::<f64>() / first.max(1.0));
+        self.random.degrees(component, self.frame.subjects.len(), between, means)
     }
 
     /// Returns the number of coefficients that can be estimated.

@@ -51,6 +51,11 @@ pub enum Withheld {
     /// A level of a factor that varies only between items has too few of them.
     #[error("a level has fewer than three items")]
     FewItems,
+    /// Participants may differ in the effect, and the model does not let them.
+    #[error(
+        "the design has too few ratings for differences between participants in this effect, which would look like one"
+    )]
+    NoSlope,
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::{
     estimates::{category_numbers, reach},
     fitting::Fitted,
+    likelihood_ratios::Withheld,
     model::Model,
     profile::{Quantity, chi_squared_limit, ratio_at_zero},
     random::is_within,
@@ -49,6 +50,8 @@ pub struct Comparison {
     pub p: Option<f64>,
     /// The probability corrected for all comparisons of this factor (Holm).
     pub p_holm: Option<f64>,
+    /// Why there is neither a probability nor an interval: the reason for the test of the factor or the interaction.
+    pub withheld: Option<Withheld>,
 }
 
 /// A difference of more standard errors than this needs no likelihood ratio.
@@ -114,9 +117,8 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
 
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere, and, for each
 /// interaction of two factors, of each factor at each level of the other (simple effects).
-/// `limits` are the limits of the likelihood ratio of each term for one degree of freedom, which may be simulated; NaN for a
-/// term without tests.
-pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[f64]) -> Vec<Comparison> {
+/// For a simple effect, the limit is the larger one of the interaction and the main effect.
+pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[Result<f64, Withheld>]) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let is_factor = |term: &&Term| term.variables.iter().all(|variable| matches!(variable, Variable::Factor(_)));
     let mut all = Vec::new();
@@ -124,11 +126,16 @@ pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[f64]) -> Vec
         if !is_factor(&term) || terms.is_marginal(term) {
             continue;
         }
+        let with_main = |factor: &Variable| {
+            let main = terms.iter().position(|term| term.variables == [factor.clone()]);
+            let main = main.map_or(limit, |main| limits[main]);
+            limit.and_then(|limit| main.map(|main| main.max(limit)))
+        };
         match &term.variables[..] {
             [factor] => all.extend(compare(fitted, model, factor, None, limit)),
             [first, second] => {
-                all.extend(compare(fitted, model, first, Some(second), limit));
-                all.extend(compare(fitted, model, second, Some(first), limit));
+                all.extend(compare(fitted, model, first, Some(second), with_main(first)));
+                all.extend(compare(fitted, model, second, Some(first), with_main(second)));
             }
             _ => {}
         }
@@ -136,7 +143,13 @@ pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[f64]) -> Vec
     all
 }
 
-fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variable>, limit: f64) -> Vec<Comparison> {
+fn compare(
+    fitted: &Fitted,
+    model: &Model,
+    factor: &Variable,
+    at: Option<&Variable>,
+    limit: Result<f64, Withheld>,
+) -> Vec<Comparison> {
     let counts = fitted.frame.counts;
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
@@ -150,7 +163,7 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
         return Vec::new();
     }
     // With few participants, the limit is larger than that of the χ² distribution.
-    let widening = (limit / chi_squared_limit(1)).sqrt();
+    let widening = limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt());
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
         let conditions = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
         Some(fitted.x.matrix(conditions).row_mean().transpose())
@@ -202,6 +215,7 @@ fn compare(fitted: &Fitted, model: &Model, factor: &Variable, at: Option<&Variab
             interval: Interval::around(estimate, se, Z_95),
             p: se.map(|se| normal_two_sided(estimate / se)),
             p_holm: None,
+            withheld: limit.err(),
         })
     };
     let mut comparisons: Vec<Comparison> = pairs.into_par_iter().filter_map(compare).collect();

@@ -258,7 +258,7 @@ pub enum Note {
         column: String,
     },
     /// A term has no remaining columns.
-    #[error("the term {term} adds nothing to the preceding terms and is dropped")]
+    #[error("the term {term} has one level, or adds nothing to the preceding terms, and is dropped")]
     AliasedTerm { term: String },
     /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
     #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",

@@ -218,15 +218,17 @@ impl RandomPart {
 
     /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
     /// that `between` coefficients of terms that vary only between participants, or only between items, and the means over
-    /// participants or items are estimated.
-    pub fn degrees(&self, component: usize, people: usize, between: [usize; 2]) -> (f64, f64) {
+    /// participants or items are estimated; for a slope, `means` of each effect.
+    pub fn degrees(&self, component: usize, people: usize, between: [usize; 2], means: f64) -> (f64, f64) {
         let [groups, people, between, between_items] =
             [self.components[component].number_of_groups, people, between[0], between[1]].map(|n| n as f64);
         match component {
             _ if self.components[component].shared => (groups, groups - 1.0 - between_items),
             0 => (people, people - 1.0 - between),
-            _ if groups < 2.0 => (people, people - 1.0),
-            _ => (people * (groups - 1.0), (people - 1.0) * (groups - 1.0)),
+            _ => {
+                let effects = (groups - 1.0).max(1.0);
+                (people * effects, (people - means) * effects)
+            }
         }
     }
 
@@ -254,7 +256,7 @@ pub(crate) fn terms_with_slopes(frame: &Frame, spec: &ModelSpec) -> Result<Vec<T
 }
 
 /// Returns the variables of a term that vary within most participants.
-fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
+pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
     let mut variables = Vec::new();
     for variable in &term.variables {
         if is_within(frame, find_factor(frame.counts, variable)?.0) {

@@ -6,6 +6,8 @@
 //! its coefficients (Davison & Hinkley 1997, Bootstrap Methods and their Application, ch. 4 and 5; Halekoh & Højsgaard
 //! 2014, J. Stat. Softw. 59(9), for mixed models). Random numbers come from ChaCha8 with one stream per simulated study.
 
+use std::collections::BTreeSet;
+
 use clap::Args;
 use nalgebra::DVector;
 use rand::RngExt;
@@ -177,8 +179,36 @@ pub(super) struct Simulator<'a> {
     location: Vec<f64>,
     /// The effects that matter in each condition, with their weights.
     weights: Vec<Vec<(usize, f64)>>,
-    /// The number of effects of each participant, and that of those that all participants share.
-    effects: (usize, usize),
+    /// The effects of each participant and then the conditions, each in the order in which random numbers are drawn. It does
+    /// not depend on the order of factors and terms.
+    drawn: (Vec<usize>, Vec<usize>),
+    /// The number of effects that all participants share.
+    shared: usize,
+}
+
+/// Returns the order in which the `own` effects of a participant are drawn, and the place of each condition in the order in
+/// which ratings are drawn: conditions by the names of their factors and levels, and effects by the variables of their term.
+fn order_of_draws(fitted: &Fitted, weights: &[Vec<(usize, f64)>], own: usize) -> (Vec<usize>, Vec<usize>) {
+    let Frame { counts, .. } = &fitted.frame;
+    let mut factors: Vec<usize> = (0..counts.factors.len()).collect();
+    factors.sort_by_key(|&factor| &counts.factors[factor].name);
+    let key = |condition: usize| factors.iter().map(|&f| counts.conditions[condition][f]).collect::<Vec<_>>();
+    let mut conditions: Vec<usize> =
+        fitted.frame.conditions().into_iter().map(|condition| condition as usize).collect();
+    conditions.sort_by_cached_key(|&condition| key(condition));
+    let mut places = vec![0; counts.conditions.len()];
+    conditions.iter().enumerate().for_each(|(place, &condition)| places[condition] = place);
+    // Each slot of a condition belongs to a component.
+    let mut effects: Vec<usize> = (0..own).collect();
+    effects.sort_by_cached_key(|&effect| {
+        let slot_in = |condition: usize| weights[condition].iter().position(|(other, _)| *other == effect);
+        let found = conditions.iter().enumerate().find_map(|(place, &condition)| Some((slot_in(condition)?, place)));
+        found.map(|(slot, place)| {
+            let variables = fitted.random.components[slot].term.variables.iter();
+            (variables.map(ToString::to_string).collect::<BTreeSet<String>>(), place)
+        })
+    });
+    (effects, places)
 }
 
 impl<'a> Simulator<'a> {
@@ -199,13 +229,17 @@ impl<'a> Simulator<'a> {
             let own = &weights[row * slots..(row + 1) * slots];
             data.loadings.slots(row).iter().copied().zip(own.iter().copied()).collect()
         };
+        let weights: Vec<Vec<(usize, f64)>> = row_of.iter().map(|row| effects_of(*row)).collect();
+        let (own, shared) = fitted.random.effects();
+        let drawn = order_of_draws(fitted, &weights, own);
         Self {
+            drawn,
+            shared,
             frame: &fitted.frame,
             link: fitted.spec.link,
             thresholds: parameters.as_slice()[..data.thresholds()].to_vec(),
             location: row_of.iter().map(|row| location[*row]).collect(),
-            weights: row_of.iter().map(|row| effects_of(*row)).collect(),
-            effects: fitted.random.effects(),
+            weights,
         }
     }
 
@@ -221,12 +255,14 @@ impl<'a> Simulator<'a> {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(study);
         let mut rows = Vec::with_capacity(self.frame.rows.len());
-        let (own, shared) = self.effects;
-        let mut u: Vec<f64> = vec![0.0; own];
-        u.extend((0..shared).map(|_| rng.sample::<f64, _>(StandardNormal)));
+        let (effects, places) = &self.drawn;
+        let mut u: Vec<f64> = vec![0.0; effects.len()];
+        u.extend((0..self.shared).map(|_| rng.sample::<f64, _>(StandardNormal)));
         for of_subject in self.frame.rows.chunk_by(|l, r| l.subject == r.subject) {
-            u[..own].iter_mut().for_each(|u| *u = StandardNormal.sample(&mut rng));
-            for cell in of_subject.chunk_by(|l, r| l.condition == r.condition) {
+            effects.iter().for_each(|&effect| u[effect] = StandardNormal.sample(&mut rng));
+            let mut cells: Vec<&[CountRow]> = of_subject.chunk_by(|l, r| l.condition == r.condition).collect();
+            cells.sort_by_key(|cell| places[cell[0].condition as usize]);
+            for cell in cells {
                 let condition = cell[0].condition as usize;
                 let effect: f64 = self.weights[condition].iter().map(|(effect, weight)| weight * u[*effect]).sum();
                 let location = self.location[condition] + effect;
@@ -236,6 +272,7 @@ impl<'a> Simulator<'a> {
                 rows.extend(given.map(|(rating, count)| CountRow { rating, count, ..cell[0] }));
             }
         }
+        rows.sort_unstable();
         rows
     }
 

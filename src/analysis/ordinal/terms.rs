@@ -1,5 +1,5 @@
 //! The grammar of `--terms`: `width,depth` are factors, `num:width` is a number, `a:b` is an interaction, and `a*b`
-//! means `a,b,a:b`. `num:inv_n` is 1/depth, which is 0 for `inf`.
+//! means `a,b,a:b`. `num:inv_n` is 1/depth, which is 0 for `inf`. A name with `,`, `:`, `*` or a quote is quoted, as in CSV.
 
 use std::fmt;
 
@@ -40,7 +40,9 @@ pub struct Terms(Vec<Term>);
 
 /// The error for a list of terms that cannot be read.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *")]
+#[error(
+    "{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\""
+)]
 pub struct TermError(String);
 
 impl Variable {
@@ -54,9 +56,10 @@ impl Variable {
 
 impl fmt::Display for Variable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Factor(name) => f.write_str(name),
-            Self::Number(name) => write!(f, "num:{name}"),
+        let number = if matches!(self, Self::Number(_)) { "num:" } else { "" };
+        match self.name() {
+            name if name.contains([',', ':', '*', '"']) => write!(f, "{number}\"{}\"", name.replace('"', "\"\"")),
+            name => write!(f, "{number}{name}"),
         }
     }
 }
@@ -123,7 +126,7 @@ impl Terms {
             return Ok(Self::default());
         }
         let mut terms = Vec::new();
-        for item in text.split(',') {
+        for item in unquoted(text, ',') {
             terms.extend(expand(item).ok_or_else(|| TermError(text.to_owned()))?);
         }
         Ok(Self::new(terms))
@@ -181,9 +184,24 @@ impl Terms {
     }
 }
 
+/// Splits a text at a separator outside quotes.
+fn unquoted(text: &str, separator: char) -> impl Iterator<Item = &str> {
+    let mut is_quoted = false;
+    text.split(move |letter| {
+        is_quoted ^= letter == '"';
+        letter == separator && !is_quoted
+    })
+}
+
+/// Returns a name without its quotes; `None` if it is empty.
+fn plain(name: &str) -> Option<String> {
+    let inner = name.strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+    Some(inner.map_or_else(|| name.to_owned(), |inner| inner.replace("\"\"", "\""))).filter(|name| !name.is_empty())
+}
+
 /// Expands `a*b*c` into terms: every combination of its parts.
 fn expand(item: &str) -> Option<Vec<Term>> {
-    let parts: Vec<Term> = item.split('*').map(interaction).collect::<Option<_>>()?;
+    let parts: Vec<Term> = unquoted(item, '*').map(interaction).collect::<Option<_>>()?;
     let mut terms: Vec<Term> = Vec::new();
     for part in parts {
         let joined: Vec<Term> = (terms.iter())
@@ -202,12 +220,11 @@ fn expand(item: &str) -> Option<Vec<Term>> {
 /// Reads one term of the form `a:num:b`.
 fn interaction(text: &str) -> Option<Term> {
     let mut variables: Vec<Variable> = Vec::new();
-    let mut names = text.split(':').map(str::trim);
+    let mut names = unquoted(text, ':').map(str::trim);
     while let Some(name) = names.next() {
         let variable = match name {
-            "num" => Variable::Number(names.next().filter(|name| !name.is_empty())?.to_owned()),
-            "" => return None,
-            name => Variable::Factor(name.to_owned()),
+            "num" => Variable::Number(names.next().and_then(plain)?),
+            name => Variable::Factor(plain(name)?),
         };
         if !variables.contains(&variable) {
             variables.push(variable);

@@ -9,12 +9,19 @@ use super::{
 };
 use crate::{
     analysis::{Note, Results, results::SubjectResults},
-    report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit},
+    report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit, whole},
+    statistics::Z_95,
     store::{FileError, ratings::Source},
 };
 
 /// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
 pub(super) const LOW_KAPPA: f64 = 0.2;
+/// κ up to which agreement is at most "fair": a participant's agreement is called low if its interval ends below this.
+const FAIR_KAPPA: f64 = 0.4;
+/// Minimum number of pairs of ratings needed to judge a participant's agreement.
+const FEW_PAIRS: u64 = 10;
+/// A median response time above this, in seconds, is probably one in milliseconds.
+const LONG_S: f64 = 60.0;
 /// A participant with at least this proportion of ratings in one category hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
 /// Minimum number of ratings needed to judge how a participant uses the scale.
@@ -166,6 +173,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
             | Note::NoMixedModel
             | Note::NotConverged { .. }
             | Note::Flat
+            | Note::AliasedTerm { .. }
             | Note::MissingValues { .. }
             | Note::EmptyCategory { .. }
             | Note::Rebased { .. }
@@ -178,17 +186,42 @@ pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences = one_category(results);
     // Participants with the same peculiarity are named in one sentence.
-    if let Some((who, least, most)) = odd(subjects, |s| s.kappa, |kappa| kappa <= LOW_KAPPA) {
+    if let Some((who, least, most)) = odd(subjects, low_kappa, |_| true) {
         let (least, most) = (unit(least), unit(most));
         let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
-        sentences.push(format!("{who} showed little agreement between their first and second ratings: κ {kappa}."));
+        sentences.push(format!(
+            "{who} showed little agreement between their first and second ratings: κ {kappa} (95\u{a0}% interval below {}).",
+            unit(FAIR_KAPPA)
+        ));
     }
+    let typical = typical_time(subjects).filter(|median| *median > LONG_S);
+    sentences.extend(typical.map(|median| {
+        format!(
+            "The typical response time is {} s: are the times in milliseconds? They are read as seconds.",
+            whole(median as u64)
+        )
+    }));
     if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
         let most = fixed(most, 2);
         sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
     }
     sentences.extend(odd_times(subjects));
     sentences
+}
+
+/// Returns a participant's κ if it is surely low. The interval is Fisher's, of a correlation, to which κ with quadratic
+/// weights is close.
+fn low_kappa(subject: &SubjectResults) -> Option<f64> {
+    let kappa = subject.kappa.filter(|kappa| *kappa <= LOW_KAPPA && subject.retests >= FEW_PAIRS)?;
+    let high = (kappa.atanh() + Z_95 / (subject.retests as f64 - 3.0).sqrt()).tanh();
+    (high < FAIR_KAPPA).then_some(kappa)
+}
+
+/// Returns the median of the participants' median response times.
+fn typical_time(subjects: &[SubjectResults]) -> Option<f64> {
+    let mut sorted: Vec<f64> = subjects.iter().filter_map(|s| Some(s.times?.median)).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
 }
 
 /// Names the participants who used one category always, or nearly always.
@@ -245,10 +278,8 @@ fn odd(
 
 fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
     let medians: Vec<(String, f64)> = subjects.iter().filter_map(|s| Some((who(s), s.times?.median))).collect();
-    let mut sorted: Vec<f64> = medians.iter().map(|(_, median)| *median).collect();
-    sorted.sort_by(f64::total_cmp);
     // With two participants, neither is the unusual one.
-    let Some(&middle) = sorted.get(sorted.len() / 2).filter(|_| sorted.len() > 2) else { return Vec::new() };
+    let Some(middle) = typical_time(subjects).filter(|_| medians.len() > 2) else { return Vec::new() };
     (medians.into_iter())
         // Hasty answers have already been mentioned.
         .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))

@@ -23,7 +23,7 @@ use crate::{
     },
     store::{
         Columns, FileError, FileErrors,
-        ratings::{self, FileRead, ReadOptions, Shape, Source},
+        ratings::{self, FileRead, ReadOptions, Reason, Shape, Source},
     },
 };
 
@@ -50,8 +50,9 @@ pub enum StudyError {
         /// Number of different values; no more than 255 are read.
         found: usize,
     },
-    /// Some numbers look like codes for a missing answer. Averaged with ratings, they would distort every result.
-    #[error("{response}: {} far from the other values, as a code for a missing answer would be; expected that it is named as missing, or the names of all categories, lowest first", told(.codes))]
+    /// Some numbers look like codes for a missing answer, or like mistakes. Averaged with ratings, they would distort every
+    /// result.
+    #[error("{response}: {} far from the other values, as a code for a missing answer or a mistake would be; expected that it is corrected or named as missing, or the names of all categories, lowest first", told(.codes))]
     Codes {
         /// Name of the column.
         response: String,
@@ -107,12 +108,17 @@ impl Study {
         }
         let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
         let (unreadable, rows) = (sum(|file| file.erroneous - file.repeated), sum(|file| file.rows));
+        let (nobodys, _) = source.left_out(Reason::NoParticipant);
         let file = source.files.first().map_or(Path::new("."), |file| &file.path);
-        if UNREADABLE * unreadable > rows {
+        if UNREADABLE * (unreadable + nobodys) > rows {
             let share = 100 / UNREADABLE;
+            let what = match (unreadable, nobodys) {
+                (_, 0) => format!("{unreadable} of {rows} rows cannot be read"),
+                (0, _) => format!("{nobodys} of {rows} rows have no participant (merged cells have only one)"),
+                _ => format!("{unreadable} of {rows} rows cannot be read, and {nobodys} have no participant"),
+            };
             let message = format!(
-                "{unreadable} of {rows} rows cannot be read, so nothing is concluded from the others; expected at most {share}\u{a0}% \
-                 with errors"
+                "{what}, so nothing is concluded from the others; expected at most {share}\u{a0}% of such rows"
             );
             return Err(FileErrors([source.errors, vec![FileError::whole(file, message)]].concat()).into());
         }
@@ -124,7 +130,13 @@ impl Study {
         }
         let measured = all.narrowed(&exclusions)?;
         if !options.large {
-            measured.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
+            // A number or an item is not listed level by level.
+            let is_unlisted = |name: &String| options.roles.contains(name) && !options.also.contains(name);
+            let factors = measured.counts.factors.iter().enumerate();
+            let unlisted: Vec<usize> =
+                factors.filter(|(_, factor)| is_unlisted(&factor.name)).map(|(f, _)| f).collect();
+            let listed = if unlisted.is_empty() { &measured } else { &measured.without_factors(&unlisted) };
+            listed.counts.check_size().map_err(|message| StudyError::TooLarge(FileErrors::whole(file, message)))?;
         }
         Ok(Self { source, measured })
     }

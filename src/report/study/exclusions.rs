@@ -30,6 +30,12 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                     if *ratings == 1 { "was" } else { "were" }
                 ));
             }
+            Excluded::Missing { factor, ratings, participants } => sentences.push(format!(
+                "{} by {} without a value of {} were left out, because the model needs it.",
+                count(*ratings, "rating"),
+                count(*participants, "participant"),
+                names::factor(factor)
+            )),
         }
     }
     if !people.is_empty() {
@@ -64,6 +70,7 @@ pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
         let why = match excluded {
             Excluded::Participant { id, .. } => format!("ratings by {id}"),
             Excluded::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(factor)),
+            Excluded::Missing { factor, .. } => format!("ratings without a value of {}", names::factor(factor)),
         };
         vec![why.into(), whole(excluded.ratings()), whole(excluded.participants())]
     });
@@ -87,7 +94,7 @@ pub(super) fn sessions<'a>(source: &'a Source, results: &Results) -> impl Iterat
     let excluded: Vec<String> = (results.measured.excluded.iter())
         .filter_map(|excluded| match excluded {
             Excluded::Participant { id, .. } => Some(id.clone()),
-            Excluded::Levels { .. } => None,
+            Excluded::Levels { .. } | Excluded::Missing { .. } => None,
         })
         .collect();
     source.sessions.iter().filter(move |session| !excluded.contains(&session.subject))

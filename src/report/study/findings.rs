@@ -1,13 +1,13 @@
 //! Describes the effect of a factor in sentences: the trend of the means, how likely it is by chance, and its size.
 //!
-//! Rules: the test that leads is the likelihood ratio of a model in which participants may differ in the effect, or else
-//! the exact rank test of the participants' means. A difference counts as found only if its p is below [`ALPHA`] and its
+//! Rules: the test that leads is the likelihood ratio of the model, unless it is withheld because participants may differ in
+//! ways for which the model does not allow, or the data are too few; or else the exact rank test of the participants' means. A difference counts as found only if its p is below [`ALPHA`] and its
 //! size has an interval. What is found is said of people; what one participant's trials show is said of that person.
 
 use super::names;
 use crate::{
     analysis::{
-        Link, ModelReport, Order, Results, TermTest, Withheld, find_factor, number_of,
+        Comparison, Link, ModelReport, Order, Results, Slopes, TermTest, Withheld, find_factor, number_of,
         rank_tests::PMethod,
         results::{FactorResults, factor_results},
         terms::{Term, Variable},
@@ -45,7 +45,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let Some(evidence) = evidence(results, factor) else {
         return format!("{before}{}. {}", means(results, factor), untested(results, factor));
     };
-    let size = size(results, factor, evidence.is_rank_test);
+    let size = size(results, factor, &evidence);
     let p = p_is(evidence.p);
     if evidence.p < ALPHA && size.as_ref().is_none_or(|size| !size.has_interval) {
         return format!(
@@ -232,23 +232,18 @@ pub(super) fn is_clustered(results: &Results) -> bool {
     results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
 }
 
-/// Returns whether a factor's likelihood ratio can be relied on: the model has a random effect for each way in which
-/// participants may differ, or there is only one participant.
-fn is_reliable(results: &Results, factor: &FactorResults, term: &Term) -> bool {
-    if !results.is_inferential() {
-        return true;
-    }
-    let Some(random) = results.model.as_ref().ok().and_then(|report| report.model.random.as_ref()) else {
-        return false;
-    };
-    !factor.within || random.slopes.iter().any(|slope| slope.term.contains(term))
+/// Returns whether a factor's likelihood ratio, if it is not withheld, can be relied on: the model allows for all ways in
+/// which participants may differ, unless the user said otherwise, or there is only one participant.
+fn is_reliable(results: &Results, factor: &FactorResults) -> bool {
+    let allows = !factor.within || results.spec.slopes != Slopes::None;
+    !results.is_inferential() || is_clustered(results) && allows
 }
 
 /// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
 /// Friedman's test.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
     let test = main_effect(results, &factor.name)
-        .filter(|term| is_reliable(results, factor, term))
+        .filter(|_| is_reliable(results, factor))
         .and_then(|term| likelihood_ratio(results, term));
     if let Some(test) = test
         && let Some(p) = test.p
@@ -283,10 +278,10 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
 
 /// Describes the size of a factor's effect, between the ends of a trend or otherwise between the extremes: from the
 /// model, or as a difference of means if a rank test leads or the model has no such contrast.
-fn size(results: &Results, factor: &FactorResults, prefer_means: bool) -> Option<Size> {
+fn size(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
     let from_model = || results.model.as_ref().ok().and_then(|report| size_in_model(results, report, factor));
-    let from_means = || difference_of_means(factor);
-    if prefer_means { from_means().or_else(from_model) } else { from_model().or_else(from_means) }
+    let from_means = || difference_of_means(factor, evidence);
+    if evidence.is_rank_test { from_means().or_else(from_model) } else { from_model().or_else(from_means) }
 }
 
 fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults) -> Option<Size> {
@@ -380,11 +375,13 @@ pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = &str
     results.covariates.iter().filter(is_unclear).map(|name| names::factor(name))
 }
 
-/// Describes the mean of the participants' differences between two levels.
-fn difference_of_means(factor: &FactorResults) -> Option<Size> {
+/// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0
+/// what the test says.
+fn difference_of_means(factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
     let (places, _) = factor.contrast();
     let levels = places.map(|place| factor.levels[place].names.first().map_or("", String::as_str));
     let (difference, interval) = factor.matched.difference(levels)?;
+    let interval = interval.filter(|i| (i.low > 0.0 || i.high < 0.0) == (evidence.p < ALPHA));
     let flip = difference < 0.0;
     let [higher, lower] = (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(&factor.name, l));
     let interval = interval.map(|i| if flip { i.negative() } else { i });
@@ -448,7 +445,7 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
     let shown = !results.is_inferential() || is_clustered(results);
     let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
     for test in &report.interactions {
-        let name = if test.by_signs { "score test" } else { "likelihood-ratio test" };
+        let name = if test.by_signs { "score test over the participants’ signs" } else { "likelihood-ratio test" };
         let names: Vec<&str> = test.factors.iter().map(String::as_str).collect();
         all.push(Dependence {
             factors: names.iter().filter_map(find).collect(),
@@ -485,13 +482,20 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
     let whose = if results.is_inferential() { "" } else { " for this participant" };
     let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
     if let [of, at] = found.factors[..] {
-        text += &simple_effects(results, of, at);
+        let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
+        text += &simple_effects(results, of, at, found.is_modeled.then_some(comparisons));
     }
     Some(text)
 }
 
-/// Describes the effect of a factor at each level of another one, or at some of them if there are many.
-fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults) -> String {
+/// Describes the effect of a factor at each level of another one, or at some of them if there are many, with the p of the
+/// model's comparisons or, if the model has no such effects, of Friedman's tests.
+fn simple_effects(
+    results: &Results,
+    of: &FactorResults,
+    at: &FactorResults,
+    comparisons: Option<&[Comparison]>,
+) -> String {
     const MAX_SHOWN: usize = 4;
     let counts = &results.measured.counts;
     let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
@@ -505,8 +509,20 @@ fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults) -> 
         })
         .filter(|(_, stratum)| stratum.levels.len() > 1)
         .collect();
-    let p: Vec<Option<f64>> = strata.iter().map(|(_, stratum)| stratum.friedman.map(|test| test.p)).collect();
-    let corrected = holm(&p);
+    let own = |(place, stratum): &(usize, FactorResults)| {
+        let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
+        let level = &at.levels[*place].names[0];
+        let is_own = |c: &&Comparison| {
+            c.factor == of.name
+                && c.at.as_ref().is_some_and(|(factor, at_level)| *factor == at.name && at_level == level)
+                && (pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
+        };
+        comparisons.and_then(|all| all.iter().find(is_own))
+    };
+    let corrected: Vec<Option<f64>> = match comparisons {
+        Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
+        None => holm(&strata.iter().map(|(_, stratum)| Some(stratum.friedman?.p)).collect::<Vec<_>>()),
+    };
     let last = strata.len().saturating_sub(1);
     let is_shown = |place: usize| last < MAX_SHOWN || place == 0 || place == last / 2 || place == last;
     let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
@@ -516,19 +532,24 @@ fn simple_effects(results: &Results, of: &FactorResults, at: &FactorResults) -> 
             format!("{} at {} {}", mean(level.summary.mean), names::factor(&of.name), names::level_of(of, level))
         };
         let level = names::level_of(at, &at.levels[*level]);
-        let p = p.filter(|_| results.is_inferential()).map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        let p = p.map_or_else(String::new, |p| format!(" ({})", p_is(p)));
         let what = if place == 0 { "the mean rating" } else { "it" };
         is_shown(place).then(|| {
             format!("at {} {level}, {what} is {} and {}{p}", names::factor(&at.name), mean_at(first), mean_at(second))
         })
     };
-    let parts: Vec<String> = strata.iter().zip(corrected).enumerate().filter_map(part).collect();
+    let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().filter_map(part).collect();
     let of_all =
         if last < MAX_SHOWN { String::new() } else { format!(" ({} of {} levels)", parts.len(), strata.len()) };
-    let test = if results.is_inferential() && p.iter().any(Option::is_some) {
-        " Each p is that of Friedman’s test of all levels, corrected with Holm’s method."
-    } else {
-        ""
+    let withheld = strata.iter().filter_map(|stratum| own(stratum)?.withheld).next();
+    let test = match (comparisons, withheld) {
+        (_, Some(reason)) => format!(" These differences have no p: {reason}."),
+        _ if corrected.iter().all(Option::is_none) => String::new(),
+        (Some(_), None) => format!(
+            " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
+            names::factor(&of.name)
+        ),
+        (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
     let text = names::capitalized(&parts.join("; "));
     format!(" {text}{of_all}.{test}")

@@ -27,7 +27,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     facts.extend([("Other rows", sum(|file| file.counted)), ("Ratings in these rows", sum(|file| file.ratings))]);
     let excluded = exclusions::sentences(source, results);
     if !results.measured.excluded.is_empty() {
-        facts.push(("Excluded: ratings of participants and levels, on request", exclusions::ratings(results)));
+        facts.push(("Excluded: ratings of participants and levels", exclusions::ratings(results)));
     }
     facts.push(("Ratings analyzed", whole(results.measured.counts.total())));
     section.facts("Rows read and excluded", facts);

@@ -4,7 +4,7 @@ use super::{cautions::is_serious, findings::ALPHA, fit, names};
 use crate::{
     analysis::{
         Coefficient, Comparison, Contrast, Interaction, Link, Margin, Model, ModelReport, Random, RandomEffect,
-        Results, TermTest, Threshold, terms::Variable,
+        Results, Slopes, TermTest, Threshold, terms::Variable,
     },
     report::{
         document::{
@@ -289,6 +289,11 @@ fn comparisons(section: &mut Section, report: &ModelReport) {
     let numbers = ["Difference", "95\u{a0}% interval", "p", "Holm-corrected p"];
     let rows = report.comparisons.iter().map(row).collect();
     section.table("Differences between levels", &["Factor", "Levels", "At"], &numbers, rows);
+    for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
+        if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
+            section.note(format!("No p for differences of {}: {reason}.", names::factor(&comparison.factor)));
+        }
+    }
 }
 
 fn margins(section: &mut Section, report: &ModelReport) {
@@ -391,10 +396,16 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
             list(&names)
         ));
     } else if mixed && results.is_inferential() {
-        section.text(
-            "In this model, participants differ only in how high they rate; every effect is the same for all. Its tests of \
-             effects within participants are not used in the summary, which relies on exact rank tests instead.",
-        );
+        section.text(format!(
+            "In this model, participants differ only in how high they rate; every effect is the same for all. {}",
+            if results.spec.slopes == Slopes::None {
+                "Its tests of effects within participants are not used in the summary, which relies on exact rank tests instead."
+            } else {
+                "Where nobody rated a level twice, differences between participants in the effect are part of the variation \
+                 between ratings; other tests of effects within participants are withheld, and the summary relies on exact rank \
+                 tests instead."
+            }
+        ));
     }
 }
 

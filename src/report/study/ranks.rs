@@ -26,8 +26,8 @@ pub(super) fn section(results: &Results) -> Section {
         section.text(
             "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
              that the participant rated at every level. Friedman’s test uses only the order of each participant’s means. It asks whether any level is rated differently; Kendall’s W measures how consistently participants \
-             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if the model has no random effects for differences between \
-             participants in its effect, and for the simple effects of an interaction that the model leaves out.",
+             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if its test in the model is withheld or the model has no random \
+             slopes on request, and for the simple effects of an interaction that the model leaves out.",
         );
         friedman(&mut section, &tested);
     }

@@ -93,8 +93,8 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     }
     if !results.covariates.is_empty() {
         let names: Vec<&str> = results.covariates.iter().map(|name| names::factor(name)).collect();
-        let are = if names.len() == 1 { "is a covariate that describes" } else { "are covariates that describe" };
-        lead.push(format!("{} {are} participants: a number with a linear effect, not a condition.", list(&names)));
+        let are = if names.len() == 1 { "is a covariate" } else { "are covariates" };
+        lead.push(format!("{} {are}: a number with a linear effect, not a condition.", list(&names)));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
         let is_modeled =

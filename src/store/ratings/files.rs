@@ -274,6 +274,9 @@ impl Header {
                 "is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: unpack it or export it as CSV",
             );
         }
+        if text.trim_ascii_start().starts_with(b"{") || text.trim_ascii_start().starts_with(b"[") {
+            return error("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
+        }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
             return error("is not a CSV file: its first line contains zero bytes; expected a header row");
@@ -295,8 +298,11 @@ impl Header {
                 self.foreign = row.text().err().map(|cell| row.place(cell));
             }
             rows.push(row.record.iter().map(|cell| decoded(cell).trim().to_owned()).collect::<Vec<_>>());
-            rows.len() < 2
+            rows.len() < 3
         });
+        if rows.get(2).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
+            return error("has Qualtrics’ labels below its header; expected ratings: remove its second and third row");
+        }
         let mut rows = rows.into_iter();
         self.names = rows.next().unwrap_or_default();
         self.first = rows.next();

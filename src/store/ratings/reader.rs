@@ -118,7 +118,13 @@ fn read_inputs<T>(
     let mut reports = Vec::new();
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        read.sha256 = sha256(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
+            read.sha256 = Some(file::sha256(&bytes));
+            notes.extend(Some(input).filter(|input| input.layout == Layout::Long && is_doubled(&bytes)).map(|input| {
+                let message = "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
+                FileError::whole(&input.name, message)
+            }));
+        }
         errors.extend(file_errors(input, rows, &selection.inputs));
         reports.push(read);
     }
@@ -129,6 +135,11 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
+    let mut known = HashMap::new();
+    warnings.extend(reports.iter().filter(|report| report.layout == Layout::Long).filter_map(|report| {
+        let other = known.insert(report.sha256.clone()?, report.path.display())?;
+        Some(FileError::whole(&report.path, format!("has the same content as {other}; expected each rating once")))
+    }));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -331,7 +342,7 @@ fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
 /// Which columns have only numbers, in all files together.
 struct AreNumbers {
     factors: Vec<bool>,
-    /// For each column with responses.
+    /// For each column with responses; also if hardly any value is something else and the categories are not named.
     responses: Vec<bool>,
 }
 
@@ -352,7 +363,11 @@ impl AreNumbers {
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
-                .map(|i| selection.own_scale.is_none() && are_numbers(&|columns| columns.responses[i]))
+                .map(|i| {
+                    let column = selection.texts(&tables, |columns| columns.responses[i]);
+                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
+                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                })
                 .collect(),
         }
     }
@@ -377,8 +392,8 @@ fn add_rows(
     let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
         texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
             _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
-            true => Ok(text),
-            false => Err(false),
+            true if !among_numbers || values::number(text).is_some() => Ok(text),
+            _ => Err(false),
         })
     });
     let responses: Vec<Mapped<'_, Result<&str, bool>>> = responses.collect();
@@ -410,7 +425,10 @@ fn add_rows(
             Ok(rating) => rating,
             Err(true) => return Ok(Err(Reason::NoResponse)),
             Err(false) => {
-                let Some(highest) = selection.own_scale else { return Err(RowError::new(row, response, "a rating")) };
+                let Some(highest) = selection.own_scale else {
+                    let expected = "a number, as in other rows, unless this value is named as missing";
+                    return Err(RowError::new(row, response, expected));
+                };
                 // Any scale is possible in a table from elsewhere.
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
@@ -509,12 +527,19 @@ fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError
     rows.into_errors(input).into_iter().chain(everything).collect()
 }
 
-fn sha256(input: &Input) -> Result<Option<String>, StoreError> {
+/// Returns the content of a file, unless it is large.
+fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
-    Ok(Some(file::sha256(&bytes)))
+    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
+}
+
+/// Returns whether the second half of the lines below the header repeats the first half.
+fn is_doubled(bytes: &[u8]) -> bool {
+    let header = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1);
+    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
+    one.ends_with(b"\n") && one == other
 }
 
 /// Returns the error that no row counts, with the reasons.

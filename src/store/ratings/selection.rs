@@ -19,7 +19,7 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
     },
-    text::names::expected_one_of,
+    text::names::{expected_one_of, some_of},
 };
 
 /// Columns that a result file must have in addition to the participant's column.
@@ -33,7 +33,7 @@ pub(super) const SUBJECT: &str = "subject_id";
 /// for a trial or a stimulus.
 const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
-/// The column of a table in memory that says whether a rating is simulated, as the sidecars of files do.
+/// The column of a table that says whether a rating is simulated, as the sidecars of result files do.
 pub const SIMULATED: &str = "simulated";
 
 /// A file to read.
@@ -121,6 +121,9 @@ impl Selection {
                 Err(error) => errors.push(error),
             }
         }
+        // The files of a folder lack the same.
+        let mut said = HashSet::new();
+        errors.retain(|error| said.insert(error.message.clone()));
         join_lost_sidecars(&mut known);
         let chosen = chosen(&known, options);
         let with_results = known.iter().any(|file| file.is_results() && chosen.contains(&file.kind));
@@ -353,7 +356,6 @@ impl Input {
         let fixed = columns_by_header(std::iter::empty());
         (self.header.names.iter())
             .filter(|name| !name.is_empty() && *name != response && !fixed.iter().any(|fixed| fixed.name == **name))
-            .filter(|name| !(self.in_memory() && *name == SIMULATED))
             .cloned()
             .collect()
     }
@@ -363,10 +365,8 @@ impl Input {
     fn factors(&self, options: &ReadOptions) -> Vec<String> {
         let known = [self.subject(options), options.response(), options.count()];
         let is_response = |name: &String| options.wide.as_ref().is_some_and(|(_, columns)| columns.contains(name));
-        let is_known = |name: &String| {
-            let is_mark = self.in_memory() && name == SIMULATED;
-            name.is_empty() || is_mark || known.contains(&name.as_str()) || is_response(name)
-        };
+        let is_known =
+            |name: &String| name.is_empty() || name == SIMULATED || known.contains(&name.as_str()) || is_response(name);
         self.header.names.iter().filter(|name| !is_known(name)).cloned().collect()
     }
 
@@ -396,7 +396,7 @@ fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     let is_result = missing == 0 || missing == 1 && (sidecar || has("row_id") || options.factors.is_none());
     if options.wide.is_none() && is_result {
         Layout::Results
-    } else if options.count.is_none() && has("count") {
+    } else if options.count.is_none() && has("count") && !options.is_factor("count") {
         Layout::Counts
     } else {
         Layout::Long
@@ -426,7 +426,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
             factors.sort();
             Ok(format!("a table of counts by {}", factors.join(", ")))
         }
-        Layout::Long if options.factors.is_none() && options.also.is_empty() && options.wide.is_none() => {
+        Layout::Long if options.factors.is_none() && options.also().next().is_none() && options.wide.is_none() => {
             Err(without_factors(file, options))
         }
         _ => Ok("a table of ratings".to_owned()),
@@ -445,7 +445,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     let message = if others.is_empty() {
         "no factors were given, and the file has no other columns; expected a column for each factor".to_owned()
     } else {
-        format!("no factors were given; expected factors or terms that name some of the columns {}", others.join(", "))
+        format!("no factors were given; expected factors or terms that name some of the columns {}", some_of(&others))
     };
     file.error(1, message)
 }
@@ -572,7 +572,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
         match places[..] {
             [] => {
-                errors.push(file.error(1, format!("the column {name} is missing; {}", expected_one_of(name, &known))))
+                let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
+                let sheet = sheet.map_or_else(String::new, |note| format!(" ({note})"));
+                let expected = expected_one_of(name, &known);
+                errors.push(file.error(1, format!("the column {name} is missing; {expected}{sheet}")));
             }
             [_] => {}
             [_, second, ..] => errors
@@ -617,7 +620,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         repetition,
         time,
         order,
-        simulated: file.in_memory().then(|| header.position(SIMULATED)).flatten(),
+        simulated: header.position(SIMULATED).filter(|_| !is_results && !options.is_factor(SIMULATED)),
     };
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();

@@ -65,6 +65,11 @@ impl ReadOptions {
         self.also.iter().chain(&self.roles)
     }
 
+    /// Returns whether a column is named as a factor.
+    pub(super) fn is_factor(&self, name: &str) -> bool {
+        self.factors.iter().flatten().chain(self.also()).any(|factor| factor == name)
+    }
+
     /// Returns the name of the column with the response.
     pub(super) fn response(&self) -> &str {
         self.response.as_deref().unwrap_or("rating")

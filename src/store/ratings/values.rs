@@ -80,7 +80,7 @@ pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
 }
 
 /// Returns the number in a cell; `None` for other texts and missing values.
-fn number(text: &str) -> Option<f64> {
+pub(super) fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| !number.is_nan())
 }
 
@@ -88,6 +88,14 @@ fn number(text: &str) -> Option<f64> {
 pub(super) fn are_numbers(column: &[&Texts]) -> bool {
     let mut values = column.iter().flat_map(|file| &file.texts).filter(|text| !is_missing(text, true)).peekable();
     values.peek().is_some() && values.all(|text| number(text).is_some())
+}
+
+/// True if hardly any values of a column, at most one in 50, are not numbers: these are then mistakes.
+pub(super) fn are_mostly_numbers(column: &[&Texts]) -> bool {
+    let rows = |is: fn(&str) -> bool| -> usize {
+        column.iter().map(|file| file.map(is).iter().filter(|is| **is).count()).sum()
+    };
+    50 * rows(|text| !is_missing(text, true) && number(text).is_none()) <= rows(|text| !is_missing(text, true))
 }
 
 /// Returns how many different numbers a column has, and in how many rows, if it is a measurement, such as an age or a

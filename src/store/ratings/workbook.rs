@@ -59,10 +59,8 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     }
     end_row(&mut row)?;
     let note = (names.len() > 1).then(|| {
-        let others = names.len() - 1;
-        format!(
-            "only the first sheet, {name}, was read; expected one sheet (the others, in total {others}, were ignored)"
-        )
+        let others = names[1..].join(", ");
+        format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")
     });
     Ok((bytes, note))
 }
