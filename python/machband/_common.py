@@ -65,7 +65,9 @@ def suggests(of: F) -> F:
             return of(*args, **kwargs)
         except Error as error:
             for name in further:
-                if (near := nearest(name, among=known)) and near == nearest(name, among={*known, *_STIMULUS_PARAMETERS}):
+                if (near := nearest(name, among=known)) and near == nearest(
+                    name, among={*known, *_STIMULUS_PARAMETERS}
+                ):
                     raise refused(name) from None
             error.args = (_in_python(str(error), known),)
             raise
@@ -281,7 +283,13 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
                 fields.update(coding)
                 continue
             # Annotations are texts; those of choices have either words or numbers.
-            convert = whole if re.match(r"Literal\[\d", kind) else words if "Literal[" in kind else _CONVERSIONS.get(kind, text)
+            convert = (
+                whole
+                if re.match(r"Literal\[\d", kind)
+                else words
+                if "Literal[" in kind
+                else _CONVERSIONS.get(kind, text)
+            )
             field = convert(name, given[name])
             fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
     return fields

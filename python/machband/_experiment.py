@@ -149,9 +149,14 @@ class Definition:
 
 @suggests
 def simulate(
-    definition: Definition | Mapping[str, Any] | str | PathLike[str], *, participants: int = 1, seed: Seed = 1,
-    observer: Literal["paper", "random", "vision"] = "paper", observer_file: str | PathLike[str] | None = None,
-    resume: bool = False, results: str | PathLike[str] | None = None,
+    definition: Definition | Mapping[str, Any] | str | PathLike[str],
+    *,
+    participants: int = 1,
+    seed: Seed = 1,
+    observer: Literal["paper", "random", "vision"] = "paper",
+    observer_file: str | PathLike[str] | None = None,
+    resume: bool = False,
+    results: str | PathLike[str] | None = None,
 ) -> Table:
     """Run simulated sessions, with the same program and files as real ones, and return their rows.
 

@@ -8,9 +8,33 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
-    "Analysis", "DataError", "Definition", "Error", "__version__", "analyze", "check_stimulus", "compare", "encode",
-    "export", "interpolate", "kinds", "light", "main", "mesh", "parameters", "predict", "profile", "read_results",
-    "save_stimulus", "shade", "simulate", "steps", "stimulus", "verify", "visual_angle", "write_analysis",
+    "Analysis",
+    "DataError",
+    "Definition",
+    "Error",
+    "__version__",
+    "analyze",
+    "check_stimulus",
+    "compare",
+    "encode",
+    "export",
+    "interpolate",
+    "kinds",
+    "light",
+    "main",
+    "mesh",
+    "parameters",
+    "predict",
+    "profile",
+    "read_results",
+    "save_stimulus",
+    "shade",
+    "simulate",
+    "steps",
+    "stimulus",
+    "verify",
+    "visual_angle",
+    "write_analysis",
 ]
 
 __version__: Final[str]
@@ -51,6 +75,7 @@ def mesh(fields: _Fields) -> tuple[_Floats, npt.NDArray[np.uint32], _Floats]: ..
 def shade(
     fields: _Fields, mesh: _Arrays | None, measure: bool
 ) -> tuple[npt.NDArray[np.uint8] | npt.NDArray[np.uint16], str | None]: ...
+
 @final
 class Definition:
     @staticmethod
@@ -74,6 +99,7 @@ class Definition:
 
 def simulate(definition: Definition, fields: _Fields, progress: _Progress) -> None: ...
 def read_results(folder: _Path, progress: _Progress) -> tuple[_Columns, list[tuple[str, str, str]]]: ...
+
 @final
 class Analysis:
     def tables(self) -> list[tuple[str, _Columns, list[tuple[str, str, str]]]]: ...

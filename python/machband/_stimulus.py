@@ -163,9 +163,15 @@ class Transfer:
 
 @suggests
 def stimulus(
-    kind: Kind = "mach-band", *, size: int = 1024, transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None, bits: Literal[8, 16] = 8, dither: Dither = "none",
-    seed: Seed = 1, **parameters: Unpack[Parameters],
+    kind: Kind = "mach-band",
+    *,
+    size: int = 1024,
+    transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None,
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
+    seed: Seed = 1,
+    **parameters: Unpack[Parameters],
 ) -> Codes:
     """Return a stimulus as codes, the same as in the image that ``machband stimulus`` writes.
 
@@ -234,8 +240,13 @@ class Stimulus:
     """
 
     def __init__(
-        self, kind: Kind = "mach-band", *, size: int | None = None, ppd: float | None = None,
-        visual_size: float | None = None, **parameters: Unpack[Parameters],
+        self,
+        kind: Kind = "mach-band",
+        *,
+        size: int | None = None,
+        ppd: float | None = None,
+        visual_size: float | None = None,
+        **parameters: Unpack[Parameters],
     ) -> None:
         """Describe a stimulus.
 
@@ -286,7 +297,11 @@ class Stimulus:
         return _mask(self.light)
 
     def codes(
-        self, *, bits: Literal[8, 16] = 8, transfer: str | Transfer | None = None, dither: Dither = "none",
+        self,
+        *,
+        bits: Literal[8, 16] = 8,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
         seed: Seed = 1,
     ) -> Codes:
         """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
@@ -309,8 +324,14 @@ class Stimulus:
         return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd, "kind": self.kind}
 
     def save(
-        self, file: str | PathLike[str], *, bits: Literal[8, 16] = 8, transfer: str | Transfer | None = None,
-        dither: Dither = "none", seed: Seed = 1, force: bool = False,
+        self,
+        file: str | PathLike[str],
+        *,
+        bits: Literal[8, 16] = 8,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
+        seed: Seed = 1,
+        force: bool = False,
     ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
         fields = {**options(Stimulus.save, locals(), "force"), "size": str(self.shape[0])}
@@ -394,9 +415,15 @@ def light(kind: Kind = "mach-band", *, size: int = 1024, **parameters: Unpack[Pa
 
 @suggests
 def profile(
-    kind: Kind = "mach-band", *, size: int = 1024, transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None, bits: Literal[8, 16] = 8, dither: Dither = "none",
-    seed: Seed = 1, **parameters: Unpack[Parameters],
+    kind: Kind = "mach-band",
+    *,
+    size: int = 1024,
+    transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None,
+    bits: Literal[8, 16] = 8,
+    dither: Dither = "none",
+    seed: Seed = 1,
+    **parameters: Unpack[Parameters],
 ) -> Table:
     """Return the luminance profile through the center of a stimulus, along its orientation.
 
@@ -450,8 +477,13 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
 
 @suggests
 def visual_angle(
-    *, px: npt.ArrayLike | None = None, cm: npt.ArrayLike | None = None, deg: npt.ArrayLike | None = None,
-    screen_px: int, screen_cm: float, distance_cm: float,
+    *,
+    px: npt.ArrayLike | None = None,
+    cm: npt.ArrayLike | None = None,
+    deg: npt.ArrayLike | None = None,
+    screen_px: int,
+    screen_cm: float,
+    distance_cm: float,
 ) -> VisualAngle:
     """Convert lengths on a screen between pixels, centimeters and degrees of visual angle.
 

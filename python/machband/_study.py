@@ -124,25 +124,50 @@ def _answered(found: dict[str, Cells], used: list[str], is_dropping: bool) -> tu
     keep = is_there & ~is_wrong
     for name, one in found.items():
         found[name] = one._replace(codes=one.codes[keep]) if isinstance(one, Levels) else one[keep]
-    missing = f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in all rows"
-    return [missing] * bool(lost), [f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)]
+    missing = (
+        f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in all rows"
+    )
+    return [missing] * bool(lost), [
+        f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)
+    ]
 
 
 @suggests
 def analyze(
-    data: Any, *, subject: str | None = None, response: str | None = None, wide: Texts | None = None,
-    missing: float | Texts | None = None, categories: Texts | None = None, count: str | None = None,
-    direction: Texts | None = None, exclude: Texts | None = None,
-    only: Mapping[str, Sequence[Any]] | None = None, complete_only: bool = False, order: str | None = None,
-    time: str | None = None, min_time: float | None = None, max_time: float | None = None,
-    terms: Texts | None = None, link: Literal["logit", "probit"] = "logit",
-    slopes: Literal["none", "independent", "correlated"] = "independent", large: bool = False,
-    random: Literal["none", "subject"] | None = None, covariate: Texts | None = None, items: str | None = None,
-    draws: int = 999, seed: Seed = 1, level: str | None = None, correct: str | None = None,
-    total: str | None = None, guess: float | str | None = None,
+    data: Any,
+    *,
+    subject: str | None = None,
+    wide: Texts | None = None,
+    categories: Texts | None = None,
+    count: str | None = None,
+    direction: Texts | None = None,
+    exclude: Texts | None = None,
+    only: Mapping[str, Sequence[Any]] | None = None,
+    complete_only: bool = False,
+    order: str | None = None,
+    time: str | None = None,
+    min_time: float | None = None,
+    max_time: float | None = None,
+    terms: Texts | None = None,
+    link: Literal["logit", "probit"] = "logit",
+    slopes: Literal["none", "independent", "correlated"] = "independent",
+    large: bool = False,
+    random: Literal["none", "subject"] | None = None,
+    covariate: Texts | None = None,
+    items: str | None = None,
+    draws: int = 999,
+    seed: Seed = 1,
+    correct: str | None = None,
+    total: str | None = None,
+    guess: float | str | None = None,
     function: Literal["weibull", "logistic", "normal"] | None = None,
-    easier: Literal["high", "low"] | None = None, log: bool = False,
-    factors: Texts | Mapping[str, Sequence[Any]] | None = None, on_error: Literal["raise", "drop"] = "raise",
+    easier: Literal["high", "low"] | None = None,
+    log: bool = False,
+    response: str | None = None,
+    missing: float | Texts | None = None,
+    level: str | None = None,
+    factors: Texts | Mapping[str, Sequence[Any]] | None = None,
+    on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
 
@@ -158,13 +183,9 @@ def analyze(
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
-    response
-        Column with the ordered response [default: rating].
     wide
         Columns with the ordered responses at each level of a factor, which is named condition unless NAME= says
         otherwise.
-    missing
-        Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     categories
         Categories of the response, lowest first, if they are not numbers. Quote a category that contains a comma, as in
         CSV: 'low,"medium, mostly",high'.
@@ -212,11 +233,8 @@ def analyze(
         when more studies would not change a conclusion.
     seed
         Seed of the simulated studies.
-    level
-        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
-        `subject` then has no default.
     correct
-        Column with the number of right answers, or of answers yes; without `total`, 1 or 0.
+        Column with the number of right answers, or of answers yes; 1 or 0 if each row is one trial.
     total
         Column with the number of trials [default: each row is one trial].
     guess
@@ -228,6 +246,13 @@ def analyze(
         The end of the levels that is easier to see [default: high].
     log
         Fit the function to the decadic logarithms of the levels.
+    response
+        Column with the ordered response [default: rating].
+    missing
+        Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
+    level
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
+        `subject` then has no default.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
         all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
@@ -284,7 +309,9 @@ def analyze(
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
                 raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
             orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
-            names = next(csv.reader([texts("wide", [response or "rating"] if wide is None else wide).split("=", 1)[-1]]))
+            names = next(
+                csv.reader([texts("wide", [response or "rating"] if wide is None else wide).split("=", 1)[-1]])
+            )
             is_ours = response is None and wide is None
             scale = _scale(found, orders, names, known.get("categories") if is_ours else None)
             categories = scale if categories is None else categories
@@ -358,8 +385,12 @@ class Exported(NamedTuple):
 
 @suggests
 def export(
-    folder: str | PathLike[str], out: str | PathLike[str], format: Literal["bids", "psych-ds"] = "bids", *,
-    complete_only: bool = False, accept_changes: bool = False,
+    folder: str | PathLike[str],
+    out: str | PathLike[str],
+    format: Literal["bids", "psych-ds"] = "bids",
+    *,
+    complete_only: bool = False,
+    accept_changes: bool = False,
 ) -> Exported:
     """Export recorded sessions as a data set that passes the standard's validator, as ``machband export`` does.
 

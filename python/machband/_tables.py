@@ -207,7 +207,9 @@ def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:
 
 def _times(moments: Any) -> list[str]:
     """Return times in UTC as texts: dates if all are at midnight, otherwise as precise as they are, from 1 ms on."""
-    utc = [one.astimezone(timezone.utc).replace(tzinfo=None) if getattr(one, "tzinfo", None) else one for one in moments]
+    utc = [
+        one.astimezone(timezone.utc).replace(tzinfo=None) if getattr(one, "tzinfo", None) else one for one in moments
+    ]
     times = np.array([getattr(one, "to_datetime64", lambda one=one: np.datetime64(one))() for one in utc])
     unit = next(unit for unit in ("D", "ms", "us", "ns", "as") if (times == times.astype(f"M8[{unit}]")).all())
     return [one if unit == "D" else f"{one}Z" for one in times.astype(f"M8[{unit}]").astype(str).tolist()]

@@ -51,9 +51,15 @@ class Prediction:
 
 @suggests
 def predict(
-    kind: Kind = "mach-band", *, display: str | PathLike[str] | None = None,
-    size: int | None = None, window_deg: float | None = None, ppd: float | None = None,
-    white: float | None = None, black: float | None = None, criterion: str | PathLike[str] | None = None,
+    kind: Kind = "mach-band",
+    *,
+    display: str | PathLike[str] | None = None,
+    size: int | None = None,
+    ppd: float | None = None,
+    white: float | None = None,
+    black: float | None = None,
+    window_deg: float | None = None,
+    criterion: str | PathLike[str] | None = None,
     **parameters: Unpack[Parameters],
 ) -> Prediction:
     """Predict how visible the Mach bands of a stimulus are, as ``machband predict`` does.
@@ -125,10 +131,17 @@ class Comparison:
 
 @suggests
 def compare(
-    picture: npt.ArrayLike | PathLike[str] | str, reference: npt.ArrayLike | PathLike[str] | str, *,
-    window_deg: float | None = None, ppd: float | None = None, white: float | None = None,
-    black: float | None = None, transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None, mask: str | PathLike[str] | None = None, large: bool = False,
+    picture: npt.ArrayLike | PathLike[str] | str,
+    reference: npt.ArrayLike | PathLike[str] | str,
+    *,
+    window_deg: float | None = None,
+    ppd: float | None = None,
+    white: float | None = None,
+    black: float | None = None,
+    transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None,
+    mask: str | PathLike[str] | None = None,
+    large: bool = False,
 ) -> Comparison:
     """Judge how visible the difference of a picture from a reference is, as ``machband compare`` does.
 
@@ -201,9 +214,15 @@ class Steps:
 
 @suggests
 def steps(
-    picture: npt.ArrayLike | PathLike[str] | str, *, window_deg: float | None = None, ppd: float | None = None,
-    white: float | None = None, black: float | None = None, transfer: str | Transfer | None = None,
-    display: str | PathLike[str] | None = None, large: bool = False,
+    picture: npt.ArrayLike | PathLike[str] | str,
+    *,
+    window_deg: float | None = None,
+    ppd: float | None = None,
+    white: float | None = None,
+    black: float | None = None,
+    transfer: str | Transfer | None = None,
+    display: str | PathLike[str] | None = None,
+    large: bool = False,
 ) -> Steps:
     """Judge how visible the steps between a picture's own codes are, as ``machband compare --steps`` does.
 

@@ -68,10 +68,21 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
     _images = ("pos", "ori", "opacity", "units")
 
     def __init__(
-        self, win: Any, kind: Kind = "mach-band", *, size: float | None = None, units: str = "",
-        pos: Sequence[float] = (0, 0), ori: float = 0, opacity: float = 1,
-        transfer: str | Transfer | None = None, dither: Dither = "none", seed: Seed = 1,
-        name: str | None = None, autoLog: bool | None = None, **parameters: Any,
+        self,
+        win: Any,
+        kind: Kind = "mach-band",
+        *,
+        size: float | None = None,
+        units: str = "",
+        pos: Sequence[float] = (0, 0),
+        ori: float = 0,
+        opacity: float = 1,
+        transfer: str | Transfer | None = None,
+        dither: Dither = "none",
+        seed: Seed = 1,
+        name: str | None = None,
+        autoLog: bool | None = None,
+        **parameters: Any,
     ) -> None:
         """Make a stimulus for a window."""
         super().__init__(name=name, autoLog=False)

@@ -74,7 +74,7 @@ pub struct AnswersAtLevels {
     /// Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     #[arg(long, value_name = "COL", requires_all = ["correct", "guess"])]
     pub level: Option<String>,
-    /// Column with the number of right answers, or of answers yes; without --total, 1 or 0.
+    /// Column with the number of right answers, or of answers yes; 1 or 0 if each row is one trial.
     #[arg(long, value_name = "COL", requires = "level")]
     pub correct: Option<String>,
     /// Column with the number of trials [default: each row is one trial].

@@ -31,9 +31,7 @@ fn functions() -> Vec<Function> {
     let parameters: Vec<String> = Predict::augment_args(Command::new("predict"))
         .get_arguments()
         .map(|argument| argument.get_id().to_string())
-        .filter(|name| {
-            !["large", "display", "size", "window_deg", "ppd", "white", "black", "criterion"].contains(&name.as_str())
-        })
+        .filter(|name| !["display", "size", "ppd", "white", "black"].contains(&name.as_str()))
         .collect();
     let parameters: Vec<&str> = parameters.iter().map(String::as_str).collect();
     vec![
@@ -41,7 +39,7 @@ fn functions() -> Vec<Function> {
         function::<Shade>("_shading.py", "shade", &["mesh", "vertices", "normals", "shader", "truth"]),
         function::<Image>("_stimulus.py", "stimulus", &[]),
         function::<Image>("_stimulus.py", "profile", &[]),
-        function::<Analyze>("_study.py", "analyze", &["factors", "levels"]),
+        function::<Analyze>("_study.py", "analyze", &["factors", "levels", "response", "missing", "level"]),
         function::<Export>("_study.py", "export", &["format", "out"]),
         function::<Predict>("_vision.py", "predict", &parameters),
         function::<Compare>("_vision.py", "compare", &["steps", "max"]),
@@ -209,7 +207,7 @@ impl Type {
             Self::Text => "str".to_owned(),
             Self::Choice(names) => format!("Literal[{}]", quoted(names)),
             Self::Path => "str | PathLike[str]".to_owned(),
-            Self::Texts => "str | Sequence[str]".to_owned(),
+            Self::Texts => "Texts".to_owned(),
             Self::Levels => "Mapping[str, Sequence[Any]]".to_owned(),
         };
         let [default] = option.get_default_values() else { return format!("{kind} | None = None") };

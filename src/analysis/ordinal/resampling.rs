@@ -33,8 +33,8 @@ use crate::analysis::{counts::CountRow, frame::Frame};
 // parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Args, Serialize)]
 pub struct Resampling {
-    /// Maximum number of simulated studies that calibrate tests and intervals. Simulation ends earlier when more studies
-    /// would not change a conclusion.
+    /// Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier when
+    /// more studies would not change a conclusion.
     #[arg(long, value_name = "N", default_value_t = Self::default().draws,
           value_parser = clap::value_parser!(u32).range(99..=1_000_000))]
     pub draws: u32,
