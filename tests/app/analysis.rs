@@ -228,8 +228,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
     assert_has(&window, "The export includes only the data shown: 3 of 4 participants; width 0.1, 0.8.");
-    click_and_rest(&mut window, "Export");
-    assert_has(&window, "files written to");
+    click(&mut window, "Export");
+    wait_for(&mut window, "files written to");
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
         assert!(out.join(file).is_file(), "{file}");
     }
@@ -271,8 +271,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     // Existing files are never overwritten without a warning.
     click(&mut window, "Export");
     assert_has(&window, "already exists");
-    click_and_rest(&mut window, "Replace");
-    assert_has(&window, "files written to");
+    click(&mut window, "Replace");
+    wait_for(&mut window, "files written to");
     // If the folder cannot be written to, the page says so.
     type_into(&mut window, "Export to the folder", data_set.join("dataset_description.json").to_str().unwrap());
     click_and_rest(&mut window, "Export");
@@ -296,8 +296,8 @@ fn a_task_is_narrowed_and_exported() {
     assert_has(&window, "The export includes only the data shown: 2 of 3 participants.");
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
-    click_and_rest(&mut window, "Export");
-    assert_has(&window, "files written to");
+    click(&mut window, "Export");
+    wait_for(&mut window, "files written to");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("Left out on request: S002"), "{report}");
     click_and_rest(&mut window, "Select everything");

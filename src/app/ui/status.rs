@@ -32,6 +32,8 @@ fn add(ctx: &Context, text: String, failed: bool) {
         messages.insert(0, Message { text, failed, page: None });
         messages.truncate(KEPT);
     });
+    // The line may have been drawn already.
+    ctx.request_repaint();
 }
 
 fn id() -> Id {

@@ -620,7 +620,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         repetition,
         time,
         order,
-        simulated: header.position(SIMULATED).filter(|_| !is_results && !options.is_factor(SIMULATED)),
+        simulated: header.position(SIMULATED).filter(|_| !options.is_factor(SIMULATED)),
     };
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();
