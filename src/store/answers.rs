@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, SIMULATED, is_missing},
+    ratings::{Header, SIMULATED, is_mark, is_missing},
     table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
@@ -187,7 +187,7 @@ impl Places {
             level: level.ok_or_else(|| wrong(self.level, "a level, which is a number"))?,
             correct,
             total,
-            is_simulated: self.simulated.is_some_and(|cell| matches!(&*text(cell).to_ascii_lowercase(), "1" | "true")),
+            is_simulated: self.simulated.is_some_and(|cell| is_mark(&text(cell))),
         }))
     }
 }

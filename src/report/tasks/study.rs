@@ -10,7 +10,7 @@ use crate::{
     analysis::tasks::psychometric::Guess,
     experiment::{
         Factor, Phase, Replayed,
-        task::{Adaptive, Answer, Measures, Task},
+        task::{Adaptive, Answer, Measures, Second, Task},
     },
     stimulus::{ParameterValue, Stimulus},
     store::{
@@ -328,12 +328,15 @@ fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial
         (Measures::Proportions | Measures::Detection, _) => {
             let is_target = shown.target != Some(0);
             let second = protocol.adaptive.as_ref().and_then(Adaptive::second);
-            let condition = second.map_or(condition, |second| {
-                let shown = shown.described().get(&second.parameter);
-                let is_shown = |level: &f64| shown.as_ref() == Some(&(*level).into());
-                // A catch trial has none of these levels, and says nothing about a function.
-                condition * second.levels.len() + second.levels.iter().position(is_shown).unwrap_or_default()
-            });
+            let condition = match second {
+                None => condition,
+                Some(Second { parameter, levels, .. }) => {
+                    let shown = shown.described().get(parameter);
+                    let level = levels.iter().position(|level| shown.as_ref() == Some(&(*level).into()));
+                    // A catch trial has none of these levels, and says nothing about a function.
+                    condition * levels.len() + level.or((!is_target).then_some(0))?
+                }
+            };
             (condition, TaskAnswered::Seen { level: shown.level, is_target, seen })
         }
     };

@@ -17,6 +17,7 @@ mod workbook;
 
 pub(super) use files::Header;
 pub use files::{Listed, column_names, files, with_files};
+pub(super) use reader::is_mark;
 pub use reader::{read, read_columns};
 pub use selection::SIMULATED;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

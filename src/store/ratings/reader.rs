@@ -275,10 +275,15 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     sessions
 }
 
+/// True if a cell of the column `simulated` says that a program answered.
+pub(in crate::store) fn is_mark(text: &str) -> bool {
+    text == "1" || text.eq_ignore_ascii_case("true")
+}
+
 /// Returns the participants with a simulated rating in a table in memory.
 fn simulated(input: &Input, rows: &Rows) -> BTreeSet<String> {
     let Some(column) = input.columns.simulated else { return BTreeSet::new() };
-    let marks = rows.columns[column].map(|text| text == "1" || text.eq_ignore_ascii_case("true"));
+    let marks = rows.columns[column].map(is_mark);
     let subjects = rows.columns[input.columns.subject].map(|text| text);
     let found: BTreeSet<&str> = marks.iter().zip(subjects.iter()).filter_map(|(is, who)| is.then_some(*who)).collect();
     found.into_iter().map(str::to_owned).collect()
