@@ -62,7 +62,8 @@ fn power_matches_r() {
         let plan = plan_with_slopes(&oblique(0.6), number(&group[0][1]), slopes);
         let mut participants: Vec<u32> = group.iter().map(|row| row[0].parse().unwrap()).collect();
         participants.dedup();
-        let studies = number(&group[0][4]);
+        // Fewer studies than R's are enough, because both errors are counted.
+        let studies = 0.4 * number(&group[0][4]);
         let sampling = Sampling { studies: studies as u32, ..Sampling::default() };
         let all = plan.run(&participants, &sampling, &|_| ());
         let of = |term: &str, row: &[String]| {
@@ -85,8 +86,8 @@ fn power_matches_r() {
             assert!((share - theirs).abs() <= 3.0 * error, "{row:?}: {share}");
             assert!(ours.studies as f64 == studies && ours.untested == 0, "{ours:?}");
             if !row[6].is_empty() {
-                // The medians of at least 500 estimates, which have standard errors of at most 0.3.
-                assert!((ours.estimate.unwrap() - number(&row[6])).abs() < 0.06, "{row:?}: {ours:?}");
+                // The medians of at least 200 estimates, which have standard errors of at most 0.3.
+                assert!((ours.estimate.unwrap() - number(&row[6])).abs() < 0.08, "{row:?}: {ours:?}");
             }
             if row[0] == "14" {
                 // Four logits: the model without them exists in every study, although its random slope must take their
@@ -172,17 +173,17 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
     let plan = plan(&design(), &OrderedLogit::default(), &[], None);
     assert!(plan.hypotheses().iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
     for alpha in [0.05, 0.3] {
-        let sampling = Sampling { studies: 1000, alpha, ..Sampling::default() };
+        let sampling = Sampling { studies: 400, alpha, ..Sampling::default() };
         let found = powers(&plan, &[4], &sampling)[0][0].found as f64;
-        let sd = (1000.0 * alpha * (1.0 - alpha)).sqrt();
-        assert!((found - 1000.0 * alpha).abs() < 4.0 * sd, "alpha {alpha}: {found} of 1000");
+        let sd = (400.0 * alpha * (1.0 - alpha)).sqrt();
+        assert!((found - 400.0 * alpha).abs() < 3.0 * sd, "alpha {alpha}: {found} of 400");
     }
 }
 
 /// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.
 #[test]
 fn shifting_a_level_equals_an_observer_effect() {
-    let sampling = Sampling { studies: 20, ..Sampling::default() };
+    let sampling = Sampling { studies: 8, ..Sampling::default() };
     let shift = |level: &str| Shift { factor: "orientation_deg".to_owned(), level: level.to_owned(), logits: 0.75 };
     let with = |observer: &OrderedLogit, shifts: &[Shift]| {
         let plan = plan(&design(), observer, shifts, None);
@@ -244,7 +245,7 @@ fn the_number_of_threads_does_not_change_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let plan = |participants: &str, options: &str, threads| {
-        let line = format!("quick --participants {participants} --studies 8 --effect oblique=1 --out {options}");
+        let line = format!("quick --participants {participants} --studies 3 --effect oblique=1 --out {options}");
         succeeds(folder.path(), &line, threads)
     };
     let one = plan("4,2,4", "one.csv", "1");
