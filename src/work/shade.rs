@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -35,7 +36,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
-    #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh")]
+    #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh", value_parser = scene_path())]
     #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -150,6 +151,16 @@ const KNOWN: &str = "known";
 /// Says which meshes there are.
 fn mesh_help() -> String {
     format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", "))
+}
+
+/// Parses the path of a scene. What is the name of a mesh here would otherwise be a contradiction with every other option.
+fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let is = |ending: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+        let is_mesh = ["obj", "ply", "gltf", "glb"].iter().any(is)
+            || path.to_str().is_some_and(|name| name.parse::<Shape>().is_ok());
+        if is_mesh { Err(format!("is a mesh; expected a scene, or --mesh {}", path.display())) } else { Ok(path) }
+    })
 }
 
 /// Parses the distance of the eye, in mesh radii.

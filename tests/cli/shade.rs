@@ -105,6 +105,10 @@ fn every_error_has_its_own_message() {
         assert!(error.contains(words) && !folder.path().join("x.png").exists(), "{options}: {error}");
     }
     assert!(fails(folder.path(), &split("shade --shader flat"), 2).contains("nothing to write"));
+    for (mesh, options) in [("bunny.obj", ""), ("scan.PLY", "--shader flat --out x.png"), ("blob", "--shader flat")] {
+        let error = fails(folder.path(), &split(&format!("shade {mesh} {options}")), 2);
+        assert!(error.contains(&format!("expected a scene, or --mesh {mesh}")), "{error}");
+    }
 }
 
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.

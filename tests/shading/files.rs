@@ -509,8 +509,12 @@ fn extensions_of_glb_files_are_read_or_named() {
     ] {
         assert!(message(&required(name)).contains(words), "{}", message(&required(name)));
     }
+    let old = br#"{"asset": {"version": "1.0"}, "meshes": {"box": {}}}"#;
+    for content in [&old[..], b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0"] {
+        assert!(message(content).contains("is glTF 1"), "{}", message(content));
+    }
     let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
-    assert_eq!(parsed(&used).notes, ["KHR_materials_ior in the file was ignored"]);
+    assert_eq!(parsed(&used).notes, ["extensions were ignored: KHR_materials_ior"]);
     // A quarter turn of the texture: u becomes v.
     let place = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.25, 0], "scale": [2, 2] } });
     let turned = glb(move |json| {

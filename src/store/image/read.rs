@@ -44,7 +44,12 @@ pub(super) fn decode(
     if content.starts_with(b"\xff\xd8\xff") {
         return Err(fail("is a JPEG; expected a PNG".to_owned()));
     }
-    let broken = |error: DecodingError| fail(format!("is not a complete PNG: {error}; expected an image"));
+    let broken = |error: DecodingError| {
+        // What follows is the crate's own name of the chunk.
+        let error = error.to_string();
+        let reason = error.split(" while decoding ").next().unwrap_or_default();
+        fail(format!("is not a complete PNG: {reason}; expected an image"))
+    };
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
     decoder.set_transformations(Transformations::EXPAND);
     // A color profile may expand a thousandfold when it is decompressed.

@@ -58,7 +58,10 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     if content.starts_with(b"glTF") && length.is_none_or(|length| length < 12) {
         return Err("its header is damaged; expected a GLB file".to_owned());
     }
-    let not_gltf = |error| format!("{error}; expected a glTF 2.0 file");
+    let not_gltf = |error: gltf::Error| match version(content) {
+        Some(version) if !version.starts_with('2') => format!("is glTF {version}; expected glTF 2.0"),
+        _ => format!("{}; expected a glTF 2.0 file", error.to_string().trim_end_matches(';')),
+    };
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     check(document.as_json())?;
     let mut json = document.into_json();
@@ -99,9 +102,18 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         );
     }
     if !ignored.is_empty() {
-        faces.notes.push(format!("{} in the file was ignored", ignored.join(", ")));
+        faces.notes.push(format!("extensions were ignored: {}", ignored.join(", ")));
     }
     Ok(faces)
+}
+
+/// Returns the version that a file states.
+fn version(content: &[u8]) -> Option<String> {
+    if let Some([_, _, _, _, version, ..]) = content.strip_prefix(b"glTF").map(|_| content) {
+        return Some(version.to_string());
+    }
+    let json: Value = serde_json::from_slice(content).ok()?;
+    Some(json["asset"]["version"].as_str()?.to_owned())
 }
 
 /// Checks the extensions that a file requires, and returns the names of those that are ignored.
