@@ -23,9 +23,12 @@ __all__ = {names!r}
 '''
 
 VIEW = {
-    "size": ("int | None", "Side in pixels [default: `ppd` times `visual_size`, or 1024]."),
+    "size": ("int | tuple[int, int] | None", "Side in pixels, or height and width, as in `machband.Stimulus`."),
     "ppd": ("float | None", "Pixels per degree of visual angle."),
-    "visual_size": ("float | None", "Side in degrees of visual angle [default: `size` / `ppd`, or 10]."),
+    "visual_size": (
+        "float | tuple[float, float] | None",
+        "Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].",
+    ),
 }
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -243,9 +243,9 @@ class Stimulus:
         self,
         kind: Kind = "mach-band",
         *,
-        size: int | None = None,
+        size: int | tuple[int, int] | None = None,
         ppd: float | None = None,
-        visual_size: float | None = None,
+        visual_size: float | tuple[float, float] | None = None,
         **parameters: Unpack[Parameters],
     ) -> None:
         """Describe a stimulus.
@@ -255,39 +255,51 @@ class Stimulus:
         kind
             One of `kinds`.
         size
-            Side in pixels [default: `ppd` times `visual_size`, or 1024].
+            Side in pixels, or height and width [default: `ppd` times `visual_size`, or 1024]. Proportions are those of
+            the longer side; a shorter one shows the middle of the square.
         ppd
             Pixels per degree of visual angle.
         visual_size
-            Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+            Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
         **parameters
             The parameters of the kind, as in `stimulus`.
         """
-        side = None if size is None else whole("size", size, 1)
-        for name, given in (("ppd", ppd), ("visual_size", visual_size)):
-            if given is not None and not 0 < number(name, given) < np.inf:
-                raise _machband.Error(f"{name} is {given!r}; expected a number above 0")
-        if ppd is not None and visual_size is not None:
-            pixels = round(ppd * visual_size)
-            if abs(ppd * visual_size - pixels) > 1e-6 or pixels < 1:
-                raise _machband.Error(f"ppd times visual_size is {ppd * visual_size:g}; expected whole pixels")
-            if side not in (None, pixels):
-                raise _machband.Error(f"size is {side}; expected {pixels}, which is ppd times visual_size, or no size")
-            side = pixels
-        side = 1024 if side is None else side
-        degrees = float(visual_size if visual_size is not None else side / ppd if ppd is not None else 10)
+        shape = None if size is None else _pair("size", size, lambda name, side: whole(name, side, 1))
+        degrees = None if visual_size is None else _pair("visual_size", visual_size, _positive)
+        density = None if ppd is None else _positive("ppd", ppd)
+        if degrees and density:
+            pixels = np.multiply(density, degrees)
+            if (abs(pixels - pixels.round()) > 1e-6).any() or pixels.min() < 0.5:
+                raise _machband.Error(f"ppd times visual_size is {pixels[0]:g}; expected whole pixels")
+            wanted = (round(pixels[0]), round(pixels[1]))
+            if shape not in (None, wanted):
+                expected = f"expected {_one_or_both(wanted)}, which is ppd times visual_size, or no size"
+                raise _machband.Error(f"size is {size}; {expected}")
+            shape = wanted
+        shape = shape or (1024, 1024)
+        longest = max(shape)
+        if degrees is None or isinstance(visual_size, (int, float, np.number)):
+            longest_deg = degrees[0] if degrees else longest / density if density else 10.0
+            degrees = (longest_deg * shape[0] / longest, longest_deg * shape[1] / longest)
+        ppds = (shape[0] / degrees[0], shape[1] / degrees[1])
+        if abs(ppds[0] - ppds[1]) > 1e-6 * ppds[0]:
+            raise _machband.Error(f"visual_size is {visual_size} for {shape[0]} × {shape[1]} pixels; expected square ones")
         defaults = {name: found.default for name, found in _known(kind).items()}
         _machband.check_stimulus(_kind(kind), _parameters(parameters))
         own = {**defaults, **{name: _kept(given) for name, given in parameters.items()}}
         self.kind: Kind = kind
         self._own = own
-        self.shape, self.visual_size, self.ppd = (side, side), (degrees, degrees), (side / degrees, side / degrees)
-        self.parameters: Mapping[str, Any] = MappingProxyType({**own, "size": side, "visual_size": degrees})
+        self.shape, self.visual_size, self.ppd = shape, degrees, ppds
+        self._size = longest
+        first = [(longest - side) // 2 for side in shape]
+        self._middle = tuple(slice(start, start + side) for start, side in zip(first, shape, strict=True))
+        sizes = {"size": _one_or_both(shape), "visual_size": _one_or_both(degrees)}
+        self.parameters: Mapping[str, Any] = MappingProxyType({**own, **sizes})
 
     @cached_property
     def light(self) -> npt.NDArray[np.float32]:
         """Light of red, green and blue relative to the screen's maximum, 0 to 1; shape (height, width, 3), read-only."""
-        shown = light(self.kind, size=self.shape[0], **self._own)
+        shown = light(self.kind, size=self._size, **self._own)[self._middle]
         shown.flags.writeable = False
         return shown
 
@@ -305,18 +317,24 @@ class Stimulus:
         seed: Seed = 1,
     ) -> Codes:
         """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
-        size = self.shape[0]
-        return stimulus(self.kind, size=size, bits=bits, transfer=transfer, dither=dither, seed=seed, **self._own)
+        coding: Any = {"bits": bits, "transfer": transfer, "dither": dither, "seed": seed}
+        return stimulus(self.kind, size=self._size, **coding, **self._own)[self._middle]
 
     def profile(self, **coding: Any) -> Table:
         """Return the luminance profile through the center, as the function `profile` does."""
-        return profile(self.kind, size=self.shape[0], **coding, **self._own)
+        return profile(self.kind, size=self._size, **coding, **self._own)
+
+    def _square(self) -> int:
+        """Return the side of a square."""
+        if self.shape != (self._size, self._size):
+            raise _machband.Error(f"the shape is {self.shape}; expected a square, as the command draws")
+        return self._size
 
     def predict(self, **viewing: Any) -> Prediction:
         """Predict how visible its bands are, with the arguments of the function `predict` except its size."""
         from ._vision import predict
 
-        return predict(self.kind, size=self.shape[0], window_deg=self.visual_size[0], **viewing, **self._own)
+        return predict(self.kind, size=self._square(), window_deg=self.visual_size[0], **viewing, **self._own)
 
     def to_stimupy(self) -> dict[str, Any]:
         """Return a dict with the keys of stimupy: ``img`` has the light of the strongest channel, 0 to 1."""
@@ -334,7 +352,7 @@ class Stimulus:
         force: bool = False,
     ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
-        fields = {**options(Stimulus.save, locals(), "force"), "size": str(self.shape[0])}
+        fields = {**options(Stimulus.save, locals(), "force"), "size": str(self._square())}
         _machband.save_stimulus(self.kind, _parameters(self._own), fields, path("file", file), flag("force", force))
 
     def plot(self, ax: Any = None) -> Any:
@@ -342,8 +360,8 @@ class Stimulus:
         from matplotlib import pyplot
 
         ax = pyplot.subplots()[1] if ax is None else ax
-        half = self.visual_size[0] / 2
-        ax.imshow(self.codes(), extent=(-half, half, -half, half), interpolation="nearest")
+        high, wide = (degrees / 2 for degrees in self.visual_size)
+        ax.imshow(self.codes(), extent=(-wide, wide, -high, high), interpolation="nearest")
         ax.set(xlabel="degrees", ylabel="degrees")
         return ax
 
@@ -376,6 +394,27 @@ class Stimulus:
 
 
 _known = parameters
+
+N = TypeVar("N", int, float)
+
+
+def _pair(name: str, given: Any, checked: Callable[[str, Any], N]) -> tuple[N, N]:
+    """Return a height and a width, for which one number can stand."""
+    both = (given, given) if np.ndim(given) == 0 else tuple(given)
+    if len(both) != 2:
+        raise _machband.Error(f"{name} is {given!r}; expected a number, or height and width")
+    return checked(name, both[0]), checked(name, both[1])
+
+
+def _one_or_both(pair: tuple[N, N]) -> N | tuple[N, N]:
+    return pair[0] if pair[0] == pair[1] else pair
+
+
+def _positive(name: str, given: object) -> float:
+    found = number(name, given)
+    if not 0 < found < np.inf:
+        raise _machband.Error(f"{name} is {given!r}; expected a number above 0")
+    return found
 
 
 def _mask(shown: npt.NDArray[np.float32]) -> npt.NDArray[np.intp]:

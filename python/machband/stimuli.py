@@ -64,9 +64,9 @@ def mach_band(
     space: Literal["rgb", "hsv", "lab"] = "rgb",
     rounding: float = 0,
     nulling: float = 0,
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """A ramp between two uniform areas: a bright line appears where it meets the bright area and a dark one where
     it meets the dark area, although neither is in the image. Mach 1865; Bangay §3.1.
@@ -106,11 +106,11 @@ def mach_band(
         Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion
         of their difference. Expected: the amplitude of an opposite profile, from -1 to 1.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("mach-band", width=width, depth=depth, tanh_k=tanh_k, orientation_deg=orientation_deg, low=low,
         high=high, color=color, color_high=color_high, space=space, rounding=rounding, nulling=nulling, size=size,
@@ -125,9 +125,9 @@ def chevreul(
     low: float = 0.25,
     high: float = 0.75,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """Uniform bands that look scalloped: each looks brighter next to its darker neighbor and darker next to its
     brighter neighbor. Chevreul 1839.
@@ -149,11 +149,11 @@ def chevreul(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("chevreul", steps=steps, orientation_deg=orientation_deg, low=low, high=high, color=color,
         size=size, ppd=ppd, visual_size=visual_size)
@@ -168,9 +168,9 @@ def cornsweet(
     low: float = 0.4,
     high: float = 0.6,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a finger
     to see that they are equal. Cornsweet 1970.
@@ -196,11 +196,11 @@ def cornsweet(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("cornsweet", width=width, exponent=exponent, orientation_deg=orientation_deg, low=low,
         high=high, color=color, size=size, ppd=ppd, visual_size=visual_size)
@@ -214,9 +214,9 @@ def vasarely(
     low: float = 0.1,
     high: float = 0.9,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """Squares of graded luminance whose corners appear to form bright diagonals. Vasarely; Bangay fig. 1 j.
 
@@ -236,11 +236,11 @@ def vasarely(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("vasarely", squares=squares, orientation_deg=orientation_deg, low=low, high=high, color=color,
         size=size, ppd=ppd, visual_size=visual_size)
@@ -255,9 +255,9 @@ def kanizsa(
     low: float = 0.1,
     high: float = 0.75,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """Three notched discs: a triangle seems to lie on top of them, brighter than the background. Kanizsa 1955.
 
@@ -280,11 +280,11 @@ def kanizsa(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("kanizsa", side=side, radius=radius, orientation_deg=orientation_deg, low=low, high=high,
         color=color, size=size, ppd=ppd, visual_size=visual_size)
@@ -308,9 +308,9 @@ def shaded_mesh(
     low: float = 0.1,
     high: float = 0.7,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """A faceted surface that is shaded to look smooth: Gouraud shading produces Mach bands at the edges; other
     shaders change the luminance there to avoid them. Gouraud 1971; Bangay §4.
@@ -357,11 +357,11 @@ def shaded_mesh(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("shaded-mesh", shader=shader, depth=depth, boundary=boundary, vertex=vertex, reweight=reweight,
         gradients=gradients, mesh=mesh, vertices=vertices, rotate=rotate, light=light, highlight=highlight,
@@ -377,9 +377,9 @@ def shaded_cylinder(
     low: float = 0.25,
     high: float = 0.75,
     color: str | Sequence[float] = "gray",
-    size: int | None = None,
+    size: int | tuple[int, int] | None = None,
     ppd: float | None = None,
-    visual_size: float | None = None,
+    visual_size: float | tuple[float, float] | None = None,
 ) -> Stimulus:
     """A faceted cylinder under flat, Gouraud or Phong shading: the source of Chevreul's scallops and Mach bands in
     computer graphics. Bangay fig. 1 c, f.
@@ -401,11 +401,11 @@ def shaded_cylinder(
         three numbers R,G,B from 0 to 1, not all 0, linear in light, #RRGGBB of sRGB, or hsv:H,S,V, hls:H,L,S,
         cmy:C,M,Y, cmyk:C,M,Y,K, xyY:x,y,Y, lab:L,a,b or luv:L,u,v.
     size
-        Side in pixels [default: `ppd` times `visual_size`, or 1024].
+        Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd
         Pixels per degree of visual angle.
     visual_size
-        Side in degrees of visual angle [default: `size` / `ppd`, or 10].
+        Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("shaded-cylinder", shading=shading, facets=facets, orientation_deg=orientation_deg, low=low,
         high=high, color=color, size=size, ppd=ppd, visual_size=visual_size)

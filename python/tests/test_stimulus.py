@@ -99,11 +99,27 @@ def test_stimupy_and_matplotlib_draw_it(monkeypatch):
     assert axes.images[0].get_extent() == [-5, 5, -5, 5] and made._repr_png_().startswith(b"\x89PNG")
 
 
+def test_a_stimulus_can_be_a_rectangle(tmp_path):
+    square, made = (machband.stimuli.vasarely(size=size, visual_size=8) for size in (200, (101, 200)))
+    assert (made.shape, made.ppd, made.visual_size) == ((101, 200), (25, 25), (4.04, 8))
+    assert made == machband.stimuli.vasarely(ppd=25, visual_size=(4.04, 8)) != square
+    assert made == pickle.loads(pickle.dumps(made)) == eval(repr(made), vars(machband))
+    for whole, part in [(square.light, made.light), (square.codes(dither="ordered"), made.codes(dither="ordered"))]:
+        assert np.array_equal(part, whole[49:150])
+    assert made.to_stimupy()["img"].shape == made.mask.shape == (101, 200)
+    assert np.allclose(made.plot().images[0].get_extent(), [-4, 4, -2.02, 2.02])
+    for square_alone in [made.predict, lambda: made.save(tmp_path / "a.png")]:
+        with pytest.raises(machband.Error, match="expected a square"):
+            square_alone()
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [
         ({"ppd": 3, "visual_size": 2.1}, "whole pixels"), ({"ppd": -3}, "ppd is -3; expected a number above 0"),
         ({"size": 10, "ppd": 3, "visual_size": 3}, "expected 9, which is ppd times visual_size"),
+        ({"size": (10, 20), "ppd": 3, "visual_size": 5}, "expected 15"), ({"size": (1, 2, 3)}, "height and width"),
+        ({"size": (10, 20), "visual_size": (5, 5)}, "10 × 20 pixels; expected square ones"),
     ],
 )
 def test_wrong_sizes_are_named(given, words):

@@ -91,7 +91,8 @@ fn wait_until_idle(window: &mut Window) {
             return;
         }
         window.step();
-        std::thread::sleep(Duration::from_millis(3));
+        // A step takes a core from what it waits for.
+        std::thread::sleep(Duration::from_millis(15));
     }
     panic!("the computation does not end");
 }

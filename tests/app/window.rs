@@ -129,8 +129,8 @@ pub fn wait_for(window: &mut Window, text: &str) {
             return;
         }
         window.step();
-        if step > 300 {
-            std::thread::sleep(Duration::from_millis(3));
+        if step > 30 {
+            std::thread::sleep(Duration::from_millis(10));
         }
     }
     panic!("{text:?} did not appear; there is {:?}", texts(window));
