@@ -198,8 +198,10 @@ class Steps:
     ----------
     steps
         The visible difference from the smoothest picture with these codes.
+    rounded
+        The visible difference of a picture of 16 bits from itself in 8 bits without dither; `None` for one of 8 bits.
     dithered
-        The same for 8 bits with blue-noise dither, whose grain is a visible difference too.
+        The same with blue-noise dither, whose grain is a visible difference too.
     light
         What the codes of the picture mean, and where that is said.
     picture
@@ -207,6 +209,7 @@ class Steps:
     """
 
     steps: float
+    rounded: float | None
     dithered: float
     light: str
     picture: npt.NDArray[np.uint8] = field(repr=False)

@@ -88,10 +88,11 @@ pub fn steps<'py>(py: Python<'py>, fields: Fields, given: Option<Shown<'py>>) ->
         Some(Picture::Codes(codes)) => Some(codes),
         None => None,
     };
-    let Steps { steps, dithered, picture_dithered, light, .. } =
+    let Steps { steps, rounded, dithered, picture_dithered, light, .. } =
         job::run(py, None, false, move |job, _| request.steps(given, job))?;
     let dict = PyDict::new(py);
     dict.set_item("steps", steps)?;
+    dict.set_item("rounded", rounded)?;
     dict.set_item("dithered", dithered)?;
     let shape = [picture_dithered.height as usize, picture_dithered.width as usize, 3];
     if let Samples::Eight(codes) = picture_dithered.samples {

@@ -67,7 +67,10 @@ def test_light_gray_and_strided_pictures():
 def test_steps_are_those_of_the_command(command, tmp_path):
     codes = np.repeat(np.linspace(118, 128, 400).astype(np.uint8)[np.newaxis, :], 60, axis=0)
     found = machband.steps(codes, window_deg=16)
-    assert found.steps > found.dithered > 0 and found.picture.shape == (60, 400, 3)
+    assert found.steps > found.dithered > 0 and found.picture.shape == (60, 400, 3) and found.rounded is None
+    fine = np.repeat(np.linspace(118 * 257, 128 * 257, 400).astype(np.uint16)[np.newaxis, :], 60, axis=0)
+    of_fine = machband.steps(fine, window_deg=16)
+    assert of_fine.rounded == pytest.approx(found.steps, rel=0.1) and of_fine.steps < 0.1 < of_fine.dithered
     command("stimulus", "--width", 0.9, "--low", 0.2, "--high", 0.22, "--size", 200, "--out", "slow.png")
     told = json.loads(command("compare", "slow.png", "--steps", "--window", 20, "--json"))
     of_file = machband.steps(tmp_path / "slow.png", window_deg=20)

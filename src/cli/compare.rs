@@ -141,15 +141,17 @@ impl Case {
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
-        let remedy = if found.steps < 1.0 {
-            "the steps are below threshold: no dither is needed"
-        } else if found.dithered < found.steps {
+        let of_8_bits = found.rounded.unwrap_or(found.steps);
+        let remedy = if of_8_bits < 1.0 {
+            "the steps of 8 bits are below threshold: no dither is needed"
+        } else if found.dithered < of_8_bits {
             "write 16 bits, or dither to 8 (--dither-out)"
         } else {
             "dither would be as visible as the steps: write 16 bits"
         };
+        let rounded = found.rounded.map_or_else(String::new, |times| format!("; rounded to 8 bits {times:.3}"));
         let line = format!(
-            "{}: steps {:.3} times threshold; with blue-noise dither {:.3}, which is grain; {remedy} ({}; white {} cd/m², black {} cd/m²; {})",
+            "{}: steps {:.3} times threshold{rounded}; with blue-noise dither {:.3}, which is grain; {remedy} ({}; white {} cd/m², black {} cd/m²; {})",
             printable(&found.picture),
             found.steps,
             found.dithered,

@@ -120,7 +120,10 @@ pub struct Steps {
     pub picture: String,
     /// The visible difference from the smoothest picture with these codes, in times threshold.
     pub steps: f64,
-    /// The same for that picture in 8 bits with blue-noise dither, whose grain is a visible difference too.
+    /// The visible difference of a picture of 16 bits from itself in 8 bits without dither.
+    pub rounded: Option<f64>,
+    /// The same with blue-noise dither, whose grain is a visible difference too; of a picture of 8 bits, the smoothest
+    /// picture is dithered.
     pub dithered: f64,
     pub window_deg: f64,
     pub white_cd_m2: f64,
@@ -264,16 +267,15 @@ impl Compare {
         let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
-        let source = if matches!(picture.codes.samples, Samples::Sixteen(_)) {
-            picture.codes.light(&picture.transfers)
-        } else {
-            smooth.clone()
-        };
+        let is_fine = matches!(picture.codes.samples, Samples::Sixteen(_));
+        let source = if is_fine { picture.codes.light(&picture.transfers) } else { smooth.clone() };
         let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
         let viewing = self.viewing(&encoded, width);
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (shown, reference) = (cd_m2(picture.luminances()), cd_m2(weigh(&smooth)));
-        let grain = cd_m2(Picture { codes: dithered.clone(), ..picture.clone() }.luminances());
+        let of_codes = |codes: CodeImage| cd_m2(Picture { codes, ..picture.clone() }.luminances());
+        let grain = of_codes(dithered.clone());
+        let rounded = is_fine.then(|| of_codes(quantizer.quantize_with(&source, &Dither::None)));
         let target = cd_m2(weigh(&source));
         watcher.stage("comparing");
         let judge = viewing.judge(size, &reference).map_err(|error| wrong(&name, &error))?;
@@ -283,6 +285,7 @@ impl Compare {
         };
         Ok(Steps {
             steps: largest(&shown, &reference)?,
+            rounded: rounded.map(|rounded| largest(&rounded, &target)).transpose()?,
             dithered: largest(&grain, &target)?,
             window_deg: viewing.window_deg,
             white_cd_m2: viewing.white_cd_m2,

@@ -212,6 +212,14 @@ fn steps_are_judged_without_a_reference() {
     assert!(number(&wide, "steps") > 1.0 && number(&wide, "steps") > 1.5 * number(&narrow, "steps"), "{wide} {narrow}");
     assert!(number(&wide, "dithered") < number(&wide, "steps"), "{wide}");
     assert_eq!(number(&json("compare flat.png --steps --window 8 --json"), "steps"), 0.0);
+    // A picture of 16 bits has no visible steps, but in 8 bits it would.
+    let fine: Vec<u8> = (0..512 * 64).flat_map(|i| ((30_326 + 2570 * (i % 512) / 512) as u16).to_be_bytes()).collect();
+    png(&folder.path().join("fine.png"), [512, 64], png::ColorType::Grayscale, &fine, |info| {
+        info.bit_depth = png::BitDepth::Sixteen;
+    });
+    let of_fine = json("compare fine.png --steps --window 16 --json");
+    assert!(number(&of_fine, "steps") < 0.2, "{of_fine}");
+    assert!((number(&of_fine, "rounded") / number(&wide, "steps") - 1.0).abs() < 0.1 && wide["rounded"].is_null());
     // What is written is what was judged: its steps are gone.
     let line = run("compare slow.png --steps --window 16 --dither-out out.png");
     assert!(line.contains("or dither to 8"), "{line}");
