@@ -51,9 +51,9 @@ pub struct Simulate {
     #[arg(long, value_name = "DIR", default_value = "results")]
     #[serde(serialize_with = "paths")]
     pub results: PathBuf,
-    /// Simulated observer.
-    #[arg(long, value_enum, default_value_t = ObserverKind::Paper)]
-    pub observer: ObserverKind,
+    /// Simulated observer [default: paper for ratings, vision for other tasks].
+    #[arg(long, value_enum)]
+    pub observer: Option<ObserverKind>,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
     #[serde(serialize_with = "paths")]
@@ -76,6 +76,15 @@ pub enum ObserverKind {
     Random,
     /// Invented: rates what the vision model predicts, in times threshold
     Vision,
+}
+
+impl ObserverKind {
+    /// The observer that answers if none is asked for: the paper's findings are about ratings, and its observer does not
+    /// see what most other tasks vary.
+    #[must_use]
+    pub fn usual(protocol: &Protocol) -> Self {
+        if protocol.task.is_default() { Self::Paper } else { Self::Vision }
+    }
 }
 
 /// Data shared by all sessions of a run.
@@ -156,7 +165,7 @@ pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
 /// Returns the observer, and how the sidecars describe it.
 fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn Observer>, SimulatedObserver)> {
     let file = request.observer_file.as_deref();
-    Ok(match request.observer {
+    Ok(match request.observer.unwrap_or_else(|| ObserverKind::usual(protocol)) {
         ObserverKind::Random if file.is_some() => {
             let message = "does not apply to the observer random; expected the observer paper or vision";
             return Err(RequestError::new("observer_file", message).into());
@@ -165,8 +174,9 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
         ObserverKind::Vision => {
             let parameters = file.map(observer::open_vision).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Vision { vision: parameters.clone() };
-            let observer = VisionObserver::new(parameters, protocol)
-                .map_err(|error| anyhow::anyhow!("{}: {error}", request.experiment.display()))?;
+            let observer = VisionObserver::new(parameters, protocol).map_err(|error| {
+                anyhow::anyhow!("{}: {error}, or the observer random or paper", request.experiment.display())
+            })?;
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {

@@ -31,10 +31,11 @@ pub struct PilotForm {
 
 impl PilotForm {
     pub fn new(protocol: &Protocol) -> Self {
-        let is_rating = protocol.task.is_default();
-        // The findings of the paper are about ratings.
-        let observer = if is_rating { ObserverKind::Paper } else { ObserverKind::Vision };
-        Self { participants: protocol.plan.participants.unwrap_or(PARTICIPANTS), observer, is_rating }
+        Self {
+            participants: protocol.plan.participants.unwrap_or(PARTICIPANTS),
+            observer: ObserverKind::usual(protocol),
+            is_rating: protocol.task.is_default(),
+        }
     }
 
     /// Draws the dialog; returns the request once it is confirmed.
@@ -69,7 +70,7 @@ impl PilotForm {
                         experiment: experiment.into(),
                         participants: self.participants,
                         results: free.clone(),
-                        observer: self.observer,
+                        observer: Some(self.observer),
                         seed: 1,
                         observer_file: None,
                         resume: false,
