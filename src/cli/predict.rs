@@ -1,6 +1,6 @@
 //! `machband predict`
 
-use super::{Bar, OutPath, count, print_data, print_line};
+use super::{Bar, OutPath, count, print_data, print_line, report_written};
 use crate::{
     report::prediction::Comparison,
     store::{Writer, observer, ratings::Source},
@@ -110,7 +110,11 @@ fn as_json(value: &impl serde::Serialize) -> anyhow::Result<Vec<u8>> {
 /// Writes to the file that was asked for, otherwise to standard output.
 fn put(arguments: &Arguments, writer: &Writer, data: &[u8]) -> anyhow::Result<()> {
     match &arguments.out {
-        Some(path) => Ok(writer.write(path, data)?),
+        Some(path) => {
+            writer.write(path, data)?;
+            // With a fit, standard output has its results.
+            if arguments.request.fit.is_empty() { report_written(path) } else { Ok(()) }
+        }
         None => print_data(data),
     }
 }

@@ -1,6 +1,6 @@
 //! `machband shade`
 
-use super::{Bar, OutPath, count, message, print_line};
+use super::{Bar, OutPath, count, message, print_line, report_written};
 use crate::{
     light::Transfer,
     shading::Shader,
@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     if let (Some(path), Some(codes)) = (creases, &shaded.creases) {
         store::image::write_shaded(writer, path, codes, &Transfer::Srgb.into(), &shaded.description)?;
     }
-    Ok(())
+    [out, metrics, creases].into_iter().flatten().try_for_each(|path| report_written(path))
 }
 
 /// Prints the measurements that matter most.
