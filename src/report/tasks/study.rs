@@ -131,8 +131,8 @@ impl TaskStudy {
         let (mut errors, mut sessions) = (Vec::new(), Vec::<Recorded>::new());
         for csv in files {
             match Recorded::open(&csv) {
-                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
-                Ok(session) => errors.extend(session.row_errors()),
+                Ok(session) if session.row_errors.is_empty() => sessions.push(session),
+                Ok(session) => errors.extend(session.row_errors),
                 Err(error) => errors.extend(error.errors(&csv)),
             }
         }
@@ -308,7 +308,7 @@ fn place<T: PartialEq>(known: &mut Vec<T>, value: T) -> usize {
 /// Returns the answer of a row.
 fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial> {
     let protocol = &session.protocol;
-    let (task, Replayed { trial, shown, answer }) = (&protocol.task, session.replayed(index)?);
+    let (task, Replayed { trial, shown, answer, .. }) = (&protocol.task, session.replayed(index)?);
     let condition = session.schedule.trials[*trial].condition;
     let seen = task.outcome(shown, answer);
     let (condition, answer) = match (task.measures(), answer) {

@@ -135,7 +135,7 @@ impl Sidecar {
     }
 
     /// True if damaged lines were moved from the data file.
-    pub(super) fn is_repaired(&self) -> bool {
+    pub(in crate::store) fn is_repaired(&self) -> bool {
         self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(REPAIRED))
     }
 

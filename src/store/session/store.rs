@@ -8,16 +8,16 @@ use super::{
     frames::{FrameFile, FrameRow},
     lock::LockFile,
     participants,
-    recorded::order_errors,
+    recorded::{Replays, replay},
     results::{Recovered, ResultFile},
     seal::{Difference, Hashes},
     sidecar::Sidecar,
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
-    experiment::{Answers, Course, Identity, Protocol, Replay, Replayed, Resumed, Schedule, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
-    store::{FileError, FileErrors, StoreError, definition, file::exists},
+    store::{FileErrors, StoreError, definition, file::exists},
 };
 
 /// The files of a running session.
@@ -434,23 +434,17 @@ impl Found {
         }
         let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
-        let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), sidecar.is_repaired());
-        let mut resumed = Resumed::default();
-        let (mut planned, mut errors) = (Vec::new(), Vec::new());
-        for (row, line) in recovered.rows.iter().zip(2..) {
-            match replay.row(row) {
-                Ok(Replayed { trial, .. }) => {
-                    resumed.done.insert(trial);
-                    planned.push((row, line));
-                }
-                // The rows of another session cannot be repaired.
-                Err(what) if planned.is_empty() => return Err(mismatch(what)),
-                Err(what) => errors.push(FileError::at(&paths.csv, (line, 1), what)),
-            }
+        let course = Course::new(protocol.clone(), schedule);
+        let mut anywhere = Replay::new(identity, course.clone(), true);
+        let Replays { course, replayed, errors } = replay(&paths.csv, course, (identity, &sidecar), &recovered.rows);
+        if let Some(first) = errors.first().filter(|_| recovered.rows.iter().all(|row| anywhere.row(row).is_err())) {
+            // The rows of another session cannot be repaired.
+            return Err(mismatch(first.message.clone()));
         }
-        errors.extend(order_errors(&paths.csv, planned, sidecar.is_repaired()));
         FileErrors::none(errors).map_err(repairable)?;
-        Ok(Self { paths, rows, sidecar, differences, course: replay.into_course(), resumed, recovered })
+        let done = replayed.iter().flatten().map(|row| row.trial).collect();
+        let resumed = Resumed { done, ..Resumed::default() };
+        Ok(Self { paths, rows, sidecar, differences, course, resumed, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
@@ -461,9 +455,10 @@ impl Found {
     }
 }
 
-/// Names the command that moves lines with errors to another file.
+/// Names the command that makes a session with such errors resumable.
 fn repairable(FileErrors(mut errors): FileErrors) -> FileErrors {
-    errors.iter_mut().for_each(|error| error.message += "; machband repair moves such lines to another file");
+    let how = "; machband repair moves such lines to another file and notes missing rows, so that it can be resumed";
+    errors.iter_mut().for_each(|error| error.message += how);
     FileErrors(errors)
 }
 
