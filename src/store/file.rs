@@ -17,7 +17,7 @@ use super::{
     open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
 };
-use crate::system::{entries, found};
+use crate::system::{entries, found, remove_tree};
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
 /// ones have a few thousand bytes; 1,000 readings have 30,000.
@@ -217,22 +217,51 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
     sync_folder(&folder.join("file"))
 }
 
+/// Minimum age of a temporary file that is removed because a killed program left it. Another program may be using a newer
+/// one.
+pub(super) const ABANDONED: Duration = Duration::from_secs(60);
+/// The same for the folder of an export.
+const ABANDONED_FOLDER: Duration = Duration::from_secs(24 * 60 * 60);
+
 /// Removes the temporary files that killed programs left in a folder, if they belong to files whose names `are_ours`.
-/// Only regular files with the marker of this program that are older than `age` are removed, because another program
-/// may still be using newer ones. A file that cannot be removed does no harm.
+/// Only regular files with the marker of this program that are older than `age` are removed. A file that cannot be removed
+/// does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
-    for path in entries(folder).into_iter().flatten() {
-        if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
-            continue;
-        }
-        // This does not follow links.
-        let metadata = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file);
-        let modified = metadata.and_then(|metadata| metadata.modified().ok());
-        let is_old = |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
-        if modified.is_some_and(is_old) {
-            let _ = fs::remove_file(path);
-        }
+    for path in abandoned(folder, are_ours, fs::Metadata::is_file, age) {
+        let _ = fs::remove_file(path);
     }
+}
+
+/// Returns the temporary files or folders in a folder that are older than `age`.
+fn abandoned(
+    folder: &Path,
+    are_ours: impl Fn(&str) -> bool,
+    is_kind: fn(&fs::Metadata) -> bool,
+    age: Duration,
+) -> impl Iterator<Item = PathBuf> {
+    let is_old = move |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
+    entries(folder).into_iter().flatten().filter(move |path| {
+        let is_ours = path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours);
+        // This does not follow links.
+        let metadata = || fs::symlink_metadata(path).ok().filter(is_kind);
+        is_ours && metadata().and_then(|metadata| metadata.modified().ok()).is_some_and(is_old)
+    })
+}
+
+/// Creates a hidden temporary folder next to `path`, which only its owner can open, and removes those that killed programs
+/// left there.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn temporary_folder(path: &Path) -> std::io::Result<PathBuf> {
+    let (folder, [marker, suffix]) = (folder_of(path), TEMPORARY);
+    let hidden = format!(".{}", path.file_name().unwrap_or_default().to_string_lossy());
+    for left in abandoned(folder, |name| name == hidden, fs::Metadata::is_dir, ABANDONED_FOLDER) {
+        let _ = remove_tree(&left);
+    }
+    let prefix = format!("{hidden}{marker}");
+    let made = tempfile::Builder::new().prefix(&prefix).suffix(suffix).rand_bytes(RANDOM).tempdir_in(folder)?;
+    Ok(made.keep())
 }
 
 /// Makes a new or changed name in a folder survive a power failure, if the system supports this. Windows does not,

@@ -7,13 +7,12 @@ use std::{
     io::{Seek as _, Write as _},
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
-    time::Duration,
 };
 
 use super::{
     StoreError, Writer,
     error::{NotData, io},
-    file::{exists, lock, remove_temporary, sha256, sync_folder},
+    file::{ABANDONED, exists, lock, remove_temporary, sha256, sync_folder},
     image,
     open::{read_at_most, read_regular},
     table,
@@ -25,9 +24,6 @@ use crate::{
     system::unless_missing,
 };
 
-/// Minimum age of the temporary files that are removed because a killed run left them. Another shard may be using newer
-/// ones.
-const TEMPORARY_AGE: Duration = Duration::from_secs(60);
 /// Name of the list of all images.
 const MANIFEST: &str = "manifest.csv";
 /// Maximum size of a list of images in bytes: 100,000 lines of 300 bytes.
@@ -72,7 +68,7 @@ impl<'a> Manifest<'a> {
         (index, shards): (usize, usize),
     ) -> Result<Self, StoreError> {
         writer.make_folder(folder)?;
-        remove_temporary(folder, |_| true, TEMPORARY_AGE);
+        remove_temporary(folder, |_| true, ABANDONED);
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let digits = conditions.len().to_string().len();
         let row = |(i, condition): (usize, &Condition)| {

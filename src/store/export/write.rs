@@ -11,7 +11,7 @@ use crate::{
     store::{
         FileErrors, StoreError, dataset,
         error::io,
-        file::{exists, full_path, make_folder, sync_folder, sync_tree},
+        file::{exists, full_path, make_folder, sync_folder, sync_tree, temporary_folder},
         ratings::Listed,
     },
     system::{entries, found, remove_tree},
@@ -112,9 +112,7 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
         return Err(FileErrors::whole(to, "cannot be created as a folder; expected a different path").into());
     };
     make_folder(parent)?;
-    let prefix = format!(".{}.", name.to_string_lossy());
-    let mut builder = tempfile::Builder::new();
-    let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?.keep();
+    let temporary = temporary_folder(to).map_err(io(parent, "write"))?;
     let export = || {
         // The folder is inside the temporary folder because only its owner can access that one.
         let folder = temporary.join(name);

@@ -15,7 +15,7 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         error::io,
-        file::{exists, make_folder, remove_temporary, write_json, write_missing},
+        file::{ABANDONED, exists, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
     system::{entries, found, link_target, unless_missing},
@@ -85,7 +85,7 @@ impl SessionPaths {
             let sidecar = self.sidecar.file_name().unwrap_or_default().to_string_lossy();
             remove_temporary(&self.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
         }
-        remove_temporary(&self.dataset, |_| true, Duration::from_secs(60));
+        remove_temporary(&self.dataset, |_| true, ABANDONED);
     }
 
     /// Refuses links inside the results folder. Nothing in it may lead out of it, because anyone who puts a link there
