@@ -13,6 +13,7 @@ use machband::{
     report::Study,
     store::{
         check::check,
+        dataset,
         export::{Choice, Format, export},
         frames::FrameRow,
         ratings::{Listed, ReadOptions},
@@ -319,7 +320,7 @@ fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
         let found = verify::session(csv, renderer);
         !found.errors.is_empty() || found.notes.iter().any(|note| note.contains("which ended before this session"))
     };
-    let verified = files.iter().any(&mut is_noticed) || !verify::unexpected_files(&data_set).unwrap().is_empty();
+    let verified = files.iter().any(&mut is_noticed) || !dataset::unexpected_files(&data_set).is_empty();
     let tables = fs::read_dir(data_set.join("data")).unwrap().flatten().map(|entry| entry.path());
     let mut tables = tables.filter(|path| path.extension().is_some_and(|extension| extension == "csv"));
     let checked = tables.any(|path| check(path).is_err());
@@ -336,7 +337,7 @@ fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
 
 /// The edits that some command does not notice: their names (after an asterisk, the end of the names), the commands
 /// that do not notice them, and why that is right. Without a seal, other rules apply; see [`PLANNED`].
-const STATED: [(&[&str], &[&str], &str); 8] = [
+const STATED: [(&[&str], &[&str], &str); 9] = [
     (
         &["data.json without its last byte", "data.json with another line end"],
         &WHO,
@@ -370,9 +371,14 @@ const STATED: [(&[&str], &[&str], &str); 8] = [
         "People may describe their data set.",
     ),
     (
-        &["data.csv deleted", "all files deleted"],
+        &["data.csv deleted"],
+        &["check", "export"],
+        "They read the data files that exist; an export notes which sidecars have none.",
+    ),
+    (
+        &["all files deleted"],
         &["check", "analyze", "export"],
-        "They read the files that exist; `verify` misses the others from the sidecar, or from the session that ended next.",
+        "They read the files that exist; `verify` misses the others from the session that ended next.",
     ),
     (
         &["data.csv copied to a new session", "all files copied to a new session"],
@@ -386,8 +392,8 @@ const STATED: [(&[&str], &[&str], &str); 8] = [
     ),
     (
         &["data.json copied to a new session", "frames.csv copied to a new session"],
-        &["check", "resume", "analyze", "export"],
-        "They belong to no data file and are not read.",
+        &["check", "resume", "export"],
+        "They belong to no data file and are not read; an export notes them.",
     ),
 ];
 

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use machband::store::{sidecar::Sidecar, verify};
+use machband::store::{dataset, sidecar::Sidecar};
 
 use crate::common::{edit, machband, session_csv, succeeds, text, verified};
 
@@ -82,8 +82,21 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
     fs::write(data.join(".DS_Store"), "").unwrap();
-    let left = verify::unexpected_files(data.parent().unwrap()).unwrap();
+    let left = dataset::unexpected_files(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
+    // An analysis and an export say so, because rows may be missing.
+    let folder = data.ancestors().nth(3).unwrap();
+    let analyzed = machband(folder, &["counts", "results", "--out", "counts.csv"]);
+    let exported = machband(folder, &["export", "results", "--format", "bids", "--out", "out"]);
+    assert_eq!((analyzed.status.code(), exported.status.code()), (Some(1), Some(0)));
+    for stray in [
+        "subject-S009_session-1_task-quick_data.json: has no data file next to it",
+        "(conflicted copy).csv: is not named like",
+    ] {
+        for said in [text(&analyzed.stderr), text(&exported.stderr)] {
+            assert!(said.contains(stray), "{said}");
+        }
+    }
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     let sitting = &mut sidecar.sittings[0];
     (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);

@@ -57,7 +57,9 @@ pub struct Exported {
 /// was changed, or exists twice (every error in every such session is reported); a picture differs from the one that
 /// was shown; I/O errors. If there is an error, nothing is written.
 pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<Exported, StoreError> {
-    let Listed { files, warnings, .. } = Listed::sessions(from).complete(from)?;
+    let listed = Listed::sessions(from).complete(from)?;
+    let warnings = [listed.unexpected(&[]), listed.warnings].concat();
+    let files = listed.files;
     let to = target(from, to, &files)?;
     sessions::refuse_links(from, &files)?;
     let notes = warnings.iter().map(ToString::to_string).collect();

@@ -44,10 +44,10 @@ pub fn read<T>(
     new: impl FnOnce(&Shape) -> T,
     add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
 ) -> Result<(Source, T), FileErrors> {
-    let (files, warnings) = files::files(paths)?;
+    let files::Listed { files, errors, warnings, .. } = files::files(paths)?;
     let definitions = Definitions::default();
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
-    let (mut inputs, mut errors, mut failed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut inputs, mut errors, mut failed) = (Vec::new(), errors, Vec::new());
     for (found, path) in opened.into_iter().zip(&files) {
         match found {
             Ok((file, found)) => {

@@ -2,8 +2,8 @@
 //! recorded hashes, and nothing was changed after the session ended.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
-    path::{Path, PathBuf},
+    collections::{BTreeMap, HashMap, HashSet},
+    path::Path,
 };
 
 use jiff::Timestamp;
@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::{
     chain,
-    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
     sidecar::Sidecar,
@@ -20,8 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::{Stimulus, recipe::Recipe},
-    store::{FileError, FileErrors, StoreError, definition, error::io, image, ratings},
-    system::{entries, unless_missing},
+    store::{FileError, FileErrors, definition, image, ratings},
 };
 
 /// The findings about one session.
@@ -115,11 +113,7 @@ pub fn data_sets(
     let (sessions, errors, warnings) = (listed.files.len(), listed.errors.clone(), listed.warnings.clone());
     let mut found = VerifiedFolder { sessions, errors, warnings };
     // If the rows of every session were deleted, their sidecars still exist.
-    let of_rows = listed.files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned()));
-    let is_listed = |dataset: &PathBuf| !listed.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
-    for dataset in of_rows.chain(listed.datasets.iter().cloned()).filter(is_listed).collect::<BTreeSet<_>>() {
-        found.errors.extend(unexpected_files(&dataset).unwrap_or_else(|error| error.errors(&dataset)));
-    }
+    found.errors.extend(listed.unexpected(&listed.datasets));
     if listed.files.is_empty() && found.errors.is_empty() {
         return Err(listed.nothing(folder));
     }
@@ -322,32 +316,4 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
         }
     }
     errors
-}
-
-/// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
-/// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
-///
-/// # Errors
-/// The folder exists but cannot be read.
-pub fn unexpected_files(dataset: &Path) -> Result<Vec<FileError>, StoreError> {
-    let data = dataset.join("data");
-    let listed = unless_missing(entries(&data)).map_err(io(&data, "read"))?.unwrap_or_default();
-    let files: BTreeSet<PathBuf> = listed.into_iter().collect();
-    let error = |path: &PathBuf| {
-        let name = path.file_name()?.to_string_lossy().into_owned();
-        let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
-        if name.starts_with('.') || !is_text {
-            return None;
-        }
-        let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix));
-        let csv = stem.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
-        match csv.filter(|csv| identity(csv).is_ok()) {
-            None => Some(FileError::whole(path, "is not named like a file of a session; expected only such files")),
-            Some(csv) if !files.contains(&csv) => {
-                Some(FileError::whole(path, "has no data file next to it; expected the rows of its session"))
-            }
-            Some(_) => None,
-        }
-    };
-    Ok(files.iter().filter_map(error).collect())
 }
