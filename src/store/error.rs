@@ -189,14 +189,6 @@ pub enum StoreError {
         /// How it differs.
         what: String,
     },
-    /// The recorded session has different settings.
-    #[error("{}: {what}", path.display())]
-    Mismatch {
-        /// The sidecar or data file.
-        path: PathBuf,
-        /// What differs, and what is expected.
-        what: String,
-    },
     /// Files were changed after a session ended.
     #[error(transparent)]
     Altered(FileErrors),

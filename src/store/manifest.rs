@@ -10,7 +10,7 @@ use std::{
 };
 
 use super::{
-    StoreError, Writer,
+    FileErrors, StoreError, Writer,
     error::{NotData, io},
     file::{ABANDONED, exists, lock, remove_temporary, sha256, sync_folder},
     image,
@@ -206,7 +206,7 @@ fn locked(writer: &Writer, list: &Path) -> Result<File, StoreError> {
 
 fn in_use(path: &Path) -> StoreError {
     let what = "another run is making these images; expected it to end first: wait, and run the command again";
-    StoreError::Mismatch { path: path.to_owned(), what: what.to_owned() }
+    FileErrors::whole(path, what).into()
 }
 
 /// Returns those of the two lists (of all images, and of one shard) that exist but do not list these images.

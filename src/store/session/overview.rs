@@ -55,8 +55,8 @@ impl SessionState {
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
-            let what = "shows pictures of its own; expected to be resumed with the definition beside them".to_owned();
-            return Err(StoreError::Mismatch { path, what });
+            let what = "shows pictures of its own; expected to be resumed with the definition beside them";
+            return Err(FileErrors::whole(path, what).into());
         }
         Ok((protocol, distance_cm))
     }

@@ -91,7 +91,7 @@ impl Recorded {
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
-            .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;
+            .map_err(|error| FileErrors::whole(&sidecar_path, error.to_string()))?;
         let (data, columns) = (results::content(csv)?, columns(&protocol));
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;

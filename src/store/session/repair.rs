@@ -94,8 +94,8 @@ fn sort(
     (protocol, identity, sidecar): (&Protocol, &Identity, &Sidecar),
     columns: &[Column],
     csv: &Path,
-) -> Result<Sorted, StoreError> {
-    let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
+) -> Result<Sorted, FileErrors> {
+    let mismatch = |what: String| FileErrors::whole(csv, what);
     let seed = sidecar.seed;
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
     let course = Course::new(protocol.clone(), schedule);

@@ -119,8 +119,8 @@ impl SessionStore {
     /// Resumes an interrupted session.
     ///
     /// # Errors
-    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if the definition, the seed or a row does not belong
-    /// to this session; [`StoreError::InUse`]; rows that cannot be parsed; files that were changed after they were
+    /// [`StoreError::NothingToResume`]; a definition, a seed or a row that does not belong to this session;
+    /// [`StoreError::InUse`]; rows that cannot be parsed; files that were changed after they were
     /// sealed, unless `changes` accepts that. If there is an error, nothing is changed.
     pub fn resume(
         results: &Path,
@@ -423,8 +423,8 @@ impl Found {
                 Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
             }
             None => {
-                let what = "does not exist; expected the sidecar, which says how the rows were recorded".to_owned();
-                return Err(StoreError::Mismatch { path: paths.sidecar, what });
+                let what = "does not exist; expected the sidecar, which says how the rows were recorded";
+                return Err(FileErrors::whole(&paths.sidecar, what).into());
             }
         };
         let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
@@ -432,14 +432,14 @@ impl Found {
             let errors = differences.iter().map(Difference::error).collect();
             return Err(StoreError::Altered(FileErrors(errors)));
         }
-        let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
+        let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let course = Course::new(protocol.clone(), schedule);
         let mut anywhere = Replay::new(identity, course.clone(), true);
         let Replays { course, replayed, errors } = replay(&paths.csv, course, (identity, &sidecar), &recovered.rows);
         if let Some(first) = errors.first().filter(|_| recovered.rows.iter().all(|row| anywhere.row(row).is_err())) {
             // The rows of another session cannot be repaired.
-            return Err(mismatch(first.message.clone()));
+            return Err(mismatch(first.message.clone()).into());
         }
         FileErrors::none(errors).map_err(repairable)?;
         let done = replayed.iter().flatten().map(|row| row.trial).collect();
@@ -468,7 +468,7 @@ fn check_same(
     protocol: &Protocol,
     expected_seed: Option<u64>,
     path: &Path,
-) -> Result<(), StoreError> {
+) -> Result<(), FileErrors> {
     let (hash, &Sidecar { ref definition_sha256, seed, .. }) = (definition::hash(protocol), sidecar);
     let what = if *definition_sha256 != hash {
         format!(
@@ -480,5 +480,5 @@ fn check_same(
     } else {
         return Ok(());
     };
-    Err(StoreError::Mismatch { path: path.to_owned(), what })
+    Err(FileErrors::whole(path, what))
 }
