@@ -350,7 +350,7 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>)> {
-    let Verified { found, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    let Verified(found) = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
     Ok((found.files, found.errors.iter().map(ToString::to_string).collect()))
 }
 

@@ -9,6 +9,7 @@ use std::{
 };
 
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use sha2::{Digest as _, Sha256};
 
 use super::{
@@ -17,7 +18,7 @@ use super::{
     open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
 };
-use crate::system::{entries, found, remove_tree};
+use crate::system::{entries, found, remove_tree, unless_missing};
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
 /// ones have a few thousand bytes; 1,000 readings have 30,000.
@@ -51,6 +52,25 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
                 None => format!("cannot be opened: {error}; expected {expected}"),
             },
         )
+    })
+}
+
+/// Reads a whole file of at most `most` bytes; `None` if it does not exist.
+///
+/// # Errors
+/// The file is not regular, too large, or not readable.
+pub(super) fn read_existing(path: &Path, most: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    unless_missing(read_regular(path, most)).map_err(io(path, "read"))
+}
+
+/// Parses the content of the JSON file at `path`; `what` says what it should be.
+///
+/// # Errors
+/// It is not that, with the line and column.
+pub(super) fn parse_json<T: DeserializeOwned>(path: &Path, text: &[u8], what: &str) -> Result<T, FileErrors> {
+    serde_json::from_slice(text).map_err(|error| {
+        let message = format!("is not {what}: {error}; expected JSON");
+        FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
     })
 }
 

@@ -12,7 +12,7 @@ use std::{
 use super::{
     FileErrors, StoreError, Writer,
     error::{NotData, io},
-    file::{ABANDONED, exists, lock, remove_temporary, sha256, sync_folder},
+    file::{ABANDONED, exists, lock, read_existing, remove_temporary, sha256, sync_folder},
     image,
     open::{read_at_most, read_regular},
     table,
@@ -229,7 +229,7 @@ fn foreign_lists(
 
 /// Returns the text of a list of images; `None` if there is none.
 fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
-    let bytes = unless_missing(read_regular(path, MAX_LIST)).map_err(io(path, "read"))?;
+    let bytes = read_existing(path, MAX_LIST)?;
     // What is not text lists nothing of ours.
     Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
 }

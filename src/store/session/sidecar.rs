@@ -9,12 +9,10 @@ use super::sitting::{Seal, Sitting};
 use crate::{
     experiment::{Answers, GENERATOR, Protocol, columns},
     store::{
-        FileError, FileErrors, StoreError, definition,
+        FileErrors, StoreError, definition,
         error::io,
-        file::{sha256, write_json},
-        open::read_regular,
+        file::{parse_json, read_existing, sha256, write_json},
     },
-    system::unless_missing,
 };
 
 /// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, 8 MB in all, for each
@@ -152,7 +150,7 @@ impl Sidecar {
     /// # Errors
     /// The file is not readable.
     pub(super) fn text(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-        unless_missing(read_regular(path, MAX_FILE)).map_err(io(path, "read"))
+        read_existing(path, MAX_FILE)
     }
 
     /// Parses the text of the sidecar at `path`.
@@ -160,10 +158,7 @@ impl Sidecar {
     /// # Errors
     /// It is not a sidecar, with the line and column.
     pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Self, StoreError> {
-        let read: Self = serde_json::from_slice(text).map_err(|error| {
-            let message = format!("is not a sidecar of a session: {error}");
-            FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
-        })?;
+        let read: Self = parse_json(path, text, "a sidecar of a session")?;
         if read.sittings.is_empty() {
             return Err(FileErrors::whole(path, "lists no sitting; expected at least one").into());
         }

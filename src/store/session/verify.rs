@@ -19,7 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::{Stimulus, recipe::Recipe},
-    store::{FileError, FileErrors, definition, image, ratings},
+    store::{FileError, FileErrors, definition, image},
 };
 
 /// The findings about one session.
@@ -39,19 +39,6 @@ pub struct Verified {
     pub notes: Vec<String>,
 }
 
-/// The findings about all sessions in a folder.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct VerifiedFolder {
-    /// Number of sessions.
-    pub sessions: usize,
-    /// Everything that is wrong, also with the data sets as a whole.
-    pub errors: Vec<FileError>,
-    /// The folders that were not examined because they belong to another user or are hidden.
-    pub warnings: Vec<FileError>,
-}
-
-/// Maximum number of errors that are kept until all sessions are verified.
-const MAX_ERRORS: usize = 1000;
 /// Maximum side length of a picture that is rendered again. No screen is larger.
 const MAX_SIDE: u32 = 8192;
 /// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
@@ -98,39 +85,6 @@ impl Renderer {
         }
         hashes
     }
-}
-
-/// Verifies all sessions in a results folder, or in the folder of one experiment. `each` learns the data file of every
-/// session, the findings about it, and the number of sessions; if it returns false, the rest is skipped.
-///
-/// # Errors
-/// The folder cannot be read, or it contains no sessions.
-pub fn data_sets(
-    folder: &Path,
-    mut each: impl FnMut(&Path, &Verified, usize) -> bool,
-) -> Result<VerifiedFolder, FileErrors> {
-    let listed = ratings::Listed::sessions(folder);
-    let (sessions, errors, warnings) = (listed.files.len(), listed.errors.clone(), listed.warnings.clone());
-    let mut found = VerifiedFolder { sessions, errors, warnings };
-    // If the rows of every session were deleted, their sidecars still exist.
-    found.errors.extend(listed.unexpected(&listed.datasets));
-    if listed.files.is_empty() && found.errors.is_empty() {
-        return Err(listed.nothing(folder));
-    }
-    let (mut renderer, mut further) = (Renderer::default(), 0);
-    for csv in &listed.files {
-        let verified = session(csv, &mut renderer);
-        if !each(csv, &verified, listed.files.len()) {
-            break;
-        }
-        for error in verified.errors {
-            if found.errors.len() < MAX_ERRORS { found.errors.push(error) } else { further += 1 }
-        }
-    }
-    if further > 0 {
-        found.errors.push(FileError::whole(folder, format!("further errors: {further}; expected none")));
-    }
-    Ok(found)
 }
 
 /// Verifies one session, given the path of its data file.
