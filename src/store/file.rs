@@ -121,7 +121,8 @@ pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> 
 /// # Errors
 /// I/O errors.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
-    write_beside(path, content, durable).map_err(io(path, "write"))?;
+    let written = temporary(path, content, durable).and_then(|temporary| place(temporary, path, true));
+    written.map_err(io(path, "write"))?;
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
@@ -134,15 +135,25 @@ pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreErro
     if exists(path)? {
         return Ok(());
     }
-    let written = temporary(path, content, true).and_then(|temporary| match temporary.persist_noclobber(path) {
-        Err(error) if error.error.kind() == ErrorKind::AlreadyExists => Ok(()),
-        // Some file systems can only replace.
-        Err(error) if can_only_replace(&error.error) => fs::rename(error.file.path(), path),
-        Err(error) => Err(error.error),
-        Ok(_) => Ok(()),
-    });
-    written.map_err(io(path, "write"))?;
+    match temporary(path, content, true).and_then(|temporary| place(temporary, path, false)) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+        written => written.map_err(io(path, "write"))?,
+    }
     sync_folder(path)
+}
+
+/// Gives a temporary file its name. Unless it `replaces`, a file that has this name is an error and stays.
+///
+/// # Errors
+/// I/O errors. The temporary file is then removed.
+pub(super) fn place(temporary: tempfile::NamedTempFile, path: &Path, replaces: bool) -> std::io::Result<()> {
+    let placed = if replaces { temporary.persist(path) } else { temporary.persist_noclobber(path) };
+    let Err(failed) = placed else { return Ok(()) };
+    // Some file systems can only replace.
+    if !replaces && can_only_replace(&failed.error) && found(path)?.is_none() {
+        return fs::rename(failed.file.path(), path);
+    }
+    Err(failed.error)
 }
 
 /// True if a file system can neither rename without replacing nor link.
@@ -150,12 +161,6 @@ fn can_only_replace(error: &Error) -> bool {
     /// What Linux says of links on file systems without them.
     const EPERM: i32 = 1;
     matches!(error.kind(), ErrorKind::Unsupported | ErrorKind::InvalidInput) || error.raw_os_error() == Some(EPERM)
-}
-
-/// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
-fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
-    let temporary = temporary(path, content, durable)?;
-    fs::rename(temporary.path(), path)
 }
 
 /// Writes a temporary file next to `path`, and syncs it if `durable` is true. The file is removed unless it is renamed.

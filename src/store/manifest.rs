@@ -250,13 +250,18 @@ fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> 
 /// Returns a file name such as `007_width-0.02_depth-1.png`. The number makes it unique; the levels are meant for
 /// people.
 fn file_name(number: usize, digits: usize, names: &[&str], levels: &[String]) -> String {
-    let mut name = format!("{number:0digits$}");
-    for (factor, level) in names.iter().zip(levels) {
+    let levels = names.iter().copied().zip(levels.iter().cloned());
+    labeled(format!("{number:0digits$}"), levels, MAX_NAME) + ".png"
+}
+
+/// Returns a name followed by levels of factors, at most `most` characters.
+pub(super) fn labeled<'a>(mut name: String, levels: impl Iterator<Item = (&'a str, String)>, most: usize) -> String {
+    for (factor, level) in levels {
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
         name += &format!("_{factor}-{}", clean.collect::<String>());
     }
-    name.truncate(MAX_NAME);
-    name + ".png"
+    name.truncate(most);
+    name
 }
 
 fn list_name(index: usize, shards: usize) -> String {

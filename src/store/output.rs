@@ -12,7 +12,7 @@ use super::{
     StoreError,
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
-    file::{ABANDONED, exists, folder_of, full_path, make_folder, remove_temporary, sync_folder, temporary},
+    file::{ABANDONED, exists, folder_of, full_path, make_folder, place, remove_temporary, sync_folder, temporary},
     frames,
 };
 use crate::system::{found, identified};
@@ -106,15 +106,12 @@ impl Writer {
     /// The same errors as [`Writer::write`].
     pub(super) fn put(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
         let target = self.target(path)?;
-        let temporary = temporary(&target, content, true).map_err(io(path, "write"))?;
-        let kept = if self.force { temporary.persist(&target) } else { temporary.persist_noclobber(&target) };
-        let Err(failed) = kept else { return Ok(()) };
-        if failed.error.kind() == io::ErrorKind::AlreadyExists {
-            return Err(StoreError::Occupied(path.to_owned()));
-        }
-        // Some network shares cannot rename without replacing; nothing was at this path a moment ago.
-        self.target(path)?;
-        failed.file.persist(&target).map(drop).map_err(|failed| io(path, "write")(failed.error))
+        temporary(&target, content, true).and_then(|temporary| place(temporary, &target, self.force)).map_err(|error| {
+            match error.kind() {
+                io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
+                _ => io(path, "write")(error),
+            }
+        })
     }
 
     /// Returns the file that a path leads to, with all links resolved, if it can be written.

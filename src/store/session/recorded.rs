@@ -1,7 +1,7 @@
 //! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -98,10 +98,9 @@ impl Recorded {
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)?;
         let course = Course::new(protocol.clone(), schedule.clone());
-        let Replays { course, replayed, errors: row_errors } = replay(csv, course, (&identity, &sidecar), &rows);
-        let done: HashSet<usize> = replayed.iter().flatten().map(|row| row.trial).collect();
-        let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
-        let left = (0..schedule.trials.len()).filter(is_left).count();
+        let replays = replay(csv, course, (&identity, &sidecar), &rows);
+        let left = replays.left();
+        let Replays { replayed, errors: row_errors, .. } = replays;
         Ok(Self {
             changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
             frames_sha256: hashes.of_frames().map(str::to_owned),
@@ -173,6 +172,20 @@ pub(super) struct Replays {
     pub replayed: Vec<Result<Replayed, String>>,
     /// The rows that the definition and the seed do not plan, or that are not in an order in which a session records them.
     pub errors: Vec<FileError>,
+}
+
+impl Replays {
+    /// Returns the trials that are answered.
+    pub fn done(&self) -> BTreeSet<usize> {
+        self.replayed.iter().flatten().map(|row| row.trial).collect()
+    }
+
+    /// Returns the number of trials that are still to be answered.
+    pub fn left(&self) -> usize {
+        let done = self.done();
+        let is_left = |trial: &usize| !done.contains(trial) && !self.course.is_over(*trial);
+        (0..self.course.schedule().trials.len()).filter(is_left).count()
+    }
 }
 
 /// Recomputes the rows of a session that begins with `course`.

@@ -132,7 +132,9 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, course, resumed, recovered } = found;
+        let Found { paths, rows, sidecar, differences, replays, recovered } = found;
+        let resumed = Resumed { done: replays.done(), ..Resumed::default() };
+        let course = replays.course;
         let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
@@ -385,8 +387,7 @@ struct Found {
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
-    course: Course,
-    resumed: Resumed,
+    replays: Replays,
     recovered: Recovered,
 }
 
@@ -436,22 +437,23 @@ impl Found {
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let course = Course::new(protocol.clone(), schedule);
         let mut anywhere = Replay::new(identity, course.clone(), true);
-        let Replays { course, replayed, errors } = replay(&paths.csv, course, (identity, &sidecar), &recovered.rows);
-        if let Some(first) = errors.first().filter(|_| recovered.rows.iter().all(|row| anywhere.row(row).is_err())) {
+        let replays = replay(&paths.csv, course, (identity, &sidecar), &recovered.rows);
+        if let Some(first) =
+            replays.errors.first().filter(|_| recovered.rows.iter().all(|row| anywhere.row(row).is_err()))
+        {
             // The rows of another session cannot be repaired.
             return Err(mismatch(first.message.clone()).into());
         }
-        FileErrors::none(errors).map_err(repairable)?;
-        let done = replayed.iter().flatten().map(|row| row.trial).collect();
-        let resumed = Resumed { done, ..Resumed::default() };
-        Ok(Self { paths, rows, sidecar, differences, course, resumed, recovered })
+        FileErrors::none(replays.errors.clone()).map_err(repairable)?;
+        Ok(Self { paths, rows, sidecar, differences, replays, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
-        let mut trials = 0..self.course.schedule().trials.len();
-        let is_rated = trials.all(|trial| self.resumed.done.contains(&trial) || self.course.is_over(trial));
-        is_rated && self.recovered.partial_line.is_none() && self.sidecar.is_complete() && self.differences.is_empty()
+        self.replays.left() == 0
+            && self.recovered.partial_line.is_none()
+            && self.sidecar.is_complete()
+            && self.differences.is_empty()
     }
 }
 
