@@ -74,6 +74,30 @@ fn every_changed_text_is_reported() {
     }
 }
 
+/// Without a seal, the hash of the definition still shows that it was changed.
+#[test]
+fn a_changed_definition_is_noticed_without_a_seal() {
+    let (folder, csv) = recorded();
+    let path = csv.with_extension("json");
+    let mut sidecar = Sidecar::read(&path).unwrap().unwrap();
+    let sitting = &mut sidecar.sittings[0];
+    (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);
+    sidecar.write(&path).unwrap();
+    edit(&csv, |text| text.lines().take(9).map(|line| format!("{line}\n")).collect());
+    assert_eq!(errors(&csv), [""; 0]);
+    edit(&path, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1));
+    let said = "the definition has sha256";
+    assert!(errors(&csv).len() == 1 && errors(&csv)[0].contains(said), "{:?}", errors(&csv));
+    for (command, status) in [
+        (&["counts", "results", "--out", "c.csv"][..], 0),
+        (&["export", "results", "--format", "bids", "--out", "out"], 1),
+        (&["simulate", "quick", "--seed", "5", "--resume"], 1),
+    ] {
+        let output = machband(folder.path(), command);
+        assert!(output.status.code() == Some(status) && text(&output.stderr).contains(said), "{command:?}: {output:?}");
+    }
+}
+
 #[test]
 fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();

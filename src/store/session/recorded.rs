@@ -51,7 +51,7 @@ pub struct Recorded {
     left: usize,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
-    /// The files that differ from what the session wrote, according to its seals.
+    /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
     pub changed: Vec<FileError>,
 }
 
@@ -95,6 +95,8 @@ impl Recorded {
         let (data, columns) = (results::content(csv)?, columns(&protocol));
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
+        let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
+        changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)?;
         let course = Course::new(protocol.clone(), schedule.clone());
@@ -102,7 +104,7 @@ impl Recorded {
         let left = replays.left();
         let Replays { replayed, errors: row_errors, .. } = replays;
         Ok(Self {
-            changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
+            changed,
             frames_sha256: hashes.of_frames().map(str::to_owned),
             rows,
             replayed,

@@ -9,7 +9,7 @@ use super::sitting::{Seal, Sitting};
 use crate::{
     experiment::{Answers, GENERATOR, Protocol, columns},
     store::{
-        FileErrors, StoreError, definition,
+        FileError, FileErrors, StoreError, definition,
         error::io,
         file::{parse_json, read_existing, sha256, write_json},
     },
@@ -88,6 +88,14 @@ impl Sidecar {
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.sittings.last().is_some_and(|sitting| sitting.complete)
+    }
+
+    /// Returns an error if the definition in the sidecar at `path`, of which this is [`definition::hash`], is not the one
+    /// that was used.
+    pub(in crate::store) fn definition_error(&self, path: &Path, hash: &str) -> Option<FileError> {
+        let expected = &self.definition_sha256;
+        let message = || format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
+        (hash != expected).then(|| FileError::whole(path, message()))
     }
 
     /// Returns the seals of the sittings, in their order.

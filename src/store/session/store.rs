@@ -414,6 +414,9 @@ impl Found {
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
             check_same(sidecar, protocol, seed, &paths.sidecar)?;
+            let kept = definition::from_json(&paths.sidecar.display().to_string(), &sidecar.definition)?;
+            let changed = sidecar.definition_error(&paths.sidecar, &definition::hash(&kept));
+            FileErrors::none(changed.into_iter().collect())?;
         }
         let recovered = rows.recover(&columns).map_err(repairable)?;
         let sidecar = match found {

@@ -19,7 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::{Stimulus, recipe::Recipe},
-    store::{FileError, FileErrors, definition, image},
+    store::{FileError, FileErrors, image},
 };
 
 /// The findings about one session.
@@ -94,7 +94,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
         Ok(recorded) => {
             found.rows = recorded.rows.len();
             found.rated = recorded.rated();
-            check_definition(&recorded, &mut found);
+            check_generator(&recorded, &mut found);
             found.errors.extend(recorded.row_errors.iter().cloned());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
@@ -115,12 +115,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     found
 }
 
-fn check_definition(recorded: &Recorded, found: &mut Verified) {
-    let (hash, expected) = (definition::hash(&recorded.protocol), &recorded.sidecar.definition_sha256);
-    if hash != *expected {
-        let message = format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
-        found.errors.push(FileError::whole(&recorded.sidecar_path, message));
-    }
+fn check_generator(recorded: &Recorded, found: &mut Verified) {
     let generator = &recorded.sidecar.generator;
     if generator != GENERATOR {
         let message = format!("the generator is {generator:?}; expected {GENERATOR:?}, which orders the trials");
