@@ -9,7 +9,7 @@ use super::{
     lock::LockFile,
     participants,
     recorded::{Replays, replay},
-    results::{Recovered, ResultFile},
+    results::ResultFile,
     seal::{Difference, Hashes},
     sidecar::Sidecar,
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
@@ -135,7 +135,8 @@ impl SessionStore {
         let Found { paths, rows, sidecar, differences, replays, recovered } = found;
         let resumed = Resumed { done: replays.done(), ..Resumed::default() };
         let course = replays.course;
-        let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
+        let partial_line = rows.file.partial_line().map(str::to_owned);
+        let sitting_number = sidecar.sittings.len() as u32 + 1;
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
@@ -152,7 +153,7 @@ impl SessionStore {
             store.sidecar.sittings.push(sitting);
             incident.into_iter().for_each(|incident| store.note(incident));
             differences.iter().for_each(|difference| store.note(difference.accepted()));
-            if let Some(partial_line) = &recovered.partial_line {
+            if let Some(partial_line) = &partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
                 ));
@@ -163,15 +164,15 @@ impl SessionStore {
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.file.flush()?;
         }
-        let last = recovered.rows.last();
+        let last = recovered.last();
         // Times of answers are measured from the last interval, and onsets are those of the first.
         let lead_s = course.protocol().task.layout().lead_s();
         let interrupted = Interrupted {
             resumed,
             elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
-            rows: recovered.rows,
-            sitting: sittings.saturating_add(1),
-            partial_line: recovered.partial_line,
+            rows: recovered,
+            sitting: sitting_number,
+            partial_line,
             course,
         };
         Ok((store, interrupted))
@@ -388,7 +389,7 @@ struct Found {
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
     replays: Replays,
-    recovered: Recovered,
+    recovered: Vec<TrialRecord>,
 }
 
 impl Found {
@@ -422,7 +423,7 @@ impl Found {
         let sidecar = match found {
             Some(sidecar) => sidecar,
             // A session without rows has recorded nothing that could belong to another definition.
-            None if recovered.rows.is_empty() => {
+            None if recovered.is_empty() => {
                 let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
                 Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
             }
@@ -440,10 +441,8 @@ impl Found {
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let course = Course::new(protocol.clone(), schedule);
         let mut anywhere = Replay::new(identity, course.clone(), true);
-        let replays = replay(&paths.csv, course, (identity, &sidecar), &recovered.rows);
-        if let Some(first) =
-            replays.errors.first().filter(|_| recovered.rows.iter().all(|row| anywhere.row(row).is_err()))
-        {
+        let replays = replay(&paths.csv, course, (identity, &sidecar), &recovered);
+        if let Some(first) = replays.errors.first().filter(|_| recovered.iter().all(|row| anywhere.row(row).is_err())) {
             // The rows of another session cannot be repaired.
             return Err(mismatch(first.message.clone()).into());
         }
@@ -454,7 +453,7 @@ impl Found {
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
         self.replays.left() == 0
-            && self.recovered.partial_line.is_none()
+            && self.rows.file.partial_line().is_none()
             && self.sidecar.is_complete()
             && self.differences.is_empty()
     }
