@@ -192,13 +192,6 @@ pub enum StoreError {
     /// Files were changed after a session ended.
     #[error(transparent)]
     Altered(FileErrors),
-    /// There is a link where results should be.
-    #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself can be a link)", path.display(), target.display())]
-    Link {
-        /// The link.
-        path: PathBuf,
-        target: PathBuf,
-    },
     /// An image has more pixels than usual.
     #[error(transparent)]
     LargeImage(FileErrors),
@@ -219,9 +212,7 @@ impl StoreError {
             _ => None,
         }
     }
-}
 
-impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
     pub(crate) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {

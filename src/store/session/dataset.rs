@@ -108,8 +108,9 @@ impl SessionPaths {
 /// # Errors
 /// This is a link, or the disk does not say whether it is one.
 pub(crate) fn refuse_link(path: &Path) -> Result<(), StoreError> {
-    let target = link_target(path).map_err(io(path, "access"))?;
-    target.map_or(Ok(()), |target| Err(StoreError::Link { path: path.to_owned(), target }))
+    let Some(target) = link_target(path).map_err(io(path, "access"))? else { return Ok(()) };
+    let expected = "expected a regular file or folder (only the results folder itself can be a link)";
+    Err(FileErrors::whole(path, format!("is a link to {}; {expected}", target.display())).into())
 }
 
 /// Returns the data set of a data file: the folder that contains its `data` folder.
