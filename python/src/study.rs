@@ -67,7 +67,7 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         job.set(i, files.len());
         let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
-        let rows = results::read(csv, &columns)?.rows;
+        let rows = results::read(csv, &columns)?;
         let sidecar = Sidecar::read(&csv.with_extension("json"))?;
         let of_program = |sidecar: Sidecar| sidecar.sittings.iter().any(|sitting| sitting.observer.is_some());
         let of_program = sidecar.is_some_and(of_program);
@@ -350,7 +350,7 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>)> {
-    let Verified { found, .. } = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    let Verified(found) = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
     Ok((found.files, found.errors.iter().map(ToString::to_string).collect()))
 }
 

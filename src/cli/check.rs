@@ -18,9 +18,10 @@ pub(super) fn verify(request: &Verify) -> anyhow::Result<()> {
     let bar = Bar::new("sessions");
     let verified = request.verify(&bar);
     bar.clear();
-    let Verified { found, sessions } = verified?;
+    let Verified(found) = verified?;
+    let sessions = found.files.len() as u64;
     conclude::<Verify>(found)?;
-    print_line(&format!("{} verified; no errors", count(sessions as u64, "session")))
+    print_line(&format!("{} verified; no errors", count(sessions, "session")))
 }
 
 pub(super) fn repair(request: &Repair) -> anyhow::Result<()> {

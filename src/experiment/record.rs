@@ -486,6 +486,25 @@ impl TrialRecord {
         self.cells().into_iter().nth(index)
     }
 
+    /// Returns whether the changes of a value lead to this answer: in the order of time, from the start to the answer.
+    pub(super) fn leads_to(&self, answer: &Answer, protocol: &Protocol) -> bool {
+        let Some(TaskAnswer { start, path, .. }) = &self.answer else { return true };
+        if protocol.task.dial().is_none() {
+            return path.is_none();
+        }
+        let (mut last_s, mut value) = (0.0, *start);
+        let mut is_next = |step: &str| {
+            let number = |text: &str| text.parse::<f64>().ok();
+            let step = step.split_once(':').and_then(|(at, to)| number(at).zip(number(to)));
+            step.is_some_and(|(at_s, to)| {
+                value = Some(to);
+                std::mem::replace(&mut last_s, at_s) <= at_s
+            })
+        };
+        let is_whole = path.iter().flat_map(|path| path.split(' ')).all(&mut is_next);
+        is_whole && value.map(Answer::Value).as_ref() == Some(answer)
+    }
+
     /// Returns the answer in this row; `None` if the task has no such answer.
     pub fn given(&self, protocol: &Protocol) -> Option<Answer> {
         let Some(TaskAnswer { response, .. }) = &self.answer else { return Some(Answer::Key(self.rating?.0)) };

@@ -5,7 +5,7 @@ use super::{
     course::Course,
     identity::Identity,
     record::{RowContext, TrialRecord},
-    schedule::Phase,
+    schedule::{Phase, Trial},
     task::{Answer, Presentation},
 };
 
@@ -18,6 +18,8 @@ pub struct Replayed {
     pub shown: Presentation,
     /// The answer.
     pub answer: Answer,
+    /// Why rows are missing before this one, if they are.
+    pub gap: Option<String>,
 }
 
 /// Recomputes a session from its rows, one after the other.
@@ -27,13 +29,15 @@ pub struct Replay<'a> {
     course: Course,
     /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
     has_gaps: bool,
+    /// The trial after the furthest one that has a row.
+    next: usize,
 }
 
 impl<'a> Replay<'a> {
     /// Begins a session. `has_gaps` if rows were removed by a repair.
     #[must_use]
     pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
-        Self { identity, course, has_gaps }
+        Self { identity, course, has_gaps, next: 0 }
     }
 
     /// Returns the session after the rows so far.
@@ -54,6 +58,16 @@ impl<'a> Replay<'a> {
     /// Returns a message if the schedule does not plan this trial, if what it showed does not follow from the answers
     /// before, or if there is no such answer. The row then teaches an adaptive method nothing.
     pub fn row(&mut self, row: &TrialRecord) -> Result<Replayed, String> {
+        let next = self.next;
+        let replayed = self.recompute(row);
+        if replayed.is_err() {
+            // The row stands in the place of a trial, which is thus not missing as well.
+            self.next = self.next.max(next + 1);
+        }
+        replayed
+    }
+
+    fn recompute(&mut self, row: &TrialRecord) -> Result<Replayed, String> {
         let protocol = self.course.protocol();
         let highest = protocol.response.highest();
         if let Some(rating) = row.rating.filter(|rating| row.answer.is_none() && rating.0 > highest) {
@@ -67,6 +81,13 @@ impl<'a> Replay<'a> {
                 protocol.task.name()
             )
         })?;
+        if !row.leads_to(&given, protocol) {
+            let path = row.answer.as_ref().and_then(|answer| answer.path.as_deref()).unwrap_or_default();
+            return Err(format!(
+                "row {} has the path {path:?}; expected the changes of the value in order, the last one to the response",
+                row.row_id
+            ));
+        }
         // Practice trials come first, and each phase is numbered from 1.
         let practice = protocol.design.practice as usize;
         let before = if row.phase == Phase::Main { practice } else { 0 };
@@ -75,11 +96,18 @@ impl<'a> Replay<'a> {
         let index = index.filter(|index| trials.get(*index).is_some_and(|trial| trial.phase == row.phase));
         let index = index.ok_or_else(|| self.unplanned(row))?;
         self.course.take_back(index);
+        let skipped = (self.next..index).find(|trial| !self.has_gaps && !self.course.is_over(*trial));
+        self.next = self.next.max(index + 1);
+        let gap = skipped.map(|trial| {
+            let Trial { phase, number, .. } = self.course.schedule().trials[trial];
+            let id = &row.row_id;
+            format!("row {id} has no row of {phase} trial {number} above it; expected a row of every earlier trial")
+        });
         let is_over = self.course.is_over(index);
         let shown = self.course.presentation(index);
         if !is_over && self.shows(row, index, (&shown, &given)) {
             self.course.answer_as_shown(index, &shown, &given);
-            return Ok(Replayed { trial: index, shown, answer: given });
+            return Ok(Replayed { trial: index, shown, answer: given, gap });
         }
         let level = row.answer.as_ref().and_then(|answer| answer.level);
         let possible = self.course.possible(index, level);
@@ -87,14 +115,14 @@ impl<'a> Replay<'a> {
             return Err(self.unplanned(row));
         };
         if !self.has_gaps {
-            return Err(format!(
-                "row {} does not follow from the answers before it; expected {}",
-                row.row_id,
-                if is_over { "no further trial of its condition".to_owned() } else { self.expected(index) }
-            ));
+            return Err(gap.unwrap_or_else(|| {
+                let expected =
+                    if is_over { "no further trial of its condition".to_owned() } else { self.expected(index) };
+                format!("row {} does not follow from the answers before it; expected {expected}", row.row_id)
+            }));
         }
         self.course.answer_as_shown(index, &shown, &given);
-        Ok(Replayed { trial: index, shown, answer: given })
+        Ok(Replayed { trial: index, shown, answer: given, gap })
     }
 
     /// Returns whether a row is the one that a trial with this presentation and answer records.

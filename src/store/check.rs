@@ -12,7 +12,7 @@ use super::{
     frames, image, matches, observer,
     open::open_regular,
     profile, readings,
-    recorded::{Recorded, order_errors},
+    recorded::{Order, Recorded},
     results,
     session::seal,
     sidecar::Sidecar,
@@ -146,7 +146,10 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
         Some(FileError::at(path, (line, 1), message))
     });
     let mut errors: Vec<_> = repeated.collect();
-    errors.extend(order_errors(path, rows.iter().zip(2..), false));
+    let mut order = Order::new(false, usize::MAX);
+    for (row, line) in rows.iter().zip(2..) {
+        errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
+    }
     FileErrors::none(errors)?;
     Ok(format!(
         "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
@@ -156,7 +159,7 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
 
 fn check_session(path: &Path) -> Result<String, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [session.row_errors(), session.changed.clone()].concat();
+    let mut errors = [session.row_errors.clone(), session.changed.clone()].concat();
     if let Some(partial_line) = &session.partial_line {
         let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
         errors.push(FileError::at(path, (session.rows.len() + 2, 1), message));

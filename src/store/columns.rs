@@ -15,15 +15,6 @@ enum Column {
 }
 
 impl Columns {
-    /// Adds a column of text. An empty text is a missing value.
-    #[must_use]
-    pub fn with_texts<S: AsRef<str>>(mut self, name: &str, cells: impl IntoIterator<Item = S>) -> Self {
-        let mut texts = Interner::default();
-        cells.into_iter().for_each(|cell| texts.push(cell.as_ref().trim()));
-        self.0.push((name.to_owned(), Column::Texts(texts.finish())));
-        self
-    }
-
     /// Adds a column of whole numbers.
     #[must_use]
     pub fn with_whole(self, name: &str, numbers: &[i64]) -> Self {

@@ -390,7 +390,8 @@ fn task(table: Map<String, Value>, errors: &mut DefinitionErrors) -> Task {
 }
 
 fn adaptive(mut table: Map<String, Value>, errors: &mut DefinitionErrors) -> Adaptive {
-    let common = Common::KEYS.iter().filter_map(|key| Some(((*key).to_owned(), table.shift_remove(*key)?))).collect();
+    let keys = Common::OPTIONS.iter().map(|option| option.key);
+    let common = keys.filter_map(|key| Some((key.to_owned(), table.shift_remove(key)?))).collect();
     let common = TableReader { path: "adaptive", table: common, errors }.read();
     let reader = TableReader { path: "adaptive", table, errors };
     let method = tagged(reader, ("method", Method::NAMES), |name, reader| Method::read(name, reader));

@@ -189,24 +189,9 @@ pub enum StoreError {
         /// How it differs.
         what: String,
     },
-    /// The recorded session has different settings.
-    #[error("{}: {what}", path.display())]
-    Mismatch {
-        /// The sidecar or data file.
-        path: PathBuf,
-        /// What differs, and what is expected.
-        what: String,
-    },
     /// Files were changed after a session ended.
     #[error(transparent)]
     Altered(FileErrors),
-    /// There is a link where results should be.
-    #[error("{}: is a link to {}; expected a regular file or folder (only the results folder itself can be a link)", path.display(), target.display())]
-    Link {
-        /// The link.
-        path: PathBuf,
-        target: PathBuf,
-    },
     /// An image has more pixels than usual.
     #[error(transparent)]
     LargeImage(FileErrors),
@@ -227,9 +212,7 @@ impl StoreError {
             _ => None,
         }
     }
-}
 
-impl StoreError {
     /// Converts the error to a list of errors in the file at `path`.
     pub(crate) fn errors(self, path: &Path) -> Vec<FileError> {
         match self {

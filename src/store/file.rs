@@ -9,6 +9,7 @@ use std::{
 };
 
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use sha2::{Digest as _, Sha256};
 
 use super::{
@@ -17,7 +18,7 @@ use super::{
     open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
 };
-use crate::system::{entries, found};
+use crate::system::{entries, found, remove_tree, unless_missing};
 
 /// Maximum size in bytes of a definition, profile, observer, or table of readings or matches. The largest realistic
 /// ones have a few thousand bytes; 1,000 readings have 30,000.
@@ -51,6 +52,25 @@ pub(super) fn read_bytes(path: &Path, most: u64, expected: &str) -> Result<Vec<u
                 None => format!("cannot be opened: {error}; expected {expected}"),
             },
         )
+    })
+}
+
+/// Reads a whole file of at most `most` bytes; `None` if it does not exist.
+///
+/// # Errors
+/// The file is not regular, too large, or not readable.
+pub(super) fn read_existing(path: &Path, most: u64) -> Result<Option<Vec<u8>>, StoreError> {
+    unless_missing(read_regular(path, most)).map_err(io(path, "read"))
+}
+
+/// Parses the content of the JSON file at `path`; `what` says what it should be.
+///
+/// # Errors
+/// It is not that, with the line and column.
+pub(super) fn parse_json<T: DeserializeOwned>(path: &Path, text: &[u8], what: &str) -> Result<T, FileErrors> {
+    serde_json::from_slice(text).map_err(|error| {
+        let message = format!("is not {what}: {error}; expected JSON");
+        FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
     })
 }
 
@@ -101,7 +121,8 @@ pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> 
 /// # Errors
 /// I/O errors.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
-    write_beside(path, content, durable).map_err(io(path, "write"))?;
+    let written = temporary(path, content, durable).and_then(|temporary| place(temporary, path, true));
+    written.map_err(io(path, "write"))?;
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
@@ -114,15 +135,25 @@ pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreErro
     if exists(path)? {
         return Ok(());
     }
-    let written = temporary(path, content, true).and_then(|temporary| match temporary.persist_noclobber(path) {
-        Err(error) if error.error.kind() == ErrorKind::AlreadyExists => Ok(()),
-        // Some file systems can only replace.
-        Err(error) if can_only_replace(&error.error) => fs::rename(error.file.path(), path),
-        Err(error) => Err(error.error),
-        Ok(_) => Ok(()),
-    });
-    written.map_err(io(path, "write"))?;
+    match temporary(path, content, true).and_then(|temporary| place(temporary, path, false)) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+        written => written.map_err(io(path, "write"))?,
+    }
     sync_folder(path)
+}
+
+/// Gives a temporary file its name. Unless it `replaces`, a file that has this name is an error and stays.
+///
+/// # Errors
+/// I/O errors. The temporary file is then removed.
+pub(super) fn place(temporary: tempfile::NamedTempFile, path: &Path, replaces: bool) -> std::io::Result<()> {
+    let placed = if replaces { temporary.persist(path) } else { temporary.persist_noclobber(path) };
+    let Err(failed) = placed else { return Ok(()) };
+    // Some file systems can only replace.
+    if !replaces && can_only_replace(&failed.error) && found(path)?.is_none() {
+        return fs::rename(failed.file.path(), path);
+    }
+    Err(failed.error)
 }
 
 /// True if a file system can neither rename without replacing nor link.
@@ -130,12 +161,6 @@ fn can_only_replace(error: &Error) -> bool {
     /// What Linux says of links on file systems without them.
     const EPERM: i32 = 1;
     matches!(error.kind(), ErrorKind::Unsupported | ErrorKind::InvalidInput) || error.raw_os_error() == Some(EPERM)
-}
-
-/// Writes a temporary file next to `path` and renames it. The temporary file is removed if anything fails.
-fn write_beside(path: &Path, content: &[u8], durable: bool) -> std::io::Result<()> {
-    let temporary = temporary(path, content, durable)?;
-    fs::rename(temporary.path(), path)
 }
 
 /// Writes a temporary file next to `path`, and syncs it if `durable` is true. The file is removed unless it is renamed.
@@ -217,22 +242,51 @@ pub(super) fn sync_tree(folder: &Path) -> Result<(), StoreError> {
     sync_folder(&folder.join("file"))
 }
 
+/// Minimum age of a temporary file that is removed because a killed program left it. Another program may be using a newer
+/// one.
+pub(super) const ABANDONED: Duration = Duration::from_secs(60);
+/// The same for the folder of an export.
+const ABANDONED_FOLDER: Duration = Duration::from_secs(24 * 60 * 60);
+
 /// Removes the temporary files that killed programs left in a folder, if they belong to files whose names `are_ours`.
-/// Only regular files with the marker of this program that are older than `age` are removed, because another program
-/// may still be using newer ones. A file that cannot be removed does no harm.
+/// Only regular files with the marker of this program that are older than `age` are removed. A file that cannot be removed
+/// does no harm.
 pub(super) fn remove_temporary(folder: &Path, are_ours: impl Fn(&str) -> bool, age: Duration) {
-    for path in entries(folder).into_iter().flatten() {
-        if !path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours) {
-            continue;
-        }
-        // This does not follow links.
-        let metadata = fs::symlink_metadata(&path).ok().filter(fs::Metadata::is_file);
-        let modified = metadata.and_then(|metadata| metadata.modified().ok());
-        let is_old = |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
-        if modified.is_some_and(is_old) {
-            let _ = fs::remove_file(path);
-        }
+    for path in abandoned(folder, are_ours, fs::Metadata::is_file, age) {
+        let _ = fs::remove_file(path);
     }
+}
+
+/// Returns the temporary files or folders in a folder that are older than `age`.
+fn abandoned(
+    folder: &Path,
+    are_ours: impl Fn(&str) -> bool,
+    is_kind: fn(&fs::Metadata) -> bool,
+    age: Duration,
+) -> impl Iterator<Item = PathBuf> {
+    let is_old = move |time: SystemTime| age.is_zero() || time.elapsed().is_ok_and(|elapsed| elapsed > age);
+    entries(folder).into_iter().flatten().filter(move |path| {
+        let is_ours = path.file_name().and_then(|name| temporary_for(name.to_str()?)).is_some_and(&are_ours);
+        // This does not follow links.
+        let metadata = || fs::symlink_metadata(path).ok().filter(is_kind);
+        is_ours && metadata().and_then(|metadata| metadata.modified().ok()).is_some_and(is_old)
+    })
+}
+
+/// Creates a hidden temporary folder next to `path`, which only its owner can open, and removes those that killed programs
+/// left there.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn temporary_folder(path: &Path) -> std::io::Result<PathBuf> {
+    let (folder, [marker, suffix]) = (folder_of(path), TEMPORARY);
+    let hidden = format!(".{}", path.file_name().unwrap_or_default().to_string_lossy());
+    for left in abandoned(folder, |name| name == hidden, fs::Metadata::is_dir, ABANDONED_FOLDER) {
+        let _ = remove_tree(&left);
+    }
+    let prefix = format!("{hidden}{marker}");
+    let made = tempfile::Builder::new().prefix(&prefix).suffix(suffix).rand_bytes(RANDOM).tempdir_in(folder)?;
+    Ok(made.keep())
 }
 
 /// Makes a new or changed name in a folder survive a power failure, if the system supports this. Windows does not,

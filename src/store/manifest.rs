@@ -7,13 +7,12 @@ use std::{
     io::{Seek as _, Write as _},
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
-    time::Duration,
 };
 
 use super::{
-    StoreError, Writer,
+    FileErrors, StoreError, Writer,
     error::{NotData, io},
-    file::{exists, lock, remove_temporary, sha256, sync_folder},
+    file::{ABANDONED, exists, lock, read_existing, remove_temporary, sha256, sync_folder},
     image,
     open::{read_at_most, read_regular},
     table,
@@ -25,9 +24,6 @@ use crate::{
     system::unless_missing,
 };
 
-/// Minimum age of the temporary files that are removed because a killed run left them. Another shard may be using newer
-/// ones.
-const TEMPORARY_AGE: Duration = Duration::from_secs(60);
 /// Name of the list of all images.
 const MANIFEST: &str = "manifest.csv";
 /// Maximum size of a list of images in bytes: 100,000 lines of 300 bytes.
@@ -72,7 +68,7 @@ impl<'a> Manifest<'a> {
         (index, shards): (usize, usize),
     ) -> Result<Self, StoreError> {
         writer.make_folder(folder)?;
-        remove_temporary(folder, |_| true, TEMPORARY_AGE);
+        remove_temporary(folder, |_| true, ABANDONED);
         let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
         let digits = conditions.len().to_string().len();
         let row = |(i, condition): (usize, &Condition)| {
@@ -210,7 +206,7 @@ fn locked(writer: &Writer, list: &Path) -> Result<File, StoreError> {
 
 fn in_use(path: &Path) -> StoreError {
     let what = "another run is making these images; expected it to end first: wait, and run the command again";
-    StoreError::Mismatch { path: path.to_owned(), what: what.to_owned() }
+    FileErrors::whole(path, what).into()
 }
 
 /// Returns those of the two lists (of all images, and of one shard) that exist but do not list these images.
@@ -233,7 +229,7 @@ fn foreign_lists(
 
 /// Returns the text of a list of images; `None` if there is none.
 fn text_of(path: &Path) -> Result<Option<String>, StoreError> {
-    let bytes = unless_missing(read_regular(path, MAX_LIST)).map_err(io(path, "read"))?;
+    let bytes = read_existing(path, MAX_LIST)?;
     // What is not text lists nothing of ours.
     Ok(bytes.map(|bytes| String::from_utf8(bytes).unwrap_or_else(|_| "\u{fffd}\n".to_owned())))
 }
@@ -254,13 +250,18 @@ fn line((file, levels): &(String, Vec<String>), hash: &str, recipe: &Recipe) -> 
 /// Returns a file name such as `007_width-0.02_depth-1.png`. The number makes it unique; the levels are meant for
 /// people.
 fn file_name(number: usize, digits: usize, names: &[&str], levels: &[String]) -> String {
-    let mut name = format!("{number:0digits$}");
-    for (factor, level) in names.iter().zip(levels) {
+    let levels = names.iter().copied().zip(levels.iter().cloned());
+    labeled(format!("{number:0digits$}"), levels, MAX_NAME) + ".png"
+}
+
+/// Returns a name followed by levels of factors, at most `most` characters.
+pub(super) fn labeled<'a>(mut name: String, levels: impl Iterator<Item = (&'a str, String)>, most: usize) -> String {
+    for (factor, level) in levels {
         let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
         name += &format!("_{factor}-{}", clean.collect::<String>());
     }
-    name.truncate(MAX_NAME);
-    name + ".png"
+    name.truncate(most);
+    name
 }
 
 fn list_name(index: usize, shards: usize) -> String {

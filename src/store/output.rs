@@ -12,7 +12,7 @@ use super::{
     StoreError,
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
-    file::{exists, folder_of, full_path, make_folder, sync_folder, temporary},
+    file::{ABANDONED, exists, folder_of, full_path, make_folder, place, remove_temporary, sync_folder, temporary},
     frames,
 };
 use crate::system::{found, identified};
@@ -79,13 +79,13 @@ impl Writer {
     }
 
     /// Writes a file. When this returns, the file survives a power failure; at any moment, the path has either its old
-    /// content or the new content.
+    /// content or the new content. Removes what killed programs left when they wrote this file.
     ///
     /// # Errors
     /// The same errors as [`Writer::check`]; I/O errors.
     pub fn write(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
         self.put(path, content)?;
-        sync_folder(path)
+        settle(&[path])
     }
 
     /// Writes several files like [`Writer::write`]. Writes none of them if one of them cannot be written according to
@@ -97,8 +97,7 @@ impl Writer {
         self.check(files.iter().map(|(path, _)| path.as_path()))?;
         // A disk serves several waiting threads at once.
         files.par_iter().try_for_each(|(path, content)| self.put(path, content))?;
-        let one_per_folder: BTreeSet<_> = files.iter().map(|(path, _)| folder_of(path)).collect();
-        one_per_folder.into_iter().try_for_each(|folder| sync_folder(&folder.join("file")))
+        settle(&files.iter().map(|(path, _)| path.as_path()).collect::<Vec<_>>())
     }
 
     /// Writes and syncs a file but not its folder, so a power failure may lose the name of a new file.
@@ -107,15 +106,12 @@ impl Writer {
     /// The same errors as [`Writer::write`].
     pub(super) fn put(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
         let target = self.target(path)?;
-        let temporary = temporary(&target, content, true).map_err(io(path, "write"))?;
-        let kept = if self.force { temporary.persist(&target) } else { temporary.persist_noclobber(&target) };
-        let Err(failed) = kept else { return Ok(()) };
-        if failed.error.kind() == io::ErrorKind::AlreadyExists {
-            return Err(StoreError::Occupied(path.to_owned()));
-        }
-        // Some network shares cannot rename without replacing; nothing was at this path a moment ago.
-        self.target(path)?;
-        failed.file.persist(&target).map(drop).map_err(|failed| io(path, "write")(failed.error))
+        temporary(&target, content, true).and_then(|temporary| place(temporary, &target, self.force)).map_err(|error| {
+            match error.kind() {
+                io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
+                _ => io(path, "write")(error),
+            }
+        })
     }
 
     /// Returns the file that a path leads to, with all links resolved, if it can be written.
@@ -169,6 +165,16 @@ impl Writer {
         }
         Ok(false)
     }
+}
+
+/// Syncs the folders of files that were written, and removes the temporary files of killed programs that wrote them.
+fn settle(paths: &[&Path]) -> Result<(), StoreError> {
+    let folders: BTreeSet<&Path> = paths.iter().map(|path| folder_of(path)).collect();
+    let names: BTreeSet<_> = paths.iter().filter_map(|path| path.file_name()?.to_str()).collect();
+    folders.into_iter().try_for_each(|folder| {
+        remove_temporary(folder, |name| names.contains(name), ABANDONED);
+        sync_folder(&folder.join("file"))
+    })
 }
 
 /// Returns whether a name with this ending promises a picture in a format that nothing here writes.

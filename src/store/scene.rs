@@ -15,8 +15,7 @@ use crate::{
     light::Depth,
     shading::{
         Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals,
-        Shade, Shader, Surface, Transparency, View,
-        shapes::{self, Shape},
+        Shade, Shader, Surface, Transparency, View, shapes,
     },
     text::names::named,
 };
@@ -170,24 +169,19 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
     let file = path.display().to_string();
     let (table, mut document) = toml::read::<SceneTable>(&file, &text)?;
     check(&table, &mut document);
+    let mut shape = |(i, table): (usize, &MeshTable)| {
+        let made = shapes::mesh(table.mesh.parse().ok()?, table.vertices);
+        made.map_err(|error| document.error(&format!("mesh.{i}.vertices"), format!("vertices: {error}"))).ok()
+    };
+    let shapes: Vec<Option<Mesh>> = table.mesh.iter().enumerate().map(&mut shape).collect();
     let table = document.finish(table)?;
     if table.mesh.is_empty() {
         return Err(FileErrors::whole(path, "the scene has no meshes; expected at least one table [[mesh]]"));
     }
     let mut notes = Vec::new();
     let mut bodies = Vec::new();
-    for (i, mesh) in table.mesh.iter().enumerate() {
-        bodies.push(body(mesh, path, &mut notes).map_err(|error| match error {
-            BodyError::File(errors) => errors,
-            BodyError::Vertices(message) => {
-                let mut document = match Document::parse(&file, &text) {
-                    Ok(document) => document,
-                    Err(errors) => return errors,
-                };
-                document.error(&format!("mesh.{i}.vertices"), message);
-                document.finish(()).err().unwrap_or_else(|| FileErrors(Vec::new()))
-            }
-        })?);
+    for (mesh, shape) in table.mesh.iter().zip(shapes) {
+        bodies.push(body(mesh, shape, path, &mut notes)?);
     }
     let lamp = |lamp: &LampTable| Lamp {
         position: match (lamp.position, lamp.direction) {
@@ -280,20 +274,13 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
     }
 }
 
-/// Why there is no body.
-enum BodyError {
-    File(FileErrors),
-    Vertices(String),
-}
-
-fn body(table: &MeshTable, scene: &Path, notes: &mut Vec<String>) -> Result<Body, BodyError> {
-    let mesh = match table.mesh.parse::<Shape>() {
-        Ok(shape) => {
-            shapes::mesh(shape, table.vertices).map_err(|error| BodyError::Vertices(format!("vertices: {error}")))?
-        }
-        Err(_) => {
+/// Returns a body with this shape, or with the mesh in its file.
+fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<String>) -> Result<Body, FileErrors> {
+    let mesh = match shape {
+        Some(shape) => shape,
+        None => {
             let path = scene.with_file_name(&table.mesh);
-            let file = mesh::read(&path, table.crease, table.normals).map_err(BodyError::File)?;
+            let file = mesh::read(&path, table.crease, table.normals)?;
             notes.extend(file.note(&path));
             file.mesh
         }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     FileErrors, StoreError,
     error::io,
-    file::{exists, make_folder, read_text, write_file},
+    file::{ABANDONED, exists, folder_of, make_folder, read_text, remove_temporary, write_file},
     toml,
 };
 use crate::system::config_folder;
@@ -140,6 +140,7 @@ impl SettingsFile {
         }
         let text = ::toml::to_string(settings).map_err(|error| io(&self.path, "encode")(Error::other(error)))?;
         write_file(&self.path, format!("{HEADER}{text}").as_bytes())?;
+        remove_temporary(folder_of(&self.path), |name| self.path.file_name().is_some_and(|own| own == name), ABANDONED);
         self.written = settings.clone();
         Ok(())
     }

@@ -8,13 +8,14 @@ use std::{
 };
 
 use rayon::prelude::*;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::{Image, RequestError, Watcher, request::paths};
 use crate::{
     experiment::Condition,
     stimulus::{Stimulus, recipe::Recipe},
     store::{Writer, definition, manifest::Manifest},
+    text::names::serde_as_text,
 };
 
 /// A definition, and how the images of its conditions are made.
@@ -55,12 +56,6 @@ impl fmt::Display for Shard {
     }
 }
 
-impl Serialize for Shard {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
-    }
-}
-
 impl FromStr for Shard {
     type Err = String;
 
@@ -73,6 +68,8 @@ impl FromStr for Shard {
         }
     }
 }
+
+serde_as_text!(Shard);
 
 /// Memory in bytes for the images that are made at the same time.
 const MEMORY: u64 = 4 << 30;

@@ -10,7 +10,12 @@ use serde::Serialize;
 use super::{Found, Watcher, request::paths};
 use crate::{
     report::document::numbers::count,
-    store::{FileErrors, StoreError, dataset::DATA_FILE, verify},
+    store::{
+        FileError, FileErrors, StoreError,
+        dataset::DATA_FILE,
+        ratings::Listed,
+        verify::{self, Renderer},
+    },
 };
 
 /// Verify that the rows and pictures of recorded sessions are correct and that no file was changed.
@@ -27,14 +32,12 @@ pub struct Verify {
     pub folder: PathBuf,
 }
 
-/// What was found.
+/// A sentence about each session, and all errors.
 #[derive(Debug, Default)]
-pub struct Verified {
-    /// A sentence about each session, and all errors.
-    pub found: Found,
-    /// Number of sessions.
-    pub sessions: usize,
-}
+pub struct Verified(pub Found);
+
+/// Maximum number of errors that are kept until all sessions are verified.
+const MAX_ERRORS: usize = 1000;
 
 impl Verify {
     /// Verifies every session. The watcher learns the number of sessions.
@@ -42,16 +45,27 @@ impl Verify {
     /// # Errors
     /// The folder cannot be read, it contains no sessions, or the watcher ended it.
     pub fn verify(&self, watcher: &dyn Watcher) -> anyhow::Result<Verified> {
-        let (mut found, mut told) = (Found::default(), Ok(()));
-        let verified = verify::data_sets(&self.folder, |csv, verified, all| {
-            told = found.add(csv, sentence(verified), watcher);
-            watcher.progress(found.files.len() as u64, all as u64);
-            told.is_ok()
-        })?;
-        told?;
-        verified.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
-        found.errors = verified.errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
-        Ok(Verified { found, sessions: verified.sessions })
+        let listed = Listed::sessions(&self.folder);
+        // If the rows of every session were deleted, their sidecars still exist.
+        let mut errors = [listed.errors.clone(), listed.unexpected(&listed.datasets)].concat();
+        if listed.files.is_empty() && errors.is_empty() {
+            return Err(listed.nothing(&self.folder).into());
+        }
+        let (mut found, mut renderer, mut further) = (Found::default(), Renderer::default(), 0);
+        for (csv, done) in listed.files.iter().zip(1..) {
+            let verified = verify::session(csv, &mut renderer);
+            found.add(csv, sentence(&verified), watcher)?;
+            watcher.progress(done, listed.files.len() as u64);
+            for error in verified.errors {
+                if errors.len() < MAX_ERRORS { errors.push(error) } else { further += 1 }
+            }
+        }
+        if further > 0 {
+            errors.push(FileError::whole(&self.folder, format!("further errors: {further}; expected none")));
+        }
+        listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
+        found.errors = errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
+        Ok(Verified(found))
     }
 }
 
@@ -59,7 +73,7 @@ impl Verified {
     /// Returns the data files of the sessions with an error in one of their files.
     #[must_use]
     pub fn wrong(&self) -> BTreeSet<PathBuf> {
-        let files = self.found.errors.iter().filter_map(|error| match error {
+        let files = self.0.errors.iter().filter_map(|error| match error {
             StoreError::FileErrors(FileErrors(errors)) => Some(errors),
             _ => None,
         });
@@ -70,7 +84,7 @@ impl Verified {
             let stem = stem.strip_suffix(DATA_FILE).unwrap_or(&stem);
             named.iter().any(|file| file.to_string_lossy().starts_with(stem))
         };
-        self.found.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
+        self.0.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
     }
 }
 

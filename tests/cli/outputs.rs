@@ -344,6 +344,44 @@ fn existing_files_are_replaced_only_with_force() {
     }
 }
 
+/// What a killed command left is removed by the next one that writes the same, and nothing else is.
+#[test]
+#[cfg(unix)]
+fn what_killed_commands_left_is_removed_by_the_next_one() {
+    const DAY: u64 = 24 * 60 * 60;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let left = |name: &str, age_s: u64| {
+        let path = at(&format!("{name}.machband-Ab12Cd34Ef56Gh78.tmp"));
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        if name.starts_with('.') {
+            fs::create_dir_all(path.join("inside")).unwrap();
+        } else {
+            fs::write(&path, "left").unwrap();
+        }
+        let then = std::time::SystemTime::now() - std::time::Duration::from_secs(age_s);
+        fs::File::open(&path).unwrap().set_modified(then).unwrap();
+        path
+    };
+    succeeds(folder.path(), &split("simulate quick --participants 2 --results z"));
+    for (line, name, old_s) in [
+        ("counts z --out o", "o", 120),
+        ("analyze z --tables-only --draws 99 --out a", "a/cells.csv", 120),
+        ("stimuli quick --size 8 --out s", "s/manifest.csv", 120),
+        ("export z --format bids --out b", ".b", 2 * DAY),
+    ] {
+        let (ours, others) = (left(name, old_s), left(&format!("{name}.other"), old_s));
+        succeeds(folder.path(), &split(line));
+        assert!(!ours.exists(), "{line}");
+        assert!(others.exists() || name == "s/manifest.csv", "{line}");
+        fs::remove_file(at(name)).or_else(|_| fs::remove_dir_all(at("b"))).unwrap();
+        // A newer one may be in use.
+        let newer = left(name, 1);
+        succeeds(folder.path(), &split(&format!("{line}{}", if name == "a/cells.csv" { " --force" } else { "" })));
+        assert!(newer.exists(), "{line}");
+    }
+}
+
 /// `stimuli` continues an interrupted run, but replaces nothing else.
 #[test]
 fn stimuli_keeps_the_images_of_others() {

@@ -288,7 +288,7 @@ mod interrupted {
             let before = everything(folder.path());
             let error = SessionStore::resume(folder.path(), protocol, &identity(), seed, sitting(), Changes::Refuse)
                 .unwrap_err();
-            assert!(matches!(error, StoreError::Mismatch { .. }), "{error}");
+            assert!(matches!(error, StoreError::FileErrors(_)), "{error}");
             assert!(error.to_string().contains(part) && error.to_string().contains("expected"), "{error}");
             assert!(everything(folder.path()) == before, "files were changed: {error}");
             fs::write(&csv, whole).unwrap();

@@ -388,6 +388,33 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert_eq!(everything(folder.path()), before);
 }
 
+#[test]
+fn a_row_that_is_missing_between_others_is_noticed_and_shown_again() {
+    let folder = tempfile::tempdir().unwrap();
+    recording::rate(&mut create(folder.path()).unwrap(), (&small(), &identity()), None, 5, false).unwrap();
+    let csv = paths(folder.path()).csv;
+    let analyzed = || machband(folder.path(), &["counts", "small-one", "--out", "counts.csv", "--force"]);
+    assert!(!text(&analyzed().stderr).contains("without a row"));
+    // Rows 1 and 2 are practice, so this is the second main trial.
+    edit(&csv, |text| text.split_inclusive('\n').enumerate().filter(|(i, _)| *i != 4).map(|(_, line)| line).collect());
+    let gap = "row S001_1_main_0003_1 has no row of main trial 2 above it";
+    assert!(errors(&csv).contains(&format!("_data.csv:5:1: {gap}")), "{}", errors(&csv));
+    assert_eq!(errors(&csv).lines().count(), 1);
+    let warning = text(&analyzed().stderr);
+    assert!(warning.contains("main trials without a row, although later trials have one: 1"), "{warning}");
+    let refused = resume(folder.path()).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains(gap) && refused.contains("machband repair"), "{refused}");
+    let said = succeeds(folder.path(), &["repair", "small-one"]);
+    assert!(said.contains("no line is damaged, but rows are missing"), "{said}");
+    assert!(verified(&csv).notes.join("; ").contains("repaired: rows are missing"));
+    assert!(succeeds(folder.path(), &["repair", "small-one"]).contains("_data.csv: no line is damaged\n"));
+    let (mut store, found) = resume(folder.path()).unwrap();
+    assert_eq!(found.resumed.done, [0, 1, 2, 4].into());
+    sit(&mut store, Some(&found), usize::MAX);
+    assert_eq!((errors(&csv).as_str(), verified(&csv).rated), ("", (6, 6)));
+    assert!(!text(&analyzed().stderr).contains("without a row"));
+}
+
 /// Writes a frames file, and the seal of a session that recorded it.
 fn with_frames(csv: &Path, content: &str) {
     let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");

@@ -451,9 +451,9 @@ mod layouts {
     fn columns_in_memory_are_read_like_a_file() {
         let folder = tempfile::tempdir().unwrap();
         let columns = Columns::default()
-            .with_texts("who", ["A", "B", "A"])
+            .with_levels("who", &["A", "B"], &[0, 1, 0])
             .with_numbers("width", [0.1, 0.4, f64::NAN])
-            .with_texts("depth", ["1", "inf", "1"])
+            .with_levels("depth", &["1", "inf"], &[0, 1, 0])
             .with_numbers("answer", [2.0, 0.0, 3.0])
             .with_numbers("n", [1.0, 3.0, 2.0]);
         let study = Study::from_columns("ratings", columns, &long()).unwrap();
@@ -461,10 +461,11 @@ mod layouts {
         assert_eq!(study.measured, Study::read(&[path], &long()).unwrap().measured);
         assert_eq!((&study.source.files[0].path, &study.source.files[0].sha256), (&PathBuf::from("ratings"), &None));
         let how = ReadOptions { count: None, ..long() };
-        let columns = Columns::default().with_texts("who", ["A"; 60]).with_numbers("width", (0..60).map(f64::from));
+        let columns =
+            Columns::default().with_levels("who", &["A"], &[0; 60]).with_numbers("width", (0..60).map(f64::from));
         let unequal = columns.clone().with_numbers("answer", [1.0]);
-        let answers = (0..60).map(|row| if row == 1 { "{" } else { "1" });
-        let columns = columns.with_texts("answer", answers).with_texts("depth", ["1\0"; 60]);
+        let answers: Vec<i64> = (0..60).map(|row| i64::from(row == 1)).collect();
+        let columns = columns.with_levels("answer", &["1", "{"], &answers).with_levels("depth", &["1\0"], &[0; 60]);
         let named = ["0", "1"].map(str::to_owned).to_vec();
         let how = ReadOptions { categories: Some(named), factors: with_factors(&["width"]).factors, ..how };
         let study = Study::from_columns("ratings", columns, &how).unwrap();

@@ -136,6 +136,69 @@ fn every_task_resumes_after_every_interruption_as_if_there_had_been_none() {
 }
 
 #[test]
+fn every_task_notices_a_row_that_is_missing_and_shows_its_trial_again() {
+    for (name, body) in tasks() {
+        let protocol = protocol(&body);
+        for row in [1, 3] {
+            let folder = tempfile::tempdir().unwrap();
+            assert!(!sit(folder.path(), &protocol, 4), "{name}");
+            let csv = csv(folder.path());
+            let lines = |text: &str| text.split_inclusive('\n').map(str::to_owned).collect::<Vec<String>>();
+            edit(&csv, |text| {
+                lines(text).into_iter().enumerate().filter(|(i, _)| *i != row).map(|(_, line)| line).collect()
+            });
+            let found = verified(&csv).errors;
+            assert!(found[0].message.contains("has no row of") && found[0].position.unwrap().0 == row + 1, "{name}");
+            fails(folder.path(), &["analyze", "tasks", "--out", "analysis"], 1);
+            let resumed =
+                SessionStore::resume(folder.path(), &protocol, &identity(), Some(5), sitting(), Changes::Refuse);
+            let refused = resumed.map(|_| ()).unwrap_err().to_string();
+            assert!(refused.contains("has no row of") && refused.contains("machband repair"), "{name}: {refused}");
+            let said = succeeds(folder.path(), &["repair", "tasks"]);
+            assert!(said.contains("rows are missing"), "{name}: {said}");
+            assert!(sit(folder.path(), &protocol, usize::MAX), "{name}");
+            let found = verified(&csv);
+            assert_eq!(found.errors, [], "{name}");
+            assert_eq!(found.rated.0, found.rated.1, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_path_that_does_not_lead_to_the_value_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["adjust", "slider", "plain"] {
+        let body = tasks().into_iter().find(|(task, _)| *task == name).unwrap().1;
+        sit(&folder.path().join(name), &protocol(&body), 5);
+        let csv = csv(&folder.path().join(name));
+        let (header, rows) = table(&csv);
+        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
+        let (path, set) = (rows[3][at("path")].clone(), rows[3][at("response")].clone());
+        for wrong in
+            ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN"]
+        {
+            let changed = edited(&fs::read_to_string(&csv).unwrap(), 4, at("path"), wrong);
+            let original = fs::read_to_string(&csv).unwrap();
+            fs::write(&csv, changed).unwrap();
+            let found = verified(&csv).errors;
+            let is_named = found.len() == 1 && found[0].position == Some((5, 1));
+            assert!(is_named && found[0].message.contains(&format!("has the path {wrong:?}")), "{name}: {found:?}");
+            fs::write(&csv, original).unwrap();
+        }
+        assert_eq!(verified(&csv).errors, [], "{name} {path}");
+    }
+}
+
+/// Replaces a cell in a row, counted from 1 below the header.
+fn edited(text: &str, row: usize, column: usize, cell: &str) -> String {
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let mut cells: Vec<&str> = lines[row].split(',').collect();
+    cells[column] = cell;
+    lines[row] = cells.join(",");
+    lines.join("\n") + "\n"
+}
+
+#[test]
 fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
     let (mut altered, mut without_effect) = (0, Vec::new());
     for (name, body) in
@@ -206,11 +269,7 @@ fn a_wrong_level_target_or_mark_is_named() {
     ] {
         let at = header.iter().position(|name| name == column).unwrap();
         let row = (4..rows.len()).find(|row| rows[*row][at] != value).unwrap();
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        let mut cells: Vec<&str> = lines[row + 1].split(',').collect();
-        cells[at] = value;
-        lines[row + 1] = cells.join(",");
-        fs::write(csv(folder.path()), lines.join("\n") + "\n").unwrap();
+        fs::write(csv(folder.path()), edited(&text, row + 1, at, value)).unwrap();
         let errors = verified(&csv(folder.path())).errors;
         assert!(
             errors.iter().any(|error| error.position.is_some_and(|(line, _)| line == row + 2)),

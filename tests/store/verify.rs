@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use machband::store::{sidecar::Sidecar, verify};
+use machband::store::{dataset, sidecar::Sidecar};
 
 use crate::common::{edit, machband, session_csv, succeeds, text, verified};
 
@@ -74,6 +74,30 @@ fn every_changed_text_is_reported() {
     }
 }
 
+/// Without a seal, the hash of the definition still shows that it was changed.
+#[test]
+fn a_changed_definition_is_noticed_without_a_seal() {
+    let (folder, csv) = recorded();
+    let path = csv.with_extension("json");
+    let mut sidecar = Sidecar::read(&path).unwrap().unwrap();
+    let sitting = &mut sidecar.sittings[0];
+    (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);
+    sidecar.write(&path).unwrap();
+    edit(&csv, |text| text.lines().take(9).map(|line| format!("{line}\n")).collect());
+    assert_eq!(errors(&csv), [""; 0]);
+    edit(&path, |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1));
+    let said = "the definition has sha256";
+    assert!(errors(&csv).len() == 1 && errors(&csv)[0].contains(said), "{:?}", errors(&csv));
+    for (command, status) in [
+        (&["counts", "results", "--out", "c.csv"][..], 0),
+        (&["export", "results", "--format", "bids", "--out", "out"], 1),
+        (&["simulate", "quick", "--seed", "5", "--resume"], 1),
+    ] {
+        let output = machband(folder.path(), command);
+        assert!(output.status.code() == Some(status) && text(&output.stderr).contains(said), "{command:?}: {output:?}");
+    }
+}
+
 #[test]
 fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();
@@ -82,8 +106,21 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
     fs::write(data.join(".DS_Store"), "").unwrap();
-    let left = verify::unexpected_files(data.parent().unwrap()).unwrap();
+    let left = dataset::unexpected_files(data.parent().unwrap());
     assert_eq!(left.len(), 2, "{left:?}");
+    // An analysis and an export say so, because rows may be missing.
+    let folder = data.ancestors().nth(3).unwrap();
+    let analyzed = machband(folder, &["counts", "results", "--out", "counts.csv"]);
+    let exported = machband(folder, &["export", "results", "--format", "bids", "--out", "out"]);
+    assert_eq!((analyzed.status.code(), exported.status.code()), (Some(1), Some(0)));
+    for stray in [
+        "subject-S009_session-1_task-quick_data.json: has no data file next to it",
+        "(conflicted copy).csv: is not named like",
+    ] {
+        for said in [text(&analyzed.stderr), text(&exported.stderr)] {
+            assert!(said.contains(stray), "{said}");
+        }
+    }
     let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
     let sitting = &mut sidecar.sittings[0];
     (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);

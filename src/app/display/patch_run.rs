@@ -13,7 +13,7 @@ use crate::{
         ui::{Step, describe, number, theme::ink},
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
-    store::{StoreError, Writer, readings},
+    store::{FileErrors, StoreError, Writer, readings},
     system::found,
 };
 
@@ -73,7 +73,7 @@ impl PatchRun {
                             the original settings",
                         one.channel, one.level
                     );
-                    return Err(StoreError::Mismatch { path: path.to_owned(), what });
+                    return Err(FileErrors::whole(path, what).into());
                 };
                 readings[free] = Some(one.luminance_cd_m2);
             }

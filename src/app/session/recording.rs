@@ -25,7 +25,7 @@ use crate::{
     report::terminal::message,
     stimulus::Stimulus,
     store::{
-        StoreError,
+        FileErrors, StoreError,
         frames::FrameRow,
         image,
         session::SessionStore,
@@ -86,7 +86,7 @@ impl Recording {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
             let schedule = Schedule::new(protocol, identity, seed)
-                .map_err(|error| StoreError::Mismatch { path: store.csv().to_owned(), what: error.to_string() })?;
+                .map_err(|error| FileErrors::whole(store.csv(), error.to_string()))?;
             (store, Course::new(protocol.clone(), schedule), Resumed::default(), 0.0, 1, Vec::new())
         };
         if let Some(answers) = answers {

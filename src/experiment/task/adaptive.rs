@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{
     common::Common,
     kind::Kind,
     kinds::kinds,
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
     quest::{QuestPlus, Second},
     staircase::Staircase,
 };
@@ -17,18 +17,11 @@ use crate::{
     stimulus::Stimulus,
 };
 
-/// The method of constant stimuli: every level occurs equally often, in random order.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Constant {
-    /// The levels.
-    pub levels: Vec<f64>,
-}
-
-impl Constant {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] =
-        &[TaskOption::new("levels", "Levels", OptionValue::Numbers(""), "The levels; each occurs equally often.")];
+options! {
+    /// The method of constant stimuli: every level occurs equally often, in random order.
+    Constant {
+        levels: Vec<f64> = Vec::new(), "Levels", OptionValue::Numbers(""), "The levels; each occurs equally often.";
+    }
 }
 
 kinds! {

@@ -1,10 +1,8 @@
 //! Adjustment: participants change one parameter until a criterion holds.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
 
@@ -13,54 +11,18 @@ const START: f64 = 0.3;
 /// Number of values that a simulated observer tries.
 const TRIED: u32 = 400;
 
-/// Adjustment of a parameter, beginning in turn at low and at high values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Adjust {
-    /// The parameter of the stimulus.
-    pub parameter: String,
-    /// Lowest value.
-    pub low: f64,
-    /// Highest value.
-    pub high: f64,
-    /// How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten
-    /// times finer.
-    pub step: f64,
-    /// Whether steps are equal ratios.
-    pub log: bool,
-}
-
-impl Default for Adjust {
-    fn default() -> Self {
-        Self { parameter: String::new(), low: 0.0, high: 1.0, step: 0.02, log: false }
+options! {
+    /// Adjustment of a parameter, beginning in turn at low and at high values.
+    Adjust {
+        parameter: String = String::new(), "Parameter", OptionValue::Parameter(false), "The parameter that participants change.";
+        low: f64 = 0.0, "Lowest value", OptionValue::Number, "The lowest value that can be set.";
+        high: f64 = 1.0, "Highest value", OptionValue::Number, "The highest value that can be set.";
+        step: f64 = 0.02, "Step", OptionValue::Number, "How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten times finer.";
+        log: bool = false, "Steps are ratios", OptionValue::Flag, "Steps are equal ratios instead of equal differences.";
     }
 }
 
 impl Adjust {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new(
-            "parameter",
-            "Parameter",
-            OptionValue::Parameter(false),
-            "The parameter that participants change.",
-        ),
-        TaskOption::new("low", "Lowest value", OptionValue::Number, "The lowest value that can be set."),
-        TaskOption::new("high", "Highest value", OptionValue::Number, "The highest value that can be set."),
-        TaskOption::new(
-            "step",
-            "Step",
-            OptionValue::Number,
-            "How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten times finer.",
-        ),
-        TaskOption::new(
-            "log",
-            "Steps are ratios",
-            OptionValue::Flag,
-            "Steps are equal ratios instead of equal differences.",
-        ),
-    ];
-
     fn own_dial(&self) -> Dial {
         let Self { ref parameter, low, high, step, log } = *self;
         Dial { parameter: Some(parameter.clone()), range: [low, high], step, log }

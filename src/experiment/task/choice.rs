@@ -1,10 +1,8 @@
 //! Forced choice: one of two or four stimuli is the target, and participants say which.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::{
     experiment::{faults::DefinitionErrors, scale::ResponseScale},
@@ -21,62 +19,16 @@ named! {
     }
 }
 
-/// Forced choice between a target, which is the stimulus of the condition, and copies of a reference.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Choice {
-    /// Number of stimuli, 2 or 4.
-    pub alternatives: u32,
-    /// How they are shown.
-    pub shown: Shown,
-    /// How long each interval lasts, seconds, 0.001…60.
-    pub duration_s: f64,
-    /// The uniform field between two intervals, seconds, 0.001…60.
-    pub gap_s: f64,
-    /// The parameters in which the reference differs from the target.
-    pub reference: Settings,
-    /// Whether participants are told if they were right.
-    pub feedback: bool,
-}
-
-impl Default for Choice {
-    fn default() -> Self {
-        Self {
-            alternatives: 2,
-            shown: Shown::Intervals,
-            duration_s: 0.5,
-            gap_s: 0.4,
-            reference: Settings::default(),
-            feedback: false,
-        }
+options! {
+    /// Forced choice between a target, which is the stimulus of the condition, and copies of a reference.
+    Choice {
+        alternatives: u32 = 2, "Alternatives", OptionValue::OneOf(&["2", "4"]), "Number of stimuli.";
+        shown: Shown = Shown::Intervals, "Shown as", OptionValue::OneOf(Shown::NAMES), "Intervals: one after the other, at the same place. Places: at the same time, side by side.";
+        duration_s: f64 = 0.5, "Each interval, s", OptionValue::Number, "How long each interval lasts.";
+        gap_s: f64 = 0.4, "Gap, s", OptionValue::Number, "The uniform field between two intervals.";
+        reference: Settings = Settings::default(), "Reference", OptionValue::Settings, "The parameters in which the other stimuli differ from the target.";
+        feedback: bool = false, "Feedback", OptionValue::Flag, "A mark after each answer says whether it was right.";
     }
-}
-
-impl Choice {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new("alternatives", "Alternatives", OptionValue::OneOf(&["2", "4"]), "Number of stimuli."),
-        TaskOption::new(
-            "shown",
-            "Shown as",
-            OptionValue::OneOf(Shown::NAMES),
-            "Intervals: one after the other, at the same place. Places: at the same time, side by side.",
-        ),
-        TaskOption::new("duration_s", "Each interval, s", OptionValue::Number, "How long each interval lasts."),
-        TaskOption::new("gap_s", "Gap, s", OptionValue::Number, "The uniform field between two intervals."),
-        TaskOption::new(
-            "reference",
-            "Reference",
-            OptionValue::Settings,
-            "The parameters in which the other stimuli differ from the target.",
-        ),
-        TaskOption::new(
-            "feedback",
-            "Feedback",
-            OptionValue::Flag,
-            "A mark after each answer says whether it was right.",
-        ),
-    ];
 }
 
 impl Kind for Choice {

@@ -35,6 +35,36 @@ pub enum OptionValue {
     Settings,
 }
 
+/// Declares the options of a task or of a method: a struct with a field for each of them, and how a form lists them.
+macro_rules! options {
+    (
+        $(#[$meta:meta])*
+        $name:ident {
+            $($(#[$field_meta:meta])* $field:ident: $type:ty = $default:expr, $label:literal, $value:expr, $about:literal;)*
+        }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        pub struct $name {
+            $(#[doc = $about] $(#[$field_meta])* pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// The options, as a form lists them.
+            pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] =
+                &[$($crate::experiment::task::options::TaskOption::new(stringify!($field), $label, $value, $about),)*];
+        }
+    };
+}
+pub(super) use options;
+
 impl TaskOption {
     /// Describes an option.
     pub(super) const fn new(key: &'static str, label: &'static str, value: OptionValue, about: &'static str) -> Self {

@@ -1,10 +1,8 @@
 //! Paired comparison: which of two stimuli has more of what the question asks about?
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     kind::{Answer, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, strongest},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::{
     experiment::{
@@ -27,31 +25,21 @@ named! {
     }
 }
 
-/// Comparison of conditions with each other, or of a condition with a reference.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Pair {
-    /// Which conditions are compared.
-    pub pairs: Pairs,
-    /// The factor of `chain`; by default the only one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub along: Option<String>,
-    /// The number of comparisons of `adaptive`, 1…10,000.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub trials: Option<u32>,
-    /// With an adaptive method: the parameters in which the reference differs from the target, whose level varies.
-    #[serde(skip_serializing_if = "is_empty")]
-    pub reference: Settings,
+options! {
+    /// Comparison of conditions with each other, or of a condition with a reference.
+    Pair {
+        pairs: Pairs = Pairs::All, "Pairs", OptionValue::OneOf(Pairs::NAMES), "All: every condition with every other. Chain: neighboring levels of a factor. Adaptive: the pair whose comparison is expected to tell most.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        along: Option<String> = None, "Chain along", OptionValue::Factor, "The factor whose neighboring levels a chain compares.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        trials: Option<u32> = None, "Adaptive trials", OptionValue::Optional("6 a condition"), "The number of comparisons of adaptive pairs.";
+        #[serde(skip_serializing_if = "is_empty")]
+        reference: Settings = Settings::default(), "Reference", OptionValue::Settings, "With a method that chooses levels: the parameters in which the reference differs from the target.";
+    }
 }
 
 fn is_empty(settings: &Settings) -> bool {
     settings.0.is_empty()
-}
-
-impl Default for Pair {
-    fn default() -> Self {
-        Self { pairs: Pairs::All, along: None, trials: None, reference: Settings::default() }
-    }
 }
 
 /// The number of comparisons of `adaptive` unless the definition says otherwise: six for each condition.
@@ -61,34 +49,6 @@ const MAX_COMPARED: usize = 1000;
 const MAX_RANKED: usize = 100;
 
 impl Pair {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new(
-            "pairs",
-            "Pairs",
-            OptionValue::OneOf(Pairs::NAMES),
-            "All: every condition with every other. Chain: neighboring levels of a factor. Adaptive: the pair whose comparison is expected to tell most.",
-        ),
-        TaskOption::new(
-            "along",
-            "Chain along",
-            OptionValue::Factor,
-            "The factor whose neighboring levels a chain compares.",
-        ),
-        TaskOption::new(
-            "trials",
-            "Adaptive trials",
-            OptionValue::Optional("6 a condition"),
-            "The number of comparisons of adaptive pairs.",
-        ),
-        TaskOption::new(
-            "reference",
-            "Reference",
-            OptionValue::Settings,
-            "With a method that chooses levels: the parameters in which the reference differs from the target.",
-        ),
-    ];
-
     fn with_reference(&self) -> bool {
         !is_empty(&self.reference)
     }

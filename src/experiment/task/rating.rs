@@ -1,10 +1,8 @@
 //! A rating of one stimulus: the categories of the definition, or a continuous scale.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::{
     experiment::{faults::DefinitionErrors, scale::ResponseScale, texts::Texts},
@@ -21,32 +19,15 @@ named! {
     }
 }
 
-/// A rating of one stimulus.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Rating {
-    /// What the rating is chosen from.
-    pub scale: Scale,
-}
-
-impl Default for Rating {
-    fn default() -> Self {
-        Self { scale: Scale::Categories }
+options! {
+    /// A rating of one stimulus.
+    Rating {
+        scale: Scale = Scale::Categories, "Scale", OptionValue::OneOf(Scale::NAMES), "Categories, or a slider from 0 to 100 whose ends have labels.";
     }
 }
 
 /// Lowest and highest value of the slider.
 const RANGE: [f64; 2] = [0.0, 100.0];
-
-impl Rating {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[TaskOption::new(
-        "scale",
-        "Scale",
-        OptionValue::OneOf(Scale::NAMES),
-        "Categories, or a slider from 0 to 100 whose ends have labels.",
-    )];
-}
 
 impl Kind for Rating {
     fn scale(&self) -> ResponseScale {

@@ -1,86 +1,28 @@
 //! Staircases: the level becomes harder after right answers and easier after wrong ones.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     common::Common,
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
 
-/// A transformed and weighted up-down method (Levitt 1971; Kaernbach 1991).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Staircase {
-    /// The first level.
-    pub start: f64,
-    /// Lowest level.
-    pub low: f64,
-    /// Highest level.
-    pub high: f64,
-    /// How many right answers in a row make the level harder.
-    pub down: u32,
-    /// How many wrong answers in a row make it easier.
-    pub up: u32,
-    /// The size of a step toward harder levels, on the scale of the levels. Each reversal moves on to the next size,
-    /// and the last one stays.
-    pub steps: Vec<f64>,
-    /// The size of a step toward easier levels in steps toward harder ones.
-    pub weight: f64,
-    /// The number of reversals after which it stops; `None` if only the number of trials ends it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reversals: Option<u32>,
-}
-
-impl Default for Staircase {
-    /// Converges to 70.7 % right answers (Levitt 1971).
-    fn default() -> Self {
-        Self {
-            start: f64::NAN,
-            low: f64::NAN,
-            high: f64::NAN,
-            down: 2,
-            up: 1,
-            steps: vec![0.2, 0.2, 0.1, 0.1, 0.05],
-            weight: 1.0,
-            reversals: None,
-        }
+options! {
+    /// A transformed and weighted up-down method (Levitt 1971; Kaernbach 1991). By default, it converges to 70.7 % right
+    /// answers.
+    Staircase {
+        start: f64 = f64::NAN, "First level", OptionValue::Number, "The level of the first trial.";
+        low: f64 = f64::NAN, "Lowest level", OptionValue::Number, "The lowest level.";
+        high: f64 = f64::NAN, "Highest level", OptionValue::Number, "The highest level.";
+        down: u32 = 2, "Right in a row", OptionValue::Number, "How many right answers in a row make the level harder.";
+        up: u32 = 1, "Wrong in a row", OptionValue::Number, "How many wrong answers in a row make it easier.";
+        steps: Vec<f64> = vec![0.2, 0.2, 0.1, 0.1, 0.05], "Steps", OptionValue::Numbers(""), "The size of a step toward harder levels, on the scale of the levels. Each reversal moves on to the next size, and the last one stays.";
+        weight: f64 = 1.0, "Step up, in steps down", OptionValue::Number, "The size of a step toward easier levels in steps toward harder ones.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        reversals: Option<u32> = None, "Stops after reversals", OptionValue::Optional("never"), "The number of reversals after which it stops.";
     }
 }
 
 impl Staircase {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new("start", "First level", OptionValue::Number, "The level of the first trial."),
-        TaskOption::new("low", "Lowest level", OptionValue::Number, "The lowest level."),
-        TaskOption::new("high", "Highest level", OptionValue::Number, "The highest level."),
-        TaskOption::new(
-            "down",
-            "Right in a row",
-            OptionValue::Number,
-            "How many right answers in a row make the level harder.",
-        ),
-        TaskOption::new("up", "Wrong in a row", OptionValue::Number, "How many wrong answers in a row make it easier."),
-        TaskOption::new(
-            "steps",
-            "Steps",
-            OptionValue::Numbers(""),
-            "The size of a step toward harder levels, on the scale of the levels. Each reversal moves on to the next size, and the last one stays.",
-        ),
-        TaskOption::new(
-            "weight",
-            "Step up, in steps down",
-            OptionValue::Number,
-            "The size of a step toward easier levels in steps toward harder ones.",
-        ),
-        TaskOption::new(
-            "reversals",
-            "Stops after reversals",
-            OptionValue::Optional("never"),
-            "The number of reversals after which it stops.",
-        ),
-    ];
-
     /// Adds every error.
     pub(super) fn check(&self, common: &Common, errors: &mut DefinitionErrors) {
         let named = [("start", self.start), ("low", self.low), ("high", self.high)];

@@ -1,10 +1,8 @@
 //! Yes or no: participants say whether they see the target; catch trials show the reference.
 
-use serde::{Deserialize, Serialize};
-
 use super::{
     kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::experiment::{
     faults::DefinitionErrors,
@@ -14,46 +12,13 @@ use crate::experiment::{
 /// Number of trials of a condition over which catch trials are balanced.
 const CYCLE: u32 = 20;
 
-/// Yes or no.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct YesNo {
-    /// The parameters in which the stimulus of a catch trial differs from the target.
-    pub reference: Settings,
-    /// The share of catch trials, 0.05…0.95, in steps of 0.05.
-    pub catch: f64,
-    /// Whether participants are told if they were right.
-    pub feedback: bool,
-}
-
-impl Default for YesNo {
-    fn default() -> Self {
-        Self { reference: Settings::default(), catch: 0.25, feedback: false }
+options! {
+    /// Yes or no.
+    YesNo {
+        reference: Settings = Settings::default(), "Reference", OptionValue::Settings, "The parameters in which the stimulus of a catch trial differs from the target.";
+        catch: f64 = 0.25, "Catch trials, share", OptionValue::Number, "The share of trials that show the reference: 0.05 to 0.95.";
+        feedback: bool = false, "Feedback", OptionValue::Flag, "A mark after each answer says whether it was right.";
     }
-}
-
-impl YesNo {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new(
-            "reference",
-            "Reference",
-            OptionValue::Settings,
-            "The parameters in which the stimulus of a catch trial differs from the target.",
-        ),
-        TaskOption::new(
-            "catch",
-            "Catch trials, share",
-            OptionValue::Number,
-            "The share of trials that show the reference: 0.05 to 0.95.",
-        ),
-        TaskOption::new(
-            "feedback",
-            "Feedback",
-            OptionValue::Flag,
-            "A mark after each answer says whether it was right.",
-        ),
-    ];
 }
 
 impl Kind for YesNo {

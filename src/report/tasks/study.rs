@@ -20,7 +20,6 @@ use crate::{
         ratings::{self, Listed},
         recorded::Recorded,
         sidecar::Sidecar,
-        verify,
     },
     text::Cell,
 };
@@ -127,12 +126,12 @@ impl TaskStudy {
     /// # Errors
     /// There are no sessions, a folder cannot be read, or they have different definitions.
     pub fn read(paths: &[PathBuf], exclude: &[String]) -> Result<Self, FileErrors> {
-        let (files, mut warnings) = ratings::files(paths)?;
-        let (mut errors, mut sessions) = (Vec::new(), Vec::<Recorded>::new());
+        let Listed { files, mut errors, mut warnings, .. } = ratings::files(paths)?;
+        let mut sessions = Vec::<Recorded>::new();
         for csv in files {
             match Recorded::open(&csv) {
-                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
-                Ok(session) => errors.extend(session.row_errors()),
+                Ok(session) if session.row_errors.is_empty() => sessions.push(session),
+                Ok(session) => errors.extend(session.row_errors),
                 Err(error) => errors.extend(error.errors(&csv)),
             }
         }
@@ -164,12 +163,7 @@ impl TaskStudy {
             study.add(session, exclude);
         }
         let folders = sessions.iter().filter_map(|session| Some((&*session.csv, dataset::of(&session.csv)?)));
-        let folders: Vec<(&Path, &Path)> = folders.collect();
-        warnings.extend(dataset::links_out(folders.iter().copied())?);
-        for folder in folders.into_iter().map(|(_, folder)| folder).collect::<BTreeSet<_>>() {
-            let unexpected = verify::unexpected_files(folder);
-            study.errors.extend(unexpected.unwrap_or_else(|error| error.errors(folder)));
-        }
+        warnings.extend(dataset::links_out(folders)?);
         study.warnings = warnings;
         let unknown = exclude.iter().find(|id| !study.excluded.contains(id));
         if let Some(unknown) = unknown {
@@ -308,7 +302,7 @@ fn place<T: PartialEq>(known: &mut Vec<T>, value: T) -> usize {
 /// Returns the answer of a row.
 fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial> {
     let protocol = &session.protocol;
-    let (task, Replayed { trial, shown, answer }) = (&protocol.task, session.replayed(index)?);
+    let (task, Replayed { trial, shown, answer, .. }) = (&protocol.task, session.replayed(index)?);
     let condition = session.schedule.trials[*trial].condition;
     let seen = task.outcome(shown, answer);
     let (condition, answer) = match (task.measures(), answer) {

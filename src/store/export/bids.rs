@@ -16,9 +16,9 @@ use super::{
 use crate::{
     experiment::{Column, Protocol, columns},
     store::{
-        FileError, FileErrors, StoreError,
+        StoreError,
         dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
-        file::{make_folder, write_file, write_json},
+        file::{make_folder, parse_json, write_file, write_json},
         participants::{Collected, MISSING, collect},
         recorded::Recorded,
         sitting::Sitting,
@@ -288,12 +288,7 @@ fn doi(key: &str, value: &str) -> Option<String> {
 fn written(experiments: &[Experiment]) -> Result<Vec<Value>, StoreError> {
     let descriptions = experiments.iter().map(|one| psych_ds::described(DESCRIPTION, one));
     let texts = descriptions.collect::<Result<Vec<_>, _>>()?;
-    let parse = |(path, text): (PathBuf, Vec<u8>)| {
-        serde_json::from_slice(&text).map_err(|error| {
-            let message = format!("is not the description of a data set: {error}; expected JSON");
-            FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)]).into()
-        })
-    };
+    let parse = |(path, text): (PathBuf, Vec<u8>)| Ok(parse_json(&path, &text, "the description of a data set")?);
     texts.into_iter().flatten().map(parse).collect()
 }
 

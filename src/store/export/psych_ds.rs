@@ -15,15 +15,14 @@ use crate::{
         FileErrors, StoreError,
         dataset::{DATA_FILE, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
         error::io,
-        file::{make_folder, write_file, write_json},
+        file::{make_folder, read_existing, write_file, write_json},
         frames,
-        open::{open_regular, read_regular},
+        open::open_regular,
         participants::{Collected, collect},
         recorded::Recorded,
         results,
         session::seal,
     },
-    system::unless_missing,
 };
 
 /// Writes a data set for each experiment into a subfolder of `to`.
@@ -116,7 +115,7 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
     let mut known: Option<(PathBuf, Vec<u8>)> = None;
     for dataset in experiment.datasets().keys() {
         let path = dataset.join(name);
-        let content = unless_missing(read_regular(&path, MAX_DESCRIPTION)).map_err(io(&path, "read"))?;
+        let content = read_existing(&path, MAX_DESCRIPTION)?;
         match (&known, content) {
             (Some((first, other)), Some(content)) if !is_same(other, &content) => {
                 let message = format!(

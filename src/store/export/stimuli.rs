@@ -17,6 +17,7 @@ use crate::{
         FileErrors, StoreError,
         file::{make_folder, write_file},
         image,
+        manifest::labeled,
         recorded::Recorded,
         verify::{Renderer, picture_errors},
     },
@@ -110,13 +111,8 @@ pub(super) fn write(
 /// Returns a label such as `mach-band_width-0.4_depth-1`. It is meant for people; the hash after it makes the name
 /// unique.
 fn label(protocol: &Protocol, stimulus: &Stimulus) -> String {
-    let mut label = stimulus.kind().to_owned();
     let adapted = protocol.adaptive.iter().flat_map(Adaptive::parameters);
-    for name in protocol.factors.iter().map(|factor| factor.name.as_str()).chain(adapted) {
-        let level = stimulus.get(name).map_or_else(String::new, |level| level.to_string());
-        let clean = level.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '-' });
-        label += &format!("_{name}-{}", clean.collect::<String>());
-    }
-    label.truncate(MAX_LABEL);
-    label
+    let names = protocol.factors.iter().map(|factor| factor.name.as_str()).chain(adapted);
+    let level = |name| (name, stimulus.get(name).map_or_else(String::new, |level| level.to_string()));
+    labeled(stimulus.kind().to_owned(), names.map(level), MAX_LABEL)
 }

@@ -11,7 +11,7 @@ use crate::{
     store::{
         FileErrors, StoreError, dataset,
         error::io,
-        file::{exists, full_path, make_folder, sync_folder, sync_tree},
+        file::{exists, full_path, make_folder, sync_folder, sync_tree, temporary_folder},
         ratings::Listed,
     },
     system::{entries, found, remove_tree},
@@ -57,7 +57,9 @@ pub struct Exported {
 /// was changed, or exists twice (every error in every such session is reported); a picture differs from the one that
 /// was shown; I/O errors. If there is an error, nothing is written.
 pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<Exported, StoreError> {
-    let Listed { files, warnings, .. } = Listed::sessions(from).complete(from)?;
+    let listed = Listed::sessions(from).complete(from)?;
+    let warnings = [listed.unexpected(&[]), listed.warnings].concat();
+    let files = listed.files;
     let to = target(from, to, &files)?;
     sessions::refuse_links(from, &files)?;
     let notes = warnings.iter().map(ToString::to_string).collect();
@@ -112,9 +114,7 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
         return Err(FileErrors::whole(to, "cannot be created as a folder; expected a different path").into());
     };
     make_folder(parent)?;
-    let prefix = format!(".{}.", name.to_string_lossy());
-    let mut builder = tempfile::Builder::new();
-    let temporary = builder.prefix(&prefix).suffix(".tmp").tempdir_in(parent).map_err(io(parent, "write"))?.keep();
+    let temporary = temporary_folder(to).map_err(io(parent, "write"))?;
     let export = || {
         // The folder is inside the temporary folder because only its owner can access that one.
         let folder = temporary.join(name);

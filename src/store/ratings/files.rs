@@ -2,7 +2,7 @@
 //! column names.
 
 use std::{
-    collections::HashSet,
+    collections::{BTreeSet, HashSet},
     io::Read as _,
     path::{Path, PathBuf},
 };
@@ -13,7 +13,7 @@ use super::converted::{Converted, converted};
 use crate::{
     store::{
         Columns, FileError, FileErrors, StoreError,
-        dataset::{DATA_FILE, DESCRIPTION},
+        dataset::{self, DATA_FILE, DESCRIPTION},
         error::io,
         frames,
         open::open_regular,
@@ -23,13 +23,13 @@ use crate::{
     text::names::natural,
 };
 
-/// Returns the files to read, without duplicates and in the given order, and warnings about folders that were not read.
-/// The files of a folder are in natural order of their paths.
+/// Lists the files to read, without duplicates and in the given order. The files of a folder are in natural order of their
+/// paths. What is beside the sessions of a folder and belongs to none is an error, because rows may be missing.
 ///
 /// # Errors
 /// A file or folder does not exist or cannot be read; a folder contains no CSV files.
-pub fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileErrors> {
-    let (mut all, mut errors, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
+    let (mut all, mut errors) = (Listed::default(), Vec::new());
     for path in paths {
         match found(path).map_err(io(path, "access")) {
             Ok(Some(metadata)) if metadata.is_dir() => {
@@ -37,13 +37,14 @@ pub fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileEr
                 if listed.files.is_empty() && listed.errors.is_empty() {
                     errors.push(FileError::whole(path, "contains no CSV files; expected a folder of result files"));
                 }
+                all.errors.extend(listed.unexpected(&[]));
                 errors.extend(listed.errors);
-                warnings.extend(listed.warnings);
-                all.extend(listed.files);
+                all.warnings.extend(listed.warnings);
+                all.files.extend(listed.files);
             }
             // A pattern such as `data/*.csv` matches the frames files along with the data files.
             Ok(Some(_)) if has_suffix(path, frames::SUFFIX) => {}
-            Ok(Some(_)) => all.push(path.clone()),
+            Ok(Some(_)) => all.files.push(path.clone()),
             Ok(None) => {
                 let message = "does not exist; expected a CSV file or a folder of CSV files";
                 errors.push(FileError::whole(path, message));
@@ -52,14 +53,14 @@ pub fn files(paths: &[PathBuf]) -> Result<(Vec<PathBuf>, Vec<FileError>), FileEr
         }
     }
     let mut seen = HashSet::new();
-    all.retain(|path| match path.canonicalize().map_err(io(path, "access")) {
+    all.files.retain(|path| match path.canonicalize().map_err(io(path, "access")) {
         Ok(full) => seen.insert(full),
         Err(error) => {
             errors.extend(error.errors(path));
             false
         }
     });
-    if errors.is_empty() { Ok((all, warnings)) } else { Err(FileErrors([errors, warnings].concat())) }
+    if errors.is_empty() { Ok(all) } else { Err(FileErrors([errors, all.warnings].concat())) }
 }
 
 /// Returns the names of the columns of a table, in the order of the file. A name may be empty or appear twice.
@@ -124,6 +125,17 @@ impl Listed {
     pub fn nothing(&self, root: &Path) -> FileErrors {
         let message = "contains no session data files; expected a results folder";
         FileErrors([&[FileError::whole(root, message)], &self.warnings[..]].concat())
+    }
+
+    /// Returns the files in the folders of the sessions, and of the data sets `also`, that belong to no session. Folders with
+    /// other errors are left out.
+    #[must_use]
+    pub fn unexpected(&self, also: &[PathBuf]) -> Vec<FileError> {
+        let sessions = self.files.iter().filter(|csv| dataset::identity(csv).is_ok());
+        let datasets: BTreeSet<&Path> =
+            sessions.filter_map(|csv| dataset::of(csv)).chain(also.iter().map(AsRef::as_ref)).collect();
+        let is_listed = |dataset: &&Path| !self.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
+        datasets.into_iter().filter(is_listed).flat_map(dataset::unexpected_files).collect()
     }
 
     /// Lists the tables in a folder.

@@ -2,7 +2,7 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -17,7 +17,7 @@ use super::{
     values,
 };
 use crate::{
-    experiment::{Phase, RatingRow},
+    experiment::{Phase, Protocol, RatingRow},
     store::{
         Columns, FileError, FileErrors, StoreError,
         columns::{Mapped, Texts},
@@ -44,10 +44,10 @@ pub fn read<T>(
     new: impl FnOnce(&Shape) -> T,
     add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
 ) -> Result<(Source, T), FileErrors> {
-    let (files, warnings) = files::files(paths)?;
+    let files::Listed { files, errors, warnings, .. } = files::files(paths)?;
     let definitions = Definitions::default();
     let opened: Vec<_> = files.par_iter().map(|path| Input::new(path, options, &definitions)).collect();
-    let (mut inputs, mut errors, mut failed) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut inputs, mut errors, mut failed) = (Vec::new(), errors, Vec::new());
     for (found, path) in opened.into_iter().zip(&files) {
         match found {
             Ok((file, found)) => {
@@ -134,6 +134,7 @@ fn read_inputs<T>(
     }
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
+    warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     let mut known = HashMap::new();
     warnings.extend(reports.iter().filter(|report| report.layout == Layout::Long).filter_map(|report| {
@@ -224,6 +225,29 @@ fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
     Ok(warnings)
 }
 
+/// Returns a warning for each session of which rows are missing between others. An adaptive method leaves out trials, and
+/// rows with errors are reported as such.
+fn gaps(selection: &Selection, sessions: &[SessionRead], reports: &[FileRead]) -> Vec<FileError> {
+    let is_planned = |protocol: &Protocol| protocol.adaptive.is_none() && protocol.task.ranking().is_none();
+    if !selection.protocol.as_ref().is_some_and(is_planned) {
+        return Vec::new();
+    }
+    let with_errors: HashSet<&PathBuf> =
+        reports.iter().filter(|report| report.erroneous > 0).map(|report| &report.path).collect();
+    let is_unexplained = |session: &&SessionRead| {
+        let is_whole = session.sidecar.as_ref().is_some_and(|sidecar| !sidecar.is_repaired());
+        session.skipped > 0 && is_whole && !with_errors.contains(&session.path)
+    };
+    let warning = |session: &SessionRead| {
+        let message = format!(
+            "main trials without a row, although later trials have one: {}; expected a row for every trial before the last",
+            session.skipped
+        );
+        FileError::whole(&session.path, message)
+    };
+    sessions.iter().filter(is_unexplained).map(warning).collect()
+}
+
 /// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
 fn counts_warning(inputs: &[Input]) -> Option<FileError> {
     let mut tables = inputs.iter().filter(|input| input.layout == Layout::Counts);
@@ -296,6 +320,7 @@ fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
         path: input.path.clone(),
         planned: input.planned(),
         rated: 0,
+        skipped: 0,
         dropped: None,
         sidecar: input.sidecar.clone(),
     }

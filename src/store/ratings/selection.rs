@@ -232,17 +232,19 @@ impl Columns {
 /// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands of
 /// sessions.
 #[derive(Debug, Default)]
-pub(super) struct Definitions(Mutex<HashMap<String, Arc<Protocol>>>);
+pub(super) struct Definitions(Mutex<HashMap<String, (Arc<Protocol>, String)>>);
 
 impl Definitions {
-    /// Returns the definition in a sidecar.
-    fn protocol(&self, file: &str, definition: &Value) -> Result<Arc<Protocol>, FileErrors> {
+    /// Returns the definition in a sidecar, and its hash.
+    fn protocol(&self, file: &str, definition: &Value) -> Result<(Arc<Protocol>, String), FileErrors> {
         let key = definition.to_string();
         let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known().get(&key) {
             return Ok(found.clone());
         }
-        let found = Arc::new(definition::from_json(file, definition)?);
+        let found = definition::from_json(file, definition)?;
+        let hash = definition::hash(&found);
+        let found = (Arc::new(found), hash);
         known().insert(key, found.clone());
         Ok(found)
     }
@@ -281,7 +283,10 @@ impl Input {
             if let Some(sidecar) = &mut sidecar {
                 changed = seal::errors(path, sidecar)?;
                 match definitions.protocol(&name, &sidecar.definition) {
-                    Ok(found) => protocol = Some(found),
+                    Ok((found, hash)) => {
+                        changed.extend(sidecar.definition_error(&beside, &hash));
+                        protocol = Some(found);
+                    }
                     Err(found) => errors.extend(found.0),
                 }
                 shorten(sidecar);

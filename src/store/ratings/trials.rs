@@ -29,8 +29,15 @@ pub(super) fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], f
     }
     attempts.sort_unstable();
     let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
+    let mut furthest = (u32::MAX, 0);
     for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
         let last = same_trial.last().map(|row| row.attempt);
+        let Attempt { session, is_main, trial, .. } = same_trial[0];
+        if is_main {
+            let before = if furthest.0 == session { furthest.1 } else { 0 };
+            sessions[session as usize].skipped += u64::from(trial - before - 1);
+            furthest = (session, trial);
+        }
         for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
             let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
             let mut set = |row: &Attempt, status| files[row.file as usize].status[row.row as usize] = status;

@@ -2,7 +2,7 @@
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
-    collections::{BTreeMap, HashSet},
+    collections::{BTreeMap, BTreeSet, HashSet},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -15,7 +15,7 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         error::io,
-        file::{exists, make_folder, remove_temporary, write_json, write_missing},
+        file::{ABANDONED, exists, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
     system::{entries, found, link_target, unless_missing},
@@ -85,7 +85,7 @@ impl SessionPaths {
             let sidecar = self.sidecar.file_name().unwrap_or_default().to_string_lossy();
             remove_temporary(&self.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
         }
-        remove_temporary(&self.dataset, |_| true, Duration::from_secs(60));
+        remove_temporary(&self.dataset, |_| true, ABANDONED);
     }
 
     /// Refuses links inside the results folder. Nothing in it may lead out of it, because anyone who puts a link there
@@ -108,8 +108,9 @@ impl SessionPaths {
 /// # Errors
 /// This is a link, or the disk does not say whether it is one.
 pub(crate) fn refuse_link(path: &Path) -> Result<(), StoreError> {
-    let target = link_target(path).map_err(io(path, "access"))?;
-    target.map_or(Ok(()), |target| Err(StoreError::Link { path: path.to_owned(), target }))
+    let Some(target) = link_target(path).map_err(io(path, "access"))? else { return Ok(()) };
+    let expected = "expected a regular file or folder (only the results folder itself can be a link)";
+    Err(FileErrors::whole(path, format!("is a link to {}; {expected}", target.display())).into())
 }
 
 /// Returns the data set of a data file: the folder that contains its `data` folder.
@@ -172,6 +173,36 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
     };
     let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
     Ok((stem.to_owned(), identity))
+}
+
+/// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
+/// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
+/// /// A folder that exists but cannot be read is an error too.
+#[must_use]
+pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
+    let data = dataset.join("data");
+    let listed = match unless_missing(entries(&data)).map_err(io(&data, "read")) {
+        Ok(listed) => listed.unwrap_or_default(),
+        Err(error) => return error.errors(dataset),
+    };
+    let files: BTreeSet<PathBuf> = listed.into_iter().collect();
+    let error = |path: &PathBuf| {
+        let name = path.file_name()?.to_string_lossy().into_owned();
+        let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
+        if name.starts_with('.') || !is_text {
+            return None;
+        }
+        let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix));
+        let csv = stem.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
+        match csv.filter(|csv| identity(csv).is_ok()) {
+            None => Some(FileError::whole(path, "is not named like a file of a session; expected only such files")),
+            Some(csv) if !files.contains(&csv) => {
+                Some(FileError::whole(path, "has no data file next to it; expected the rows of its session"))
+            }
+            Some(_) => None,
+        }
+    };
+    files.iter().filter_map(error).collect()
 }
 
 /// Returns the first of `P001`, `P002`, … that has no file in this experiment's results.

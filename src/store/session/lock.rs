@@ -12,7 +12,7 @@ use std::{
 };
 
 use crate::store::{
-    StoreError,
+    FileErrors, StoreError,
     file::{self, exists},
 };
 
@@ -38,8 +38,8 @@ impl LockFile {
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(_) => Ok((Some(Self(path)), Some(format!("{unlocked}; a lock file protected the session")))),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                let what = "means that another program is writing this session; expected it to be closed first. If no program on any computer is writing it, remove this file".to_owned();
-                Err(StoreError::Mismatch { path, what })
+                let what = "means that another program is writing this session; expected it to be closed first. If no program on any computer is writing it, remove this file";
+                Err(FileErrors::whole(path, what).into())
             }
             Err(error) => {
                 let path = path.display();

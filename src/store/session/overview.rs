@@ -55,8 +55,8 @@ impl SessionState {
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
-            let what = "shows pictures of its own; expected to be resumed with the definition beside them".to_owned();
-            return Err(StoreError::Mismatch { path, what });
+            let what = "shows pictures of its own; expected to be resumed with the definition beside them";
+            return Err(FileErrors::whole(path, what).into());
         }
         Ok((protocol, distance_cm))
     }
@@ -78,7 +78,7 @@ impl SessionState {
         if lock::is_held(&self.csv)? {
             return Err(StoreError::InUse(self.csv.clone()));
         }
-        if !results::read(&self.csv, &columns(&protocol))?.rows.is_empty() {
+        if !results::read(&self.csv, &columns(&protocol))?.is_empty() {
             return refuse("contains ratings; expected a session without any");
         }
         let results = dataset::of(&self.csv).and_then(Path::parent).unwrap_or(Path::new(""));
@@ -100,7 +100,7 @@ impl SessionState {
         let rated = if complete {
             planned
         } else {
-            let rows = results::read(&csv, &columns(&protocol))?.rows;
+            let rows = results::read(&csv, &columns(&protocol))?;
             rows.iter().map(|row| (row.phase, row.trial)).collect::<HashSet<_>>().len()
         };
         let started_at = sidecar.sittings.last().map(|sitting| sitting.started_at.clone()).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! The participants of a data set, `participants.tsv` and its description `participants.json`, as in BIDS: one row for
 //! each participant with their latest answers. The sidecar of each session has the answers of that session.
 
-use std::{collections::BTreeSet, io::ErrorKind, path::Path};
+use std::{collections::BTreeSet, path::Path};
 
 use serde_json::{Map, Value, json};
 
@@ -10,9 +10,7 @@ use crate::{
     experiment::{Answers, FieldKind, ParticipantFields},
     store::{
         FileError, FileErrors, StoreError,
-        error::io,
-        file::{in_turn, write_json, write_whole},
-        open::read_regular,
+        file::{in_turn, parse_json, read_existing, write_json, write_whole},
     },
     text::is_formula,
 };
@@ -38,13 +36,10 @@ impl Participants {
     /// The file cannot be read, or it is not a table of participants.
     pub fn read(dataset: &Path) -> Result<Self, StoreError> {
         let path = dataset.join(PARTICIPANTS);
-        let text = match read_regular(&path, MAX_FILE) {
-            // The table is written again as a whole, so replacing bytes here would destroy what others entered.
-            Ok(text) => String::from_utf8(text)
-                .map_err(|_| FileErrors::whole(&path, "is not UTF-8 text; expected a table encoded in UTF-8"))?,
-            Err(error) if error.kind() == ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(io(&path, "read")(error)),
-        };
+        let text = read_existing(&path, MAX_FILE)?.unwrap_or_default();
+        // The table is written again as a whole, so replacing bytes here would destroy what others entered.
+        let text = String::from_utf8(text)
+            .map_err(|_| FileErrors::whole(&path, "is not UTF-8 text; expected a table encoded in UTF-8"))?;
         // Old spreadsheets end lines with only a carriage return.
         let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
         let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.is_empty());
@@ -171,14 +166,8 @@ pub(super) fn enter(
 /// The file cannot be read, or it is not an object in JSON.
 fn described(dataset: &Path) -> Result<Map<String, Value>, StoreError> {
     let path = dataset.join(PARTICIPANTS_DESCRIBED);
-    match read_regular(&path, MAX_FILE) {
-        Ok(text) => serde_json::from_slice(&text).map_err(|error| {
-            let message = format!("is not a description of columns: {error}; expected an object in JSON");
-            FileErrors(vec![FileError::at(&path, (error.line(), error.column()), message)]).into()
-        }),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Map::new()),
-        Err(error) => Err(io(&path, "read")(error)),
-    }
+    let found = read_existing(&path, MAX_FILE)?;
+    found.map_or_else(|| Ok(Map::new()), |text| Ok(parse_json(&path, &text, "a description of columns")?))
 }
 
 /// What several data sets say about their participants.

@@ -1,7 +1,7 @@
 //! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
@@ -45,11 +45,13 @@ pub struct Recorded {
     pub rows: Vec<TrialRecord>,
     /// What each row records, or why no session could have recorded it there.
     replayed: Vec<Result<Replayed, String>>,
+    /// The rows that no session could have recorded in their place.
+    pub row_errors: Vec<FileError>,
     /// The number of trials that are still to be answered.
     left: usize,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
-    /// The files that differ from what the session wrote, according to its seals.
+    /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
     pub changed: Vec<FileError>,
 }
 
@@ -89,19 +91,24 @@ impl Recorded {
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
         let schedule = Schedule::new(&protocol, &identity, sidecar.seed)
-            .map_err(|error| StoreError::Mismatch { path: sidecar_path.clone(), what: error.to_string() })?;
+            .map_err(|error| FileErrors::whole(&sidecar_path, error.to_string()))?;
         let (data, columns) = (results::content(csv)?, columns(&protocol));
         let hashes = Hashes::read(csv, &sidecar, Some(&data))?;
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
+        let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
+        changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)?;
         let course = Course::new(protocol.clone(), schedule.clone());
-        let (replayed, left) = replay(Replay::new(&identity, course, sidecar.is_repaired()), &rows);
+        let replays = replay(csv, course, (&identity, &sidecar), &rows);
+        let left = replays.left();
+        let Replays { replayed, errors: row_errors, .. } = replays;
         Ok(Self {
-            changed: hashes.differences(csv, &sidecar).iter().map(Difference::error).collect(),
+            changed,
             frames_sha256: hashes.of_frames().map(str::to_owned),
             rows,
             replayed,
+            row_errors,
             left,
             data,
             sidecar_text,
@@ -157,51 +164,57 @@ impl Recorded {
         let (rated, planned) = self.rated();
         rated == planned && self.partial_line.is_none()
     }
+}
 
-    /// Returns all errors in the rows. The definition and the seed must plan every row, and the rows must be in an
-    /// order in which a session records them.
-    pub fn row_errors(&self) -> Vec<FileError> {
-        let (mut planned, mut errors) = (Vec::new(), Vec::new());
-        for ((row, replayed), line) in self.rows.iter().zip(&self.replayed).zip(2..) {
-            match replayed {
-                Ok(_) => planned.push((row, line)),
-                Err(message) => errors.push(FileError::at(&self.csv, (line, 1), message.clone())),
-            }
-        }
-        errors.extend(order_errors(&self.csv, planned, self.sidecar.is_repaired()));
-        errors.sort_by_key(|error| error.position);
-        errors
+/// The rows of a session, as they were recomputed.
+pub(super) struct Replays {
+    /// The session after the rows.
+    pub course: Course,
+    /// What each row records, or why no session could have recorded it there.
+    pub replayed: Vec<Result<Replayed, String>>,
+    /// The rows that the definition and the seed do not plan, or that are not in an order in which a session records them.
+    pub errors: Vec<FileError>,
+}
+
+impl Replays {
+    /// Returns the trials that are answered.
+    pub fn done(&self) -> BTreeSet<usize> {
+        self.replayed.iter().flatten().map(|row| row.trial).collect()
+    }
+
+    /// Returns the number of trials that are still to be answered.
+    pub fn left(&self) -> usize {
+        let done = self.done();
+        let is_left = |trial: &usize| !done.contains(trial) && !self.course.is_over(*trial);
+        (0..self.course.schedule().trials.len()).filter(is_left).count()
     }
 }
 
-/// Replays rows. Also returns the number of trials that are still to be answered.
-fn replay(mut replay: Replay<'_>, rows: &[TrialRecord]) -> (Vec<Result<Replayed, String>>, usize) {
-    let replayed: Vec<_> = rows.iter().map(|row| replay.row(row)).collect();
-    let done: HashSet<usize> = replayed.iter().flatten().map(|row: &Replayed| row.trial).collect();
-    let course = replay.course();
-    let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
-    let left = (0..course.schedule().trials.len()).filter(is_left).count();
-    (replayed, left)
+/// Recomputes the rows of a session that begins with `course`.
+pub(super) fn replay(
+    csv: &Path,
+    course: Course,
+    (identity, sidecar): (&Identity, &Sidecar),
+    rows: &[TrialRecord],
+) -> Replays {
+    let is_repaired = sidecar.is_repaired();
+    let mut replay = Replay::new(identity, course, is_repaired);
+    let mut order = Order::new(is_repaired, sidecar.sittings.len());
+    let (mut replayed, mut errors) = (Vec::new(), Vec::new());
+    for (row, line) in rows.iter().zip(2..) {
+        let found = replay.row(row);
+        let wrong = match &found {
+            Ok(planned) => planned.gap.clone().into_iter().chain(order.add(row)).collect(),
+            Err(message) => vec![message.clone()],
+        };
+        errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
+        replayed.push(found);
+    }
+    Replays { course: replay.into_course(), replayed, errors }
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.
 const TOLERANCE_S: f64 = 0.002;
-
-/// Returns an error for each row that no session could have recorded in this place; each row is given with its line.
-pub(crate) fn order_errors<'a>(
-    csv: &Path,
-    rows: impl IntoIterator<Item = (&'a TrialRecord, usize)>,
-    is_repaired: bool,
-) -> Vec<FileError> {
-    let mut order = Order::new(is_repaired);
-    let mut errors = Vec::new();
-    for (row, line) in rows {
-        let error = |what: String| FileError::at(csv, (line, 1), format!("row {} {what}", row.row_id));
-        errors.extend(order.errors(row).into_iter().map(error));
-        order.add(row);
-    }
-    errors
-}
 
 /// Phase (true for main) and number of a trial.
 type Place = (bool, u32);
@@ -209,8 +222,10 @@ type Place = (bool, u32);
 /// The order in which a session records rows. Within a sitting, first attempts are in the planned order, practice before
 /// main; a correction directly follows the rating that it corrects; and time advances equally in `onset_s` and
 /// `started_at`. A repair may have removed any row.
-pub(super) struct Order<'a> {
+pub(in crate::store) struct Order<'a> {
     is_repaired: bool,
+    /// The number of sittings.
+    sittings: usize,
     /// The last attempt of each trial of a session.
     attempts: HashMap<((&'a str, &'a str), Place), u32>,
     /// The last row of each session, and the furthest trial of its sitting.
@@ -218,14 +233,21 @@ pub(super) struct Order<'a> {
 }
 
 impl<'a> Order<'a> {
-    pub fn new(is_repaired: bool) -> Self {
-        Self { is_repaired, attempts: HashMap::new(), last: HashMap::new() }
+    pub fn new(is_repaired: bool, sittings: usize) -> Self {
+        Self { is_repaired, sittings, attempts: HashMap::new(), last: HashMap::new() }
     }
 
-    /// Returns the reasons why a row cannot follow the rows so far.
+    /// Returns a message for each reason why a row cannot follow the rows so far.
     pub fn errors(&self, row: &'a TrialRecord) -> Vec<String> {
+        self.faults(row).into_iter().map(|fault| format!("row {} {fault}", row.row_id)).collect()
+    }
+
+    fn faults(&self, row: &'a TrialRecord) -> Vec<String> {
         let (session, place, attempt) = (session_of(row), place_of(row), row.attempt);
         let mut errors = Vec::new();
+        if !(1..=self.sittings).contains(&(row.sitting as usize)) {
+            errors.push(format!("is of sitting {}; expected 1 to {}, as in the sidecar", row.sitting, self.sittings));
+        }
         let expected = self.attempts.get(&(session, place)).copied().unwrap_or(0) + 1;
         if attempt != expected && !(self.is_repaired && attempt > expected) {
             errors.push(format!("is attempt {attempt}; expected attempt {expected}"));
@@ -259,13 +281,15 @@ impl<'a> Order<'a> {
         errors
     }
 
-    /// Adds a row as the last one.
-    pub fn add(&mut self, row: &'a TrialRecord) {
+    /// Adds a row as the last one, and returns its errors.
+    pub fn add(&mut self, row: &'a TrialRecord) -> Vec<String> {
+        let errors = self.errors(row);
         let (session, place) = (session_of(row), place_of(row));
         self.attempts.insert((session, place), row.attempt);
         let before = self.last.get(&session).filter(|(above, _)| above.sitting == row.sitting);
         let furthest = before.map_or(place, |(_, furthest)| place.max(*furthest));
         self.last.insert(session, (row, furthest));
+        errors
     }
 }
 

@@ -32,12 +32,14 @@ pub struct Repaired {
     pub moved_to: Option<PathBuf>,
     /// True if the header was damaged or gone and was written again.
     pub header_restored: bool,
+    /// True if rows are missing although no line is damaged, and the sidecar did not say so.
+    pub has_gaps: bool,
 }
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
 /// the definition and the seed do not plan, or that no session could have recorded in their place. A damaged header is
-/// replaced. Every byte is kept. The sidecar records the repair, and the trials of the moved lines are shown again when the
-/// session is resumed. The seals are not renewed.
+/// replaced. Every byte is kept. The sidecar records the repair, also that rows are missing, and the trials of the moved and
+/// the missing lines are shown again when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
 /// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
@@ -53,24 +55,26 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let open = ResultFile::open(csv, &columns)?;
     let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
     let before = results::content(csv)?;
-    let Sorted { header_restored, lines, damaged, kept } =
-        sort(&before, (&protocol, &identity, sidecar.seed), &columns, csv)?;
-    if kept == before {
-        return Ok(Repaired { lines, moved_to: None, header_restored: false });
+    let Sorted { header_restored, lines, damaged, kept, has_gaps } =
+        sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
+    let has_gaps = has_gaps && lines.is_empty() && !sidecar.is_repaired();
+    if kept == before && !has_gaps {
+        return Ok(Repaired { lines, moved_to: None, header_restored: false, has_gaps });
     }
     let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
     let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
-    let what = match (lines.len(), header_restored) {
-        (0, _) => "the header was restored".to_owned(),
-        (count, false) => format!("damaged lines were moved to {name}: {count}"),
-        (count, true) => format!("damaged lines were moved to {name}: {count}; the header was restored"),
-    };
+    let moved = moved_to.as_ref().map(|_| format!("damaged lines were moved to {name}: {}", lines.len()));
+    let header = header_restored.then(|| "the header was restored".to_owned());
+    let gaps = has_gaps.then(|| "rows are missing".to_owned());
+    let what = moved.into_iter().chain(header).chain(gaps).collect::<Vec<_>>().join("; ");
     record(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"), &mut sidecar);
     // If the repair ends in the middle, it is recorded and can be repeated; rows must not disappear without a record.
     sidecar.write(&sidecar_path)?;
-    write_whole(csv, &kept, true)?;
-    Ok(Repaired { lines, moved_to, header_restored })
+    if kept != before {
+        write_whole(csv, &kept, true)?;
+    }
+    Ok(Repaired { lines, moved_to, header_restored, has_gaps })
 }
 
 /// The lines of a data file.
@@ -81,17 +85,21 @@ struct Sorted {
     damaged: Vec<u8>,
     /// The header and the other lines.
     kept: Vec<u8>,
+    /// True if rows are missing between those that are kept.
+    has_gaps: bool,
 }
 
 fn sort(
     content: &[u8],
-    (protocol, identity, seed): (&Protocol, &Identity, u64),
+    (protocol, identity, sidecar): (&Protocol, &Identity, &Sidecar),
     columns: &[Column],
     csv: &Path,
-) -> Result<Sorted, StoreError> {
-    let mismatch = |what: String| StoreError::Mismatch { path: csv.to_owned(), what };
+) -> Result<Sorted, FileErrors> {
+    let mismatch = |what: String| FileErrors::whole(csv, what);
+    let seed = sidecar.seed;
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
-    let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), true);
+    let course = Course::new(protocol.clone(), schedule);
+    let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
     let count = content.iter().filter(|byte| **byte == b'\n').count();
     let empty = content.windows(2).filter(|pair| *pair == b"\n\n").count();
     if 2 * empty > count {
@@ -109,14 +117,15 @@ fn sort(
     };
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
     let readable = rows.iter().flatten().count();
-    let (mut planned, mut order) = (0, Order::new(true));
+    let (mut planned, mut order) = (0, Order::new(true, sidecar.sittings.len()));
     let header_restored = number == 1;
-    let mut sorted = Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header };
+    let mut sorted = Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header, has_gaps: false };
     for ((line, row), number) in lines.iter().zip(&rows).zip(number..) {
         let row = row.as_ref().filter(|row| replay.row(row).is_ok());
         planned += usize::from(row.is_some());
         if let Some(row) = row.filter(|row| order.errors(row).is_empty()) {
             order.add(row);
+            sorted.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
             sorted.kept.extend_from_slice(line);
         } else {
             sorted.lines.push(number);

@@ -22,15 +22,6 @@ pub struct ResultFile {
     pub(in crate::store) file: AppendFile,
 }
 
-/// The content of a result file.
-#[derive(Debug, PartialEq)]
-pub struct Recovered {
-    /// The rows, in the order of the file.
-    pub rows: Vec<TrialRecord>,
-    /// An incomplete last line, if there is one.
-    pub partial_line: Option<String>,
-}
-
 impl ResultFile {
     /// Creates the file with its header. An existing file is never touched.
     ///
@@ -55,9 +46,8 @@ impl ResultFile {
     ///
     /// # Errors
     /// Reports every row that cannot be parsed, with its line and column.
-    pub fn recover(&self, columns: &[Column]) -> Result<Recovered, FileErrors> {
-        let rows = parse(&self.file.path().display().to_string(), self.file.content(), columns)?;
-        Ok(Recovered { rows, partial_line: self.file.partial_line().map(str::to_owned) })
+    pub fn recover(&self, columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
+        parse(&self.file.path().display().to_string(), self.file.content(), columns)
     }
 
     /// Appends a row. It is kept in memory from now on, and it is on disk when this returns without an error.
@@ -73,9 +63,9 @@ impl ResultFile {
 ///
 /// # Errors
 /// I/O errors; every row that cannot be parsed, with its line and column.
-pub fn read(path: &Path, columns: &[Column]) -> Result<Recovered, StoreError> {
-    let (content, partial_line) = whole(path, content(path)?, columns)?;
-    Ok(Recovered { rows: parse(&path.display().to_string(), &content, columns)?, partial_line })
+pub fn read(path: &Path, columns: &[Column]) -> Result<Vec<TrialRecord>, StoreError> {
+    let (content, _) = whole(path, content(path)?, columns)?;
+    Ok(parse(&path.display().to_string(), &content, columns)?)
 }
 
 /// Reads the content of a result file.

@@ -11,10 +11,8 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError, definition,
         error::io,
-        file::{sha256, write_json},
-        open::read_regular,
+        file::{parse_json, read_existing, sha256, write_json},
     },
-    system::unless_missing,
 };
 
 /// Maximum size in bytes of a sidecar. The largest has a hash for each of 100,000 conditions, 8 MB in all, for each
@@ -92,6 +90,14 @@ impl Sidecar {
         self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
 
+    /// Returns an error if the definition in the sidecar at `path`, of which this is [`definition::hash`], is not the one
+    /// that was used.
+    pub(in crate::store) fn definition_error(&self, path: &Path, hash: &str) -> Option<FileError> {
+        let expected = &self.definition_sha256;
+        let message = || format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
+        (hash != expected).then(|| FileError::whole(path, message()))
+    }
+
     /// Returns the seals of the sittings, in their order.
     pub(super) fn seals(&self) -> impl DoubleEndedIterator<Item = &Seal> {
         self.sittings.iter().filter_map(|sitting| sitting.seal.as_ref())
@@ -135,7 +141,7 @@ impl Sidecar {
     }
 
     /// True if damaged lines were moved from the data file.
-    pub(super) fn is_repaired(&self) -> bool {
+    pub(in crate::store) fn is_repaired(&self) -> bool {
         self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(REPAIRED))
     }
 
@@ -152,7 +158,7 @@ impl Sidecar {
     /// # Errors
     /// The file is not readable.
     pub(super) fn text(path: &Path) -> Result<Option<Vec<u8>>, StoreError> {
-        unless_missing(read_regular(path, MAX_FILE)).map_err(io(path, "read"))
+        read_existing(path, MAX_FILE)
     }
 
     /// Parses the text of the sidecar at `path`.
@@ -160,10 +166,7 @@ impl Sidecar {
     /// # Errors
     /// It is not a sidecar, with the line and column.
     pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Self, StoreError> {
-        let read: Self = serde_json::from_slice(text).map_err(|error| {
-            let message = format!("is not a sidecar of a session: {error}");
-            FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
-        })?;
+        let read: Self = parse_json(path, text, "a sidecar of a session")?;
         if read.sittings.is_empty() {
             return Err(FileErrors::whole(path, "lists no sitting; expected at least one").into());
         }

@@ -8,16 +8,16 @@ use super::{
     frames::{FrameFile, FrameRow},
     lock::LockFile,
     participants,
-    recorded::order_errors,
-    results::{Recovered, ResultFile},
+    recorded::{Replays, replay},
+    results::ResultFile,
     seal::{Difference, Hashes},
     sidecar::Sidecar,
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
 };
 use crate::{
-    experiment::{Answers, Course, Identity, Protocol, Replay, Replayed, Resumed, Schedule, TrialRecord, columns},
+    experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
-    store::{FileError, FileErrors, StoreError, definition, file::exists},
+    store::{FileErrors, StoreError, definition, file::exists},
 };
 
 /// The files of a running session.
@@ -119,8 +119,8 @@ impl SessionStore {
     /// Resumes an interrupted session.
     ///
     /// # Errors
-    /// [`StoreError::NothingToResume`]; [`StoreError::Mismatch`] if the definition, the seed or a row does not belong
-    /// to this session; [`StoreError::InUse`]; rows that cannot be parsed; files that were changed after they were
+    /// [`StoreError::NothingToResume`]; a definition, a seed or a row that does not belong to this session;
+    /// [`StoreError::InUse`]; rows that cannot be parsed; files that were changed after they were
     /// sealed, unless `changes` accepts that. If there is an error, nothing is changed.
     pub fn resume(
         results: &Path,
@@ -132,8 +132,11 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, course, resumed, recovered } = found;
-        let sittings = recovered.rows.last().map_or(0, |row| row.sitting).max(sidecar.sittings.len() as u32);
+        let Found { paths, rows, sidecar, differences, replays, recovered } = found;
+        let resumed = Resumed { done: replays.done(), ..Resumed::default() };
+        let course = replays.course;
+        let partial_line = rows.file.partial_line().map(str::to_owned);
+        let sitting_number = sidecar.sittings.len() as u32 + 1;
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
         let (protocol, identity, frames) = (protocol.clone(), identity.clone(), frames.ok());
@@ -150,7 +153,7 @@ impl SessionStore {
             store.sidecar.sittings.push(sitting);
             incident.into_iter().for_each(|incident| store.note(incident));
             differences.iter().for_each(|difference| store.note(difference.accepted()));
-            if let Some(partial_line) = &recovered.partial_line {
+            if let Some(partial_line) = &partial_line {
                 store.note(format!(
                     "an incomplete last row was removed, and its trial was shown again: {partial_line:?}"
                 ));
@@ -161,15 +164,15 @@ impl SessionStore {
             store.sidecar.write(&store.paths.sidecar)?;
             store.rows.file.flush()?;
         }
-        let last = recovered.rows.last();
+        let last = recovered.last();
         // Times of answers are measured from the last interval, and onsets are those of the first.
         let lead_s = course.protocol().task.layout().lead_s();
         let interrupted = Interrupted {
             resumed,
             elapsed_s: last.map_or(0.0, |row| row.onset_s.0 + lead_s + row.response_time_s.0),
-            rows: recovered.rows,
-            sitting: sittings.saturating_add(1),
-            partial_line: recovered.partial_line,
+            rows: recovered,
+            sitting: sitting_number,
+            partial_line,
             course,
         };
         Ok((store, interrupted))
@@ -385,9 +388,8 @@ struct Found {
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
-    course: Course,
-    resumed: Resumed,
-    recovered: Recovered,
+    replays: Replays,
+    recovered: Vec<TrialRecord>,
 }
 
 impl Found {
@@ -413,18 +415,21 @@ impl Found {
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
             check_same(sidecar, protocol, seed, &paths.sidecar)?;
+            let kept = definition::from_json(&paths.sidecar.display().to_string(), &sidecar.definition)?;
+            let changed = sidecar.definition_error(&paths.sidecar, &definition::hash(&kept));
+            FileErrors::none(changed.into_iter().collect())?;
         }
         let recovered = rows.recover(&columns).map_err(repairable)?;
         let sidecar = match found {
             Some(sidecar) => sidecar,
             // A session without rows has recorded nothing that could belong to another definition.
-            None if recovered.rows.is_empty() => {
+            None if recovered.is_empty() => {
                 let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
                 Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
             }
             None => {
-                let what = "does not exist; expected the sidecar, which says how the rows were recorded".to_owned();
-                return Err(StoreError::Mismatch { path: paths.sidecar, what });
+                let what = "does not exist; expected the sidecar, which says how the rows were recorded";
+                return Err(FileErrors::whole(&paths.sidecar, what).into());
             }
         };
         let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
@@ -432,38 +437,32 @@ impl Found {
             let errors = differences.iter().map(Difference::error).collect();
             return Err(StoreError::Altered(FileErrors(errors)));
         }
-        let mismatch = |what: String| StoreError::Mismatch { path: paths.csv.clone(), what };
+        let mismatch = |what: String| FileErrors::whole(&paths.csv, what);
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
-        let mut replay = Replay::new(identity, Course::new(protocol.clone(), schedule), sidecar.is_repaired());
-        let mut resumed = Resumed::default();
-        let (mut planned, mut errors) = (Vec::new(), Vec::new());
-        for (row, line) in recovered.rows.iter().zip(2..) {
-            match replay.row(row) {
-                Ok(Replayed { trial, .. }) => {
-                    resumed.done.insert(trial);
-                    planned.push((row, line));
-                }
-                // The rows of another session cannot be repaired.
-                Err(what) if planned.is_empty() => return Err(mismatch(what)),
-                Err(what) => errors.push(FileError::at(&paths.csv, (line, 1), what)),
-            }
+        let course = Course::new(protocol.clone(), schedule);
+        let mut anywhere = Replay::new(identity, course.clone(), true);
+        let replays = replay(&paths.csv, course, (identity, &sidecar), &recovered);
+        if let Some(first) = replays.errors.first().filter(|_| recovered.iter().all(|row| anywhere.row(row).is_err())) {
+            // The rows of another session cannot be repaired.
+            return Err(mismatch(first.message.clone()).into());
         }
-        errors.extend(order_errors(&paths.csv, planned, sidecar.is_repaired()));
-        FileErrors::none(errors).map_err(repairable)?;
-        Ok(Self { paths, rows, sidecar, differences, course: replay.into_course(), resumed, recovered })
+        FileErrors::none(replays.errors.clone()).map_err(repairable)?;
+        Ok(Self { paths, rows, sidecar, differences, replays, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
-        let mut trials = 0..self.course.schedule().trials.len();
-        let is_rated = trials.all(|trial| self.resumed.done.contains(&trial) || self.course.is_over(trial));
-        is_rated && self.recovered.partial_line.is_none() && self.sidecar.is_complete() && self.differences.is_empty()
+        self.replays.left() == 0
+            && self.rows.file.partial_line().is_none()
+            && self.sidecar.is_complete()
+            && self.differences.is_empty()
     }
 }
 
-/// Names the command that moves lines with errors to another file.
+/// Names the command that makes a session with such errors resumable.
 fn repairable(FileErrors(mut errors): FileErrors) -> FileErrors {
-    errors.iter_mut().for_each(|error| error.message += "; machband repair moves such lines to another file");
+    let how = "; machband repair moves such lines to another file and notes missing rows, so that it can be resumed";
+    errors.iter_mut().for_each(|error| error.message += how);
     FileErrors(errors)
 }
 
@@ -473,7 +472,7 @@ fn check_same(
     protocol: &Protocol,
     expected_seed: Option<u64>,
     path: &Path,
-) -> Result<(), StoreError> {
+) -> Result<(), FileErrors> {
     let (hash, &Sidecar { ref definition_sha256, seed, .. }) = (definition::hash(protocol), sidecar);
     let what = if *definition_sha256 != hash {
         format!(
@@ -485,5 +484,5 @@ fn check_same(
     } else {
         return Ok(());
     };
-    Err(StoreError::Mismatch { path: path.to_owned(), what })
+    Err(FileErrors::whole(path, what))
 }

@@ -2,8 +2,8 @@
 //! recorded hashes, and nothing was changed after the session ended.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
-    path::{Path, PathBuf},
+    collections::{BTreeMap, HashMap, HashSet},
+    path::Path,
 };
 
 use jiff::Timestamp;
@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::{
     chain,
-    dataset::{DATA_FILE, SIDECAR_SUFFIX, identity},
     frames::{self, FrameRow},
     recorded::Recorded,
     sidecar::Sidecar,
@@ -20,8 +19,7 @@ use super::{
 use crate::{
     experiment::{GENERATOR, Phase},
     stimulus::{Stimulus, recipe::Recipe},
-    store::{FileError, FileErrors, StoreError, definition, error::io, image, ratings},
-    system::{entries, unless_missing},
+    store::{FileError, FileErrors, image},
 };
 
 /// The findings about one session.
@@ -41,19 +39,6 @@ pub struct Verified {
     pub notes: Vec<String>,
 }
 
-/// The findings about all sessions in a folder.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct VerifiedFolder {
-    /// Number of sessions.
-    pub sessions: usize,
-    /// Everything that is wrong, also with the data sets as a whole.
-    pub errors: Vec<FileError>,
-    /// The folders that were not examined because they belong to another user or are hidden.
-    pub warnings: Vec<FileError>,
-}
-
-/// Maximum number of errors that are kept until all sessions are verified.
-const MAX_ERRORS: usize = 1000;
 /// Maximum side length of a picture that is rendered again. No screen is larger.
 const MAX_SIDE: u32 = 8192;
 /// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
@@ -102,43 +87,6 @@ impl Renderer {
     }
 }
 
-/// Verifies all sessions in a results folder, or in the folder of one experiment. `each` learns the data file of every
-/// session, the findings about it, and the number of sessions; if it returns false, the rest is skipped.
-///
-/// # Errors
-/// The folder cannot be read, or it contains no sessions.
-pub fn data_sets(
-    folder: &Path,
-    mut each: impl FnMut(&Path, &Verified, usize) -> bool,
-) -> Result<VerifiedFolder, FileErrors> {
-    let listed = ratings::Listed::sessions(folder);
-    let (sessions, errors, warnings) = (listed.files.len(), listed.errors.clone(), listed.warnings.clone());
-    let mut found = VerifiedFolder { sessions, errors, warnings };
-    // If the rows of every session were deleted, their sidecars still exist.
-    let of_rows = listed.files.iter().filter_map(|csv| Some(csv.parent()?.parent()?.to_owned()));
-    let is_listed = |dataset: &PathBuf| !listed.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
-    for dataset in of_rows.chain(listed.datasets.iter().cloned()).filter(is_listed).collect::<BTreeSet<_>>() {
-        found.errors.extend(unexpected_files(&dataset).unwrap_or_else(|error| error.errors(&dataset)));
-    }
-    if listed.files.is_empty() && found.errors.is_empty() {
-        return Err(listed.nothing(folder));
-    }
-    let (mut renderer, mut further) = (Renderer::default(), 0);
-    for csv in &listed.files {
-        let verified = session(csv, &mut renderer);
-        if !each(csv, &verified, listed.files.len()) {
-            break;
-        }
-        for error in verified.errors {
-            if found.errors.len() < MAX_ERRORS { found.errors.push(error) } else { further += 1 }
-        }
-    }
-    if further > 0 {
-        found.errors.push(FileError::whole(folder, format!("further errors: {further}; expected none")));
-    }
-    Ok(found)
-}
-
 /// Verifies one session, given the path of its data file.
 pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     let mut found = Verified::default();
@@ -146,8 +94,8 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
         Ok(recorded) => {
             found.rows = recorded.rows.len();
             found.rated = recorded.rated();
-            check_definition(&recorded, &mut found);
-            found.errors.extend(recorded.row_errors());
+            check_generator(&recorded, &mut found);
+            found.errors.extend(recorded.row_errors.iter().cloned());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
             match chain::gaps(csv, &recorded.sidecar) {
@@ -167,12 +115,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
     found
 }
 
-fn check_definition(recorded: &Recorded, found: &mut Verified) {
-    let (hash, expected) = (definition::hash(&recorded.protocol), &recorded.sidecar.definition_sha256);
-    if hash != *expected {
-        let message = format!("the definition has sha256 {hash}; expected {expected}, the hash of the one used");
-        found.errors.push(FileError::whole(&recorded.sidecar_path, message));
-    }
+fn check_generator(recorded: &Recorded, found: &mut Verified) {
     let generator = &recorded.sidecar.generator;
     if generator != GENERATOR {
         let message = format!("the generator is {generator:?}; expected {GENERATOR:?}, which orders the trials");
@@ -322,32 +265,4 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
         }
     }
     errors
-}
-
-/// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
-/// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
-///
-/// # Errors
-/// The folder exists but cannot be read.
-pub fn unexpected_files(dataset: &Path) -> Result<Vec<FileError>, StoreError> {
-    let data = dataset.join("data");
-    let listed = unless_missing(entries(&data)).map_err(io(&data, "read"))?.unwrap_or_default();
-    let files: BTreeSet<PathBuf> = listed.into_iter().collect();
-    let error = |path: &PathBuf| {
-        let name = path.file_name()?.to_string_lossy().into_owned();
-        let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
-        if name.starts_with('.') || !is_text {
-            return None;
-        }
-        let stem = [DATA_FILE, SIDECAR_SUFFIX, frames::SUFFIX].iter().find_map(|suffix| name.strip_suffix(suffix));
-        let csv = stem.map(|stem| path.with_file_name(format!("{stem}{DATA_FILE}")));
-        match csv.filter(|csv| identity(csv).is_ok()) {
-            None => Some(FileError::whole(path, "is not named like a file of a session; expected only such files")),
-            Some(csv) if !files.contains(&csv) => {
-                Some(FileError::whole(path, "has no data file next to it; expected the rows of its session"))
-            }
-            Some(_) => None,
-        }
-    };
-    Ok(files.iter().filter_map(error).collect())
 }
