@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{
-    self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder,
-};
+use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
 use toml::{Table, Value};
 
 use super::{
@@ -18,7 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, History, Step, escaped, heading, hint,
+        Bench, Dialog, Field, FileKind, History, Step, escaped, hint,
         pixels::Canvas,
         say, secondary, show_error, text,
         theme::{self, BODY, SECTION, ink},
@@ -91,54 +89,23 @@ impl ShadingPage {
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
-        let is_narrow = ui.available_width() < NARROW;
-        let frame = Frame::NONE.inner_margin(12.0);
-        let back = if is_narrow {
-            let scrolling = |ui: &mut egui::Ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, true)).inner
-            };
-            CentralPanel::default().frame(frame).show(ui, scrolling).inner
-        } else {
-            let back = Panel::left("shading").resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
-                // The export stays in view while the controls scroll.
-                let below = Frame::NONE.inner_margin(egui::Margin { top: 8, ..egui::Margin::ZERO });
-                Panel::bottom("shading export").frame(below).show(ui, |ui| {
-                    theme::compact(ui);
-                    self.export(ui);
-                });
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, false)).inner
-            });
-            let back = back.inner;
-            CentralPanel::default().frame(frame).show(ui, |ui| {
-                theme::compact(ui);
-                self.view(ui);
-            });
-            back
-        };
+        let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
+        let back = Bench { name: "Shading", width, narrow: NARROW, controls, export, view }.show(ui, self);
         self.history.record(ui, &self.compared);
         Step::back_if(back || escaped)
     }
 
-    /// Draws the column of controls; returns whether to go back. In a narrow window, it also contains the view.
-    fn column(&mut self, ui: &mut egui::Ui, is_narrow: bool) -> bool {
-        theme::compact(ui);
-        // Leaves room for the scroll bar.
-        ui.set_max_width(ui.available_width() - 6.0);
-        let back = heading(ui, "Shading");
-        if is_narrow {
-            let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
-            let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
-            ui.allocate_ui(size, |ui| {
-                ui.set_min_size(size);
-                self.view(ui);
-            });
-            ui.separator();
+    /// Draws the view; in one column, it has a height of its own.
+    fn sized_view(&mut self, ui: &mut egui::Ui, is_narrow: bool) {
+        if !is_narrow {
+            return self.view(ui);
         }
-        self.controls(ui);
-        if is_narrow {
-            self.export(ui);
-        }
-        back
+        let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
+        ui.allocate_ui(size, |ui| {
+            ui.set_min_size(size);
+            self.view(ui);
+        });
     }
 
     fn controls(&mut self, ui: &mut egui::Ui) {
@@ -273,17 +240,19 @@ impl ShadingPage {
                 }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
-            group(ui, "Zoom");
-            let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
-            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
-                let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
-                text::name(ui, &button, name);
-                button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
-            };
-            let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
-            ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
-            let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
-            settings.zoom = less.or(more).unwrap_or(settings.zoom);
+            ui.horizontal(|ui| {
+                group(ui, "Zoom");
+                let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
+                let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
+                    let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
+                    text::name(ui, &button, name);
+                    button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
+                };
+                let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
+                ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
+                let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
+                settings.zoom = less.or(more).unwrap_or(settings.zoom);
+            });
             if !settings.scan && settings.target == DragTarget::ScanLine {
                 settings.target = DragTarget::Mesh;
             }
