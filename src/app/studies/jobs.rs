@@ -5,18 +5,18 @@ use std::{
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicBool, Ordering},
     },
 };
 
 use anyhow::ensure;
-use eframe::egui::{Context, ProgressBar, Ui};
+use eframe::egui::{Context, Ui};
 
 use crate::{
     app::ui::{
         self,
         theme::{Icon, ink},
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Progress, Steps},
     },
     experiment::Protocol,
     work::{
@@ -51,8 +51,7 @@ pub struct Checked {
 /// How far a job is, and whether it should end.
 #[derive(Default)]
 struct State {
-    done: AtomicU64,
-    total: AtomicU64,
+    steps: Steps,
     stopped: AtomicBool,
     /// What the user should know about a result.
     warnings: Mutex<Vec<String>>,
@@ -60,8 +59,7 @@ struct State {
 
 impl Watcher for State {
     fn progress(&self, done: u64, total: u64) {
-        self.done.fetch_max(done, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
+        self.steps.set(done, total);
     }
 
     fn warn(&self, warning: &str) {
@@ -138,14 +136,10 @@ impl Job {
     pub fn show(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             Icon::Part.show(ui, ink(ui).text);
-            let [done, total] = [&self.state.done, &self.state.total].map(|count| count.load(Ordering::Relaxed));
-            ui.label(ui::secondary(format!("{}: {done} of {total}", self.what)));
-            let share = done as f32 / total.max(1) as f32;
-            ui.add(ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+            self.state.steps.show(ui, |done, total| format!("{}: {done} of {total}", self.what));
             if ui.button("Stop").clicked() {
                 self.state.stopped.store(true, Ordering::Relaxed);
             }
         });
-        ui.ctx().request_repaint_after_secs(0.1);
     }
 }
