@@ -12,7 +12,7 @@ use super::{
 use crate::{
     analysis::{Results, analyze_with},
     app::ui::{
-        Field, Step, heading, hint, paragraph, secondary, show_error, theme,
+        Field, Step, heading, hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Progress, Steps},
     },
     report::{
@@ -290,9 +290,7 @@ impl OpenStudy {
                 return;
             }
             if is_first {
-                draft.show_warnings(ui);
-                hint(ui, "The tests are being computed. What follows is final: it needs no model.");
-                draft.show(ui, "description");
+                draft.show_draft(ui);
                 return;
             }
         }
@@ -352,7 +350,9 @@ impl OpenStudy {
         });
         ui.separator();
         let counts = &self.study.measured.counts;
-        self.filters.show(ui, counts);
+        // The columns of others are named as they name them.
+        let label = if self.study.source.protocol.is_some() { parameter::label } else { str::to_owned };
+        self.filters.show(ui, counts, label);
         if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
