@@ -13,6 +13,7 @@ use anyhow::ensure;
 use eframe::egui::{Context, Ui};
 
 use crate::{
+    analysis::power::{Precision, Quantity},
     app::ui::{
         self,
         theme::{Icon, ink},
@@ -21,6 +22,8 @@ use crate::{
     experiment::Protocol,
     work::{
         Export, Watcher,
+        plan::Plan,
+        plan_thresholds::Found,
         simulate::{Simulate, simulate},
         verify::Verify,
     },
@@ -33,6 +36,33 @@ pub enum Made {
     /// The folder of a simulated study.
     Pilot(PathBuf),
     Exported(String),
+    Planned(Planned),
+}
+
+/// What a plan found.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    pub sentences: Vec<String>,
+    /// Of thresholds: the numbers of participants and of trials, what is estimated, half its interval, and the power.
+    pub rows: Vec<[String; 5]>,
+}
+
+impl Planned {
+    fn of(found: &Found) -> Self {
+        let planned = match found {
+            Found::Ratings(planned) => return Self { sentences: planned.sentences(), rows: Vec::new() },
+            Found::Thresholds(planned) => planned,
+        };
+        let row = |one: &Precision| {
+            let is_there = matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
+            let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
+            let power = if is_there { format!("{:.0} %", 100.0 * one.share().0) } else { String::new() };
+            [one.participants.to_string(), one.trials.to_string(), planned.name(&one.quantity), half_width, power]
+        };
+        let unit = format!("Intervals are in {}.", planned.unit());
+        let sentences = planned.sentences().into_iter().chain([unit]).collect();
+        Self { sentences, rows: planned.found.iter().map(row).collect() }
+    }
 }
 
 /// What a check found.
@@ -81,6 +111,8 @@ pub struct Job {
     what: &'static str,
     state: Arc<State>,
     work: BackgroundTask<Result<Made, String>>,
+    /// Whether it writes files, so that it must come to its end.
+    writes: bool,
 }
 
 impl Job {
@@ -92,7 +124,7 @@ impl Job {
         let state = Arc::<State>::default();
         let watcher = state.clone();
         let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| format!("{error:#}")));
-        Self { what, state, work }
+        Self { what, state, work, writes: true }
     }
 
     /// Checks the files of a study.
@@ -103,6 +135,12 @@ impl Job {
             let errors = verified.found.errors.iter().map(ToString::to_string).collect();
             Ok(Made::Checked(Checked { folder, sessions: verified.sessions, errors, wrong }))
         })
+    }
+
+    /// Finds how many participants a study needs.
+    pub fn plan(ctx: &Context, request: Plan) -> Self {
+        let job = Self::start(ctx, "Planning", move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))));
+        Self { writes: false, ..job }
     }
 
     /// Simulates a study in a folder of its own.
@@ -120,6 +158,9 @@ impl Job {
 
     /// Returns what the job made, once it is done.
     pub fn poll(&self) -> Option<Result<Made, String>> {
+        if !self.writes && self.state.stopped.load(Ordering::Relaxed) {
+            return Some(Err("Stopped.".to_owned()));
+        }
         match self.work.poll() {
             Progress::Running => None,
             Progress::Done(result) => Some(result),
