@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use clap::{Arg, ArgAction, Command};
-use eframe::egui::{Context, TextEdit, Ui};
+use eframe::egui::{Context, ScrollArea, TextEdit, Ui};
 use serde_json::{Map, Value};
 
 use crate::{
@@ -16,6 +16,9 @@ use crate::{
 const WIDTH: f32 = 600.0;
 const LABELS: f32 = 176.0;
 const FIELD: f32 = 280.0;
+
+/// Height of the title and of the buttons, points.
+const BUTTONS: f32 = 150.0;
 
 /// A field that the dialog shows.
 struct Shown {
@@ -65,17 +68,16 @@ impl<T: Request> RequestForm<T> {
     /// Draws the dialog; returns the request once it is confirmed and possible.
     pub fn show(&mut self, ctx: &Context) -> Step<T> {
         let entered = ui::entered(ctx);
-        let (step, closed) = ui::modal(ctx, self.title, WIDTH, |ui, _| {
+        let (step, closed) = ui::modal(ctx, self.title, WIDTH, |ui, height| {
             ui.heading(self.title);
             ui::hint(ui, &self.about);
             ui.add_space(GAP);
-            for field in &mut self.fields {
-                let wrong = |error: &&RequestError| error.field.as_deref() == Some(field.argument.get_id().as_str());
-                let error = self.error.as_ref().filter(wrong).map(|error| error.told(|_| String::new()));
-                let error =
-                    error.map(|error| error.replace("invalid digit found in string", "expected a whole number"));
-                field.show(ui, error.as_deref().unwrap_or_default().trim_start_matches([' ', ':']), &mut self.dialog);
-            }
+            // The buttons stay in view in a low window.
+            ScrollArea::vertical().max_height(height - BUTTONS).show(ui, |ui| {
+                for field in &mut self.fields {
+                    field.show(ui, self.error.as_ref(), &mut self.dialog);
+                }
+            });
             self.dialog.missing_error(ui);
             let of_none = self.error.iter().filter(|error| error.field.is_none());
             of_none.for_each(|error| ui::show_error(ui, error.to_string()));
@@ -101,7 +103,11 @@ impl<T: Request> RequestForm<T> {
 }
 
 impl Shown {
-    fn show(&mut self, ui: &mut Ui, error: &str, dialog: &mut Dialog) {
+    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) {
+        let error = error.filter(|error| error.field.as_deref() == Some(self.argument.get_id().as_str()));
+        let error = error.map(|error| error.told(|_| String::new())).unwrap_or_default();
+        let error = error.replace("invalid digit found in string", "expected a whole number");
+        let error = error.trim_start_matches([' ', ':']);
         let about = self.argument.get_help().map(ToString::to_string).unwrap_or_default();
         let choices = self.argument.get_possible_values();
         let names = self.argument.get_value_names().unwrap_or_default();
