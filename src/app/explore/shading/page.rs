@@ -35,6 +35,8 @@ const NARROW_VIEW: f32 = 560.0;
 const NUMBERS: f32 = 180.0;
 /// The same height while they are closed.
 const CLOSED: f32 = 26.0;
+/// Width of the controls of the zoom, points.
+const ZOOM: f32 = 160.0;
 /// Height of the first sentence, points: two lines.
 const LEAD: f32 = 46.0;
 
@@ -240,19 +242,21 @@ impl ShadingPage {
                 }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
-            ui.horizontal(|ui| {
-                group(ui, "Zoom");
-                let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
-                let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
-                    let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
-                    text::name(ui, &button, name);
-                    button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
-                };
-                let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
-                ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
-                let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
-                settings.zoom = less.or(more).unwrap_or(settings.zoom);
-            });
+            // What belongs to the zoom stays on one line.
+            if ui.available_size_before_wrap().x < ZOOM {
+                ui.end_row();
+            }
+            group(ui, "Zoom");
+            let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
+            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
+                let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
+                text::name(ui, &button, name);
+                button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
+            };
+            let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
+            ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
+            let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
+            settings.zoom = less.or(more).unwrap_or(settings.zoom);
             if !settings.scan && settings.target == DragTarget::ScanLine {
                 settings.target = DragTarget::Mesh;
             }
