@@ -245,6 +245,9 @@ impl ShadingPage {
             // What belongs to the zoom stays on one line.
             if ui.available_size_before_wrap().x < ZOOM {
                 ui.end_row();
+                // The label is in the middle of a line that is as high as its buttons.
+                ui.allocate_exact_size(egui::vec2(0.0, ui.spacing().interact_size.y), egui::Sense::hover());
+                ui.add_space(-ui.spacing().item_spacing.x);
             }
             group(ui, "Zoom");
             let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
