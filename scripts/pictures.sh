@@ -108,6 +108,9 @@ picture "$(window)" start.png
 press_to_next ctrl+3
 picture "$(window)" stimuli.png
 press_to_next ctrl+4
+# The first sentence needs a prediction, which takes a while.
+sleep 10
+rest
 picture "$(window)" shaders.png
 kill "$start"
 wait "$start" 2>/dev/null || true

@@ -436,3 +436,59 @@ fn a_small_window_has_everything() {
     choose(&mut window, "Section", "Data");
     assert_has(&window, "Participants: 3 of 3");
 }
+
+/// The pointer on a figure tells the exact value of what is drawn there.
+#[test]
+fn a_figure_tells_its_values() {
+    let (_folder, data_set) = study(3);
+    let (_, results) = read(&data_set);
+    let figure = &figures::all(&results)[0];
+    let value =
+        figure.values.iter().find(|value| value.text.starts_with("ramp width 0.4, continuity depth ∞: ")).unwrap();
+    let is_image = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Image;
+    let place = |window: &Window| window.query_all_by_label_contains(&figure.title).find(is_image).unwrap().rect();
+    let mut window = pane([1280.0, 1400.0]);
+    drop_on(&mut window, &[&data_set]);
+    wait_for(&mut window, "The tests are being computed");
+    let before = place(&window);
+    wait_until_idle(&mut window);
+    let rect = place(&window);
+    assert_eq!(rect, before, "a figure stays where it is when the tests are there");
+    let at = |(x, y): (f64, f64)| rect.min + egui::vec2(x as f32, y as f32) * rect.width() / 800.0;
+    window.hover_at(at(value.center));
+    window.run_steps(60);
+    assert_has(&window, &value.text);
+    window.hover_at(at((2.0, 2.0)));
+    window.run_steps(5);
+    assert!(window.query_by_label_contains(&value.text).is_none());
+}
+
+/// The names of a long table's columns stay in view while its rows scroll.
+#[test]
+fn the_header_of_a_long_table_stays() {
+    let (_folder, data_set) = study(40);
+    let mut window = pane([1280.0, 600.0]);
+    drop_on(&mut window, &[&data_set]);
+    wait_for(&mut window, "Participants: ");
+    wait_until_idle(&mut window);
+    click(&mut window, "Data quality");
+    let row = |window: &Window| window.query_all_by_label_contains("S0").next().map(|node| node.rect());
+    for _ in 0..40 {
+        if row(&window).is_some_and(|rect| rect.top() < 200.0) {
+            break;
+        }
+        window.hover_at(egui::pos2(900.0, 400.0));
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, -60.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.run_steps(10);
+    }
+    let first = row(&window).expect("a row");
+    let heads = window.query_all_by_label_contains("Sort by ").map(|node| node.rect()).collect::<Vec<_>>();
+    let is_seen = |rect: &&egui::Rect| rect.top() >= 60.0 && rect.top() <= first.top().max(200.0);
+    assert!(heads.iter().any(|rect| is_seen(&rect)), "{heads:?}, first row {first:?}");
+}

@@ -84,6 +84,25 @@ fn show_patches(csv: &Path) -> Window {
     window
 }
 
+/// A screen that dims large bright areas is found; the readings are saved and can be read again.
+#[test]
+fn a_screen_that_dims_large_areas_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let csv = folder.path().join("sizes.csv");
+    let mut window = tool("Patch size", 0.1);
+    type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
+    type_into(&mut window, "Settling time, seconds", "0.5");
+    click(&mut window, "Show patches");
+    let mut heights = Vec::new();
+    for reading in ["250", "250", "240", "210", "180"] {
+        heights.push(window.get_by_label("Patch gray 255").rect().height());
+        answer(&mut window, reading);
+    }
+    assert!(heights.is_sorted_by(|a, b| a < b), "{heights:?}");
+    window.get_by_label_contains("White changes by 28 % with the size of the patch");
+    assert_eq!(readings::open_incomplete(&csv).unwrap().len(), 5);
+}
+
 #[test]
 fn patches_are_read_and_become_a_profile() {
     if !crate::common::has_graphics() {

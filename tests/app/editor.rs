@@ -42,7 +42,9 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
     assert!(window.query_by_label_contains("appears twice").is_none());
     type_into(&mut window, "Repetitions", "many");
-    window.get_by_label_contains("Enter a whole number of 0 or more.");
+    window.get_by_label_contains("Enter a whole number of 1 or more.");
+    type_into(&mut window, "Repetitions", "0");
+    window.get_by_label_contains("Enter at least 1.");
     type_into(&mut window, "Repetitions", "2");
     type_into(&mut window, "Name", "My study");
     window.get_by_label_contains("Enter at most 64 lowercase letters");
@@ -217,6 +219,23 @@ fn only_unsaved_changes_need_an_answer() {
     click(&mut window, "Back");
     click(&mut window, "Discard changes");
     is_left(&mut window, "shaders");
+}
+
+/// An error has room at its field, so that it moves nothing; the summary names the field as the form does.
+#[test]
+fn an_error_in_a_row_moves_nothing() {
+    let mut window = duplicate("quick");
+    let top = |window: &Window, label: &str| window.get_by_label(label).rect().top();
+    let before = top(&window, "Add a factor");
+    type_into(&mut window, "Levels of width", "0.05, wide");
+    window.get_by_label_contains("width \"wide\" is not a number");
+    assert_eq!(top(&window, "Add a factor"), before);
+    type_into(&mut window, "Levels of width", "0.05, 0.1");
+    let before = top(&window, "Add a factor");
+    type_into(&mut window, "Label of rating 3", " ");
+    window.get_by_label_contains("Rating 3: Enter the meaning of the answer.");
+    window.get_by_label_contains("1 error, first in Rating 3.");
+    assert_eq!(top(&window, "Add a factor"), before);
 }
 
 /// Errors that appear and leave on the page while the user types do not move the focus to another field.

@@ -278,11 +278,33 @@ fn japanese_texts_fit_into_a_narrow_window() {
 fn a_stimulus_that_does_not_fit_is_reported_and_creates_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = harness(request(folder.path(), protocol(0.2, 40.0)));
-    wait_for(&mut harness, "Sit closer");
+    // Also beside the button that it blocks, whatever the height of the window.
+    let reasons = |harness: &mut Window| {
+        wait_for(harness, "Sit closer");
+        harness.query_all_by_label_contains("Sit closer").count()
+    };
+    assert_eq!(reasons(&mut harness), 2);
     press(&mut harness, Key::Space);
     harness.run_steps(10);
-    wait_for(&mut harness, "Sit closer");
+    assert_eq!(reasons(&mut harness), 2);
     assert!(!folder.path().join("panes").exists());
+}
+
+/// A slider is always shown, so that a stimulus that it would cover is refused.
+#[test]
+fn a_slider_never_covers_the_stimulus() {
+    let folder = tempfile::tempdir().unwrap();
+    let rated = protocol(0.2, 24.0);
+    let text = "[task]\nkind = \"rating\"\nscale = \"slider\"\n[response]\nlabels = [\"none\", \"strong\"]\n";
+    let text = format!(
+        "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[viewing]\nwindow_deg = 24\n{text}"
+    );
+    let slid = definition::parse("panes", &text).unwrap();
+    for (protocol, fits) in [(rated, true), (slid, false)] {
+        let mut harness = harness(request(folder.path(), protocol));
+        wait_for(&mut harness, "These findings are saved");
+        assert_eq!(harness.query_all_by_label_contains("stimulus with its slider needs").count() == 0, fits);
+    }
 }
 
 #[test]

@@ -239,6 +239,16 @@ fn everything_has_a_name_and_fits_a_small_window() {
     }
     let rect = picture(&window);
     assert!(rect.width() >= 400.0 && rect.height() >= 250.0 && rect.right() <= 900.0 && rect.bottom() <= 560.0);
+    // However the tools above the picture wrap.
+    for width in (900..1300).step_by(40) {
+        window.set_size([width as f32, 560.0].into());
+        window.run_steps(3);
+        for right in [picture(&window).right(), window.get_by_label("Zoom in").rect().right()] {
+            assert!(right <= width as f32, "{right} of {width}");
+        }
+    }
+    window.set_size([900.0, 560.0].into());
+    window.run_steps(3);
     window.get_by_label("Scan line").click();
     window.run_steps(3);
     assert!(picture(&window).height() >= 120.0);

@@ -171,6 +171,31 @@ fn a_study_is_edited_in_place() {
     assert_eq!(definition::hash(&definition::open(&path).unwrap()), hash, "the same experiment");
 }
 
+/// A plan says how many participants are enough; its fields have the bounds of the command.
+#[test]
+fn a_plan_says_how_many_participants_are_enough() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |window: &mut Window, participants: &str| {
+        click(window, "Plan…");
+        type_into(window, "Numbers of participants", participants);
+        type_into(window, "Simulated studies", "3");
+        click(window, "Simulate");
+    };
+    let mut window = opened(folder.path(), DEFINITION);
+    plan(&mut window, "0");
+    window.get_by_label_contains("0 is not in 1..=10000");
+    type_into(&mut window, "Numbers of participants", "3, 2");
+    type_into(&mut window, "Effects", "nothing=1");
+    click(&mut window, "Simulate");
+    wait_for(&mut window, "the observer has no such parameter");
+    plan(&mut window, "3, 2");
+    wait_for(&mut window, "With 2 participants");
+    click(&mut window, "Close");
+    open_study(&mut window, "threshold-width");
+    plan(&mut window, "2");
+    wait_for(&mut window, "mean threshold");
+}
+
 /// A pilot is simulated beside the results of people, never among them, and then analyzed.
 #[test]
 fn a_pilot_is_simulated_in_a_folder_of_its_own() {

@@ -19,7 +19,7 @@ use crate::{
     },
     report::{
         document::{Block, Document, Section},
-        figures::{Figure, palette},
+        figures::{Figure, Plotted, palette},
         png,
     },
 };
@@ -30,6 +30,8 @@ const SUMMARY: &str = "summary";
 const TWO_COLUMNS: f32 = 880.0;
 /// Width of the controls that save a figure, points.
 const SAVING: f32 = 440.0;
+/// How far from its marker a value is told, in units of a figure, which is 800 wide.
+const NEAR: f32 = 8.0;
 /// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
 const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
 
@@ -84,7 +86,7 @@ impl DocumentView {
     /// Draws the section at an address; returns whether it exists.
     pub fn show(&mut self, ui: &mut egui::Ui, id: &str) -> bool {
         if id == SUMMARY {
-            return self.show_summary(ui);
+            return self.show_summary(ui, false);
         }
         let Some(section) = self.sections.iter_mut().find(|section| section.id == id) else { return false };
         ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
@@ -93,8 +95,13 @@ impl DocumentView {
         true
     }
 
+    /// Draws what will be the summary once a model is fitted: its figures, in the same place, and the description.
+    pub fn show_draft(&mut self, ui: &mut egui::Ui) {
+        self.show_summary(ui, true);
+    }
+
     /// Draws the summary. It begins with the figures that show the result.
-    fn show_summary(&mut self, ui: &mut egui::Ui) -> bool {
+    fn show_summary(&mut self, ui: &mut egui::Ui, is_draft: bool) -> bool {
         let place = |id: &str| self.sections.iter().position(|section| section.id == id);
         let is_figure = |block: &BlockView| matches!(block, BlockView::Figure(_));
         let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
@@ -105,14 +112,23 @@ impl DocumentView {
             let key = figures.into_iter().flatten().filter(|block| is_figure(block));
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
-            let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
-            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));
+            let mut figures = 0;
+            let is_rest = |block: &&mut BlockView| {
+                figures += usize::from(is_figure(block));
+                let is_shown = is_draft && is_figure(block) && figures <= many;
+                !is_shown && !matches!(block, BlockView::Text(Block::Warning(_)))
+            };
+            if is_draft {
+                hint(ui, "The tests are being computed. What follows is final: it needs no model.");
+            }
+            let rest = if is_draft { description.unwrap_or(summary) } else { summary };
+            show_blocks(ui, self.sections[rest].blocks.iter_mut().filter(is_rest));
         });
         true
     }
 
     /// Draws the warnings of the summary, which hold for all sections.
-    pub fn show_warnings(&self, ui: &mut egui::Ui) {
+    fn show_warnings(&self, ui: &mut egui::Ui) {
         let blocks = self.sections.iter().filter(|section| section.id == SUMMARY).flat_map(|section| &section.blocks);
         for block in blocks {
             if let BlockView::Text(warning @ Block::Warning(_)) = block {
@@ -222,6 +238,9 @@ impl FigureView {
         if ui.is_rect_visible(rect) {
             self.draw(ui, rect);
         }
+        if let Some(text) = response.hover_pos().and_then(|at| self.value_at((at - rect.min) * 800.0 / width)) {
+            response.on_hover_text_at_pointer(text);
+        }
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(RichText::new(&self.figure.title).strong()).wrap());
             let save = ui.small_button("Save…");
@@ -231,6 +250,16 @@ impl FigureView {
             popup.close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| self.save(ui));
         });
         hint(ui, &self.figure.caption);
+    }
+
+    /// Returns the value nearest to a place in the figure, if one is there.
+    fn value_at(&self, at: Vec2) -> Option<&str> {
+        let distances = self.figure.values.iter().filter_map(|Plotted { center, half, text }| {
+            let away = (at - Vec2::new(center.0 as f32, center.1 as f32)).abs();
+            let near = Vec2::new(half.0 as f32, half.1 as f32) + Vec2::splat(NEAR);
+            (away.x <= near.x && away.y <= near.y).then(|| (away.length(), text.as_str()))
+        });
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
     }
 
     /// Draws the controls that save the figure. Its ending chooses the format.

@@ -1,13 +1,6 @@
 //! An open study: its filters and settings, and the resulting document.
 
-use std::{
-    cell::OnceCell,
-    collections::BTreeSet,
-    sync::{
-        Arc,
-        atomic::{AtomicUsize, Ordering},
-    },
-};
+use std::{cell::OnceCell, collections::BTreeSet, sync::Arc};
 
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
@@ -17,10 +10,10 @@ use super::{
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{Options, Results, analyze_with},
+    analysis::{Results, analyze_with},
     app::ui::{
-        Field, Step, heading, hint, paragraph, secondary, show_error, theme,
-        work::{BackgroundTask, Progress},
+        Field, Step, heading, hint, paragraph, parameter, secondary, show_error, theme,
+        work::{BackgroundTask, Progress, Steps},
     },
     report::{
         Study,
@@ -71,11 +64,11 @@ pub struct OpenStudy {
     last: Option<Analyze>,
     work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// What is computed at once: the description of the same data, without a model.
-    drafting: Option<BackgroundTask<Option<Draft>>>,
+    drafting: Option<BackgroundTask<Option<(Outcome, Document)>>>,
     /// The view of it, while `work` is running.
     draft: Option<DocumentView>,
     /// The progress of the analysis in `work`.
-    simulated: Arc<Simulated>,
+    simulated: Arc<Steps>,
     /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
@@ -95,9 +88,6 @@ pub struct OpenStudy {
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
 const DRAFTED: [&str; 5] = ["design", "health", "description", "agreement", "times"];
-
-/// A document without a model.
-struct Draft(Document);
 
 /// The results of an analysis, without the document.
 struct Outcome {
@@ -213,7 +203,7 @@ impl OpenStudy {
         }
         if let Some(Progress::Done(draft)) = self.drafting.as_ref().map(BackgroundTask::poll) {
             let earlier = self.draft.take();
-            self.draft = draft.map(|Draft(document)| DocumentView::new(document, earlier));
+            self.draft = draft.map(|(_, document)| DocumentView::new(document, earlier));
             self.drafting = None;
         }
         if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
@@ -234,12 +224,14 @@ impl OpenStudy {
         self.error = None;
         self.last = Some(request.clone());
         let filter = self.filters.sentence(&self.study.measured.counts);
-        let (study, simulated) = (self.study.clone(), Arc::<Simulated>::default());
-        self.simulated = simulated.clone();
-        let (of, asked) = (study.clone(), request.clone());
+        self.simulated = Arc::default();
         self.draft = None;
-        self.drafting = Some(BackgroundTask::start(ctx, move || Draft::new(&of, &asked)));
-        self.work = Some(BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, &simulated)));
+        let start = |is_draft| {
+            let (study, request, filter) = (self.study.clone(), request.clone(), filter.clone());
+            let simulated = self.simulated.clone();
+            BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, is_draft, &simulated))
+        };
+        (self.drafting, self.work) = (Some(start(true)), Some(start(false)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -278,15 +270,10 @@ impl OpenStudy {
             ui.add(egui::Label::new(secondary(text)).extend());
         }
         if self.work.is_some() {
-            let (done, all) = self.simulated.get();
-            let text = match all {
+            self.simulated.show(ui, |done, all| match all {
                 0 => "Analyzing…".to_owned(),
                 _ => format!("Analyzing… {done} of {all} simulated studies"),
-            };
-            ui.label(secondary(text));
-            let share = done as f32 / all.max(1) as f32;
-            ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(theme::ink(ui).dim));
-            ui.ctx().request_repaint_after_secs(0.1);
+            });
         }
     }
 
@@ -303,9 +290,7 @@ impl OpenStudy {
                 return;
             }
             if is_first {
-                draft.show_warnings(ui);
-                hint(ui, "The tests are being computed. What follows is final: it needs no model.");
-                draft.show(ui, "description");
+                draft.show_draft(ui);
                 return;
             }
         }
@@ -365,7 +350,9 @@ impl OpenStudy {
         });
         ui.separator();
         let counts = &self.study.measured.counts;
-        self.filters.show(ui, counts);
+        // The columns of others are named as they name them.
+        let label = if self.study.source.protocol.is_some() { parameter::label } else { str::to_owned };
+        self.filters.show(ui, counts, label);
         if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
@@ -464,49 +451,26 @@ pub(super) fn pinned(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
     Panel::bottom("export").resizable(false).frame(frame).show(ui, add);
 }
 
-/// How many studies the analysis has simulated so far.
-#[derive(Default)]
-struct Simulated {
-    done: AtomicUsize,
-    all: AtomicUsize,
-}
-
-impl Simulated {
-    fn set(&self, done: usize, all: usize) {
-        self.all.store(all, Ordering::Relaxed);
-        // Studies do not end in order.
-        self.done.fetch_max(done, Ordering::Relaxed);
-    }
-
-    fn get(&self) -> (usize, usize) {
-        (self.done.load(Ordering::Relaxed), self.all.load(Ordering::Relaxed))
-    }
-}
-
-impl Draft {
-    /// Describes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, request: &Analyze) -> Option<Self> {
-        let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
-        if measured.counts.total() == 0 {
-            return None;
-        }
-        // A model without coefficients is none, and nothing is simulated for it.
-        let options = Options { max_coefficients: 0, checks: false, ..request.options(&study.source) };
-        let results = analyze_with(measured, &options, &|_, _| ());
-        let figures = figures::all(&results);
-        Some(Self(document(&study.source, &results, Parts { figures: &figures, ..Parts::default() })))
-    }
-}
-
 impl Outcome {
-    /// Analyzes the selected data; `None` if nothing is selected.
-    fn new(study: &Study, request: Analyze, filter: String, simulated: &Simulated) -> Option<(Self, Document)> {
+    /// Analyzes the selected data; `None` if nothing is selected. A draft describes them without a model.
+    fn new(
+        study: &Study,
+        request: Analyze,
+        filter: String,
+        is_draft: bool,
+        simulated: &Steps,
+    ) -> Option<(Self, Document)> {
         let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }
-        let results =
-            Arc::new(analyze_with(measured, &request.options(&study.source), &|done, all| simulated.set(done, all)));
+        let mut options = request.options(&study.source);
+        if is_draft {
+            // A model without coefficients is none, and nothing is simulated for it.
+            (options.max_coefficients, options.checks) = (0, false);
+        }
+        let progress = |done: usize, all: usize| simulated.set(done as u64, all as u64);
+        let results = Arc::new(analyze_with(measured, &options, &progress));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
         Some((Self { request, results, figures, filter }, document))

@@ -74,8 +74,8 @@ impl Filters {
         (!self.0.exclude.is_empty()).then_some(people).into_iter().chain(levels).collect::<Vec<_>>().join("; ")
     }
 
-    /// Draws the checklists.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts) {
+    /// Draws the checklists. `label` returns the name of a factor as it is read.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, label: fn(&str) -> String) {
         people(ui, &counts.subjects, &mut self.0.exclude);
         let mut only = Vec::new();
         for (index, factor) in counts.factors.iter().enumerate() {
@@ -83,7 +83,7 @@ impl Filters {
             let kept = self.kept(&factor.name);
             let is_kept = |name: &String| kept.is_none_or(|kept| kept.contains(name));
             let mut levels: Vec<bool> = names.iter().map(is_kept).collect();
-            let title = format!("{}: {} of {} levels", factor.name, checked(&levels), levels.len());
+            let title = format!("{}: {} of {} levels", label(&factor.name), checked(&levels), levels.len());
             list(ui, &factor.name, &title, &mut levels, |ui, levels| {
                 ui.horizontal_wrapped(|ui| {
                     for (checked, level) in levels.iter_mut().zip(&names) {

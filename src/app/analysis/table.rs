@@ -1,5 +1,5 @@
 //! A table of the document. It scrolls horizontally, draws only its visible rows, and can be sorted by clicking a
-//! column name.
+//! column name. The names stay in view while any of its rows is.
 
 use eframe::egui::{
     self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
@@ -49,9 +49,7 @@ impl TableView {
         let clicked = ScrollArea::horizontal().id_salt(id).auto_shrink([false, true]).show(ui, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
             response.widget_info(|| WidgetInfo::labeled(Role::Table, true, &self.table.caption));
-            let clicked = self.header(ui, rect, height);
             let line = rect.top() + height;
-            ui.painter().hline(rect.x_range(), line, egui::Stroke::new(1.0, theme::ink(ui).dim));
             let visible = ui.clip_rect();
             let first = ((visible.top() - line) / height).floor().max(0.0) as usize;
             let last = ((visible.bottom() - line) / height).ceil().max(0.0) as usize;
@@ -60,7 +58,14 @@ impl TableView {
                     self.cell(ui, rect, height, (index + 1, column), |ui| ui.add(Label::new(&**text).extend()));
                 }
             }
-            clicked
+            let top = visible.top().min(rect.bottom() - 2.0 * height).max(rect.top());
+            let head = Rect::from_min_size(egui::pos2(rect.left(), top), Vec2::new(rect.width(), height));
+            let ink = theme::ink(ui);
+            if top > rect.top() {
+                ui.painter().rect_filled(head, 0.0, ink.page);
+            }
+            ui.painter().hline(head.x_range(), head.bottom(), egui::Stroke::new(1.0, ink.dim));
+            self.header(ui, head, height)
         });
         if let Some(column) = clicked.inner {
             self.sort(column);

@@ -33,6 +33,8 @@ pub trait Method {
     const FORMAT: &'static str;
     /// Label of the start button.
     const BEGIN: &'static str;
+    /// Whether channels can be chosen.
+    const HAS_CHANNELS: bool = true;
 
     /// Draws the settings of this method.
     fn fields(&mut self, ui: &mut Ui, viewing: Option<&Viewing>);
@@ -178,10 +180,12 @@ impl<M: Method> Calibrate<M> {
                 self.path = suggested(&self.name, M::ITEMS);
             }
             Field::new("Save the measurements in").width(380.0).text(ui, &mut self.path);
-            Field::new("Channels").show(ui, |ui, _| {
-                ui.checkbox(&mut self.channels[0], "red, green, blue");
-                ui.checkbox(&mut self.channels[1], "gray");
-            });
+            if M::HAS_CHANNELS {
+                Field::new("Channels").show(ui, |ui, _| {
+                    ui.checkbox(&mut self.channels[0], "red, green, blue");
+                    ui.checkbox(&mut self.channels[1], "gray");
+                });
+            }
             self.method.fields(ui, viewing);
             let estimate = match self.path.trim() {
                 "" => Err(format!("No file is given for the {}; expected a path.", M::ITEMS)),

@@ -6,6 +6,7 @@
 //! | [`geometry`], [`card`] | size and distance; measuring with a bank card |
 //! | [`calibrate`] | the stages that both ways to measure light share |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
+//! | [`sizes`] | whether the luminance depends on the size of a patch |
 //! | [`by_eye`], [`match_run`] | matching by eye: settings and findings; the matches |
 //! | [`check`] | fields that show whether a profile is correct |
 //! | [`steps`] | steps of equal brightness |
@@ -19,6 +20,7 @@ mod geometry;
 mod match_run;
 mod patch_run;
 mod photometer;
+mod sizes;
 mod steps;
 pub mod timing;
 mod tools;

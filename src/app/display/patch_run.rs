@@ -27,12 +27,12 @@ const DIM: Color32 = Color32::from_gray(0x70);
 const MIN_PLAUSIBLE_RATIO: f64 = 0.95;
 
 /// How patches are shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PatchView {
     /// Settling time in seconds; earlier readings are rejected.
     pub settle_s: f64,
-    /// Height of the patch in percent of the screen's height.
-    pub percent: u32,
+    /// Heights of the patches in percent of the screen's height, which repeat.
+    pub percents: Vec<u32>,
     /// Whether the patch is surrounded by gray instead of black.
     pub gray_around: bool,
 }
@@ -226,7 +226,7 @@ impl Run for PatchRun {
             .frame(egui::Frame::NONE.fill(around))
             .show(ui, |ui| {
                 let area = ui.max_rect();
-                draw(ui, &self.patches[at], area, self.view.percent);
+                draw(ui, &self.patches[at], area, self.view.percents[at % self.view.percents.len()]);
                 let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
                 ui.painter().rect_filled(line, 0.0, Color32::BLACK);
                 let inner = line.shrink2(Vec2::new(16.0, 8.0));

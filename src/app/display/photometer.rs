@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Assumed time to read the photometer and type the reading, seconds.
-const READING_S: f64 = 5.0;
+pub const READING_S: f64 = 5.0;
 /// Number of steps in a plotted curve.
 const STEPS: usize = 100;
 /// Width reserved for the numbers of a plot's vertical axis, points. It is the same in all plots, so that their
@@ -42,12 +42,13 @@ impl Default for Photometer {
     }
 }
 
-impl Photometer {
-    fn settle_s(&self) -> Result<f64, String> {
-        let seconds = number(&self.settle_s).filter(|seconds| (0.0..=60.0).contains(seconds));
-        seconds.ok_or_else(|| format!("{:?} is not a settling time; expected seconds, 0 to 60.", self.settle_s))
-    }
+/// Reads a typed settling time.
+pub fn settling_s(typed: &str) -> Result<f64, String> {
+    let seconds = number(typed).filter(|seconds| (0.0..=60.0).contains(seconds));
+    seconds.ok_or_else(|| format!("{typed:?} is not a settling time; expected seconds, 0 to 60."))
+}
 
+impl Photometer {
     fn patches(&self, channels: &[Channel]) -> Result<Vec<Patch>, String> {
         let (levels, repeats) = (self.levels, self.repeats);
         let settings = PatchSettings { channels: channels.to_vec(), levels, repeats, ..PatchSettings::default() };
@@ -76,11 +77,15 @@ impl Method for Photometer {
 
     fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let patches = self.patches(channels)?.len();
-        Ok((patches, patches as f64 * (self.settle_s()? + READING_S)))
+        Ok((patches, patches as f64 * (settling_s(&self.settle_s)? + READING_S)))
     }
 
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: self.settle_s()?, percent: self.percent, gray_around: self.gray_around };
+        let view = PatchView {
+            settle_s: settling_s(&self.settle_s)?,
+            percents: vec![self.percent],
+            gray_around: self.gray_around,
+        };
         PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
     }
 }

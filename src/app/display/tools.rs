@@ -8,6 +8,7 @@ use super::{
     check::CheckPage,
     geometry::GeometryPage,
     photometer::Photometer,
+    sizes::SizeTest,
     steps::StepsPage,
     timing::TimingTool,
 };
@@ -24,6 +25,7 @@ enum Tool {
     Geometry(Box<GeometryPage>),
     Photometer,
     ByEye,
+    Sizes,
     Check(Box<CheckPage>),
     Steps(Box<StepsPage>),
     Timing(Box<TimingTool>),
@@ -38,9 +40,10 @@ pub struct Display {
     dialog: Dialog,
     /// The profile that a tool wrote; a message names it while it is in use.
     saved: Option<SavedProfile>,
-    /// This and `by_eye` outlive their pages, so that a paused run can be resumed.
+    /// This, `by_eye` and `sizes` outlive their pages, so that a paused run can be resumed.
     photometer: Calibrate<Photometer>,
     by_eye: Calibrate<ByEye>,
+    sizes: Calibrate<SizeTest>,
 }
 
 impl Display {
@@ -48,9 +51,10 @@ impl Display {
     pub fn new(fields: &ScreenFields) -> Self {
         let known = fields.profile().unwrap_or_default();
         let photometer = Calibrate::new(Photometer::default(), known.clone(), [true, true]);
-        let by_eye = Calibrate::new(ByEye::default(), known, [true, false]);
+        let by_eye = Calibrate::new(ByEye::default(), known.clone(), [true, false]);
+        let sizes = Calibrate::new(SizeTest::default(), known, [false, true]);
         let (read, tool, dialog, saved) = Default::default();
-        Self { window_deg: 10.0, read, tool, dialog, saved, photometer, by_eye }
+        Self { window_deg: 10.0, read, tool, dialog, saved, photometer, by_eye, sizes }
     }
 
     /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
@@ -59,6 +63,7 @@ impl Display {
             Some(Tool::Timing(tool)) => tool.ground(),
             Some(Tool::Photometer) => self.photometer.is_running().then_some(Color32::BLACK),
             Some(Tool::ByEye) => self.by_eye.is_running().then_some(DARK_PAGE),
+            Some(Tool::Sizes) => self.sizes.is_running().then_some(Color32::BLACK),
             _ => None,
         }
     }
@@ -69,6 +74,7 @@ impl Display {
             Some(Tool::Timing(tool)) => tool.stop(ctx),
             Some(Tool::Photometer) => self.photometer.pause(ctx),
             Some(Tool::ByEye) => self.by_eye.pause(ctx),
+            Some(Tool::Sizes) => self.sizes.pause(ctx),
             _ => {}
         }
     }
@@ -83,6 +89,7 @@ impl Display {
             Some(Tool::Geometry(page)) => page.show(ui, monitor, fields).widen(),
             Some(Tool::Photometer) => self.photometer.show(ui, viewing.as_ref()),
             Some(Tool::ByEye) => self.by_eye.show(ui, viewing.as_ref()),
+            Some(Tool::Sizes) => self.sizes.show(ui, viewing.as_ref()),
             Some(Tool::Check(page)) => page.show(ui).widen(),
             Some(Tool::Steps(page)) => page.show(ui).widen(),
             Some(Tool::Timing(page)) => page.show(ui, monitor).widen(),
@@ -181,6 +188,11 @@ const TOOLS: &[Entry] = &[
             display.photometer.update(profile);
             Tool::Photometer
         },
+    ),
+    (
+        "Patch size",
+        "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
+        |_, _| Tool::Sizes,
     ),
     (
         "Gamma by eye",

@@ -24,6 +24,10 @@ pub const LABELS: f32 = 150.0;
 const NUMBER: f32 = 90.0;
 /// Width of a field for a number that can be absent, points.
 const OPTIONAL: f32 = 140.0;
+/// The whole numbers that cannot be 0.
+const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
+/// What is said of an answer without a label.
+const EMPTY_LABEL: &str = "the label is empty";
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
@@ -200,10 +204,15 @@ impl DefinitionForm {
         lines.join("\n")
     }
 
+    /// Says how the field of a value is labeled.
+    pub fn name(&mut self, key: &str, label: &str) {
+        self.labels.entry(key.to_owned()).or_insert_with(|| label.to_owned());
+    }
+
     /// Returns the label of the field with an error.
     pub fn label(&self, error: &FileError) -> String {
         let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
-        let label = self.labels.get(&parts.join(".")).cloned();
+        let label = self.labels.get(&error.key).or_else(|| self.labels.get(&parts.join("."))).cloned();
         label.or_else(|| parts.last().map(|name| parameter::label(name))).unwrap_or_else(|| "file".to_owned())
     }
 
@@ -264,7 +273,7 @@ impl DefinitionForm {
         about: &str,
         draw: impl FnOnce(&str, &mut String) -> Response,
     ) {
-        self.labels.entry(key.to_owned()).or_insert_with(|| label.to_owned());
+        self.name(key, label);
         let mut text = self.value(key, default);
         let response = draw(&self.error(key), &mut text);
         if response.on_hover_text(about).changed() {
@@ -275,9 +284,13 @@ impl DefinitionForm {
 
 /// Returns the message of an error beside its field, without the names and the limits of the file.
 fn plain(error: &FileError) -> String {
-    let message = match error.message.strip_prefix(&*error.key).and_then(|rest| rest.split_once("; expected ")) {
-        Some((_, expected)) if !error.key.is_empty() => format!("Enter {expected}."),
+    let name = error.key.rsplit('.').next().unwrap_or_default();
+    let is_of_field =
+        |what: &str| what.starts_with(&*error.key) || what.starts_with(&format!("{name} is ")) || what == EMPTY_LABEL;
+    let message = match error.message.split_once("; expected ") {
+        Some((what, expected)) if !error.key.is_empty() && is_of_field(what) => format!("Enter {expected}."),
         _ => error.message.clone(),
     };
-    message.replace(&format!("from 0 to {}", u32::MAX), "of 0 or more").replace(" in quotes", "")
+    let least = u32::from(FROM_ONE.contains(&&*error.key));
+    message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more")).replace(" in quotes", "")
 }

@@ -219,7 +219,7 @@ fn factor(
         let remove = button(ui, "Remove", true, &format!("Remove {label}")).clicked();
         (changed, up, down, remove)
     };
-    let field = Field::new(&label).column(LABELS).error(&error);
+    let field = Field::new(&label).column(LABELS).slot().error(&error);
     let (changed, up, down, remove) =
         field.show(ui, |ui, _| ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), line).inner);
     if changed {
@@ -345,18 +345,18 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
     let mut required = form.draft().get(&format!("{key}.required")).as_deref() != Some("false");
     let was_required = required;
     let shown = name.replace('_', " ");
-    let removed = Field::new(&shown).column(LABELS).error(&error).show(ui, |ui, _| {
+    let removed = Field::new(&shown).column(LABELS).slot().error(&error).show(ui, |ui, _| {
         ui.horizontal_wrapped(|ui| {
             if is_consent {
                 let edit = TextEdit::multiline(&mut text).id_salt(&text_key).desired_rows(2).desired_width(300.0);
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Text of {shown}"));
             } else {
-                let hint = if is_known { "the usual question" } else { "What the participant reads" };
+                let hint = if is_known { "usual question" } else { "What the participant reads" };
                 let edit = TextEdit::singleline(&mut label).id_salt(&label_key).hint_text(hint).desired_width(160.0);
                 let edit = ui.add(edit);
                 ui::text::name(ui, &edit, &format!("Label of {shown}"));
-                let hint = if is_known { "the usual answers" } else { "left, right" };
+                let hint = if is_known { "usual answers" } else { "left, right" };
                 let edit =
                     TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
                 let edit = ui.add(edit);

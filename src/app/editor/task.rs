@@ -357,13 +357,21 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     // Ratings are counted from 0, as in the data.
     let (noun, first) = if task.answers().is_none() { ("rating", 0) } else { ("answer", 1) };
     let [mut labels_changed, mut keys_changed] = [false; 2];
-    let mut removed = None;
+    let (mut removed, mut errors) = (None, String::new());
     for answer in 0..labels.len() {
-        let errors = ["labels", "keys"].map(|list| form.error(&format!("response.{list}.{answer}")));
-        let errors = errors.join("\n");
         let shown = format!("{noun} {}", answer + first);
-        Field::new(&capitalized(&shown)).column(LABELS).error(errors.trim()).show(ui, |ui, _| {
+        let label = capitalized(&shown);
+        let wrong = ["labels", "keys"].map(|list| {
+            let key = format!("response.{list}.{answer}");
+            form.name(&key, &label);
+            form.error(&key)
+        });
+        let wrong = wrong.concat();
+        Field::new(&label).column(LABELS).show(ui, |ui, _| {
             ui.horizontal(|ui| {
+                if !wrong.is_empty() {
+                    theme::outline_wrong(ui);
+                }
                 if has_keys {
                     let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
                     let key = ui.add(key);
@@ -385,17 +393,23 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 }
             });
         });
+        if errors.is_empty() && !wrong.is_empty() {
+            errors = format!("{label}: {wrong}");
+        }
     }
+    // Below the last answer, an error moves none of them.
+    let below = Field::new("").column(LABELS).slot().error(&errors);
     let many = labels.len() >= *CATEGORIES.end();
     if task.answers().is_none() {
-        let field = Field::new("").column(LABELS);
-        let added = field.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
+        let added = below.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
         if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
             let free = ('0'..='9').chain('a'..='z').map(String::from);
             keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
             labels.push(String::new());
             [labels_changed, keys_changed] = [true; 2];
         }
+    } else {
+        below.show(ui, |_, _| ());
     }
     if let Some(answer) = removed {
         labels.remove(answer);

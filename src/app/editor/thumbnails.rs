@@ -49,7 +49,7 @@ impl Thumbnails {
         ui::section(ui, if n == 1 { "1 condition".to_owned() } else { format!("{n} conditions") });
         let mut hint = Vec::new();
         if !self.factors.is_empty() {
-            hint.push(format!("Each caption gives {}.", self.factors));
+            hint.push(format!("Captions: {}.", self.factors));
         }
         if n > self.all.len() {
             hint.push(format!("The first {} are shown, {} are not.", self.all.len(), n - self.all.len()));

@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, CentralPanel, Color32, Frame, Panel, ScrollArea, TextureHandle, Ui};
+use eframe::egui::{self, Color32, ScrollArea, TextureHandle, Ui};
 use egui_plot::{GridMark, Line, MarkerShape, PlotUi, Points};
 use toml::{Table, Value};
 
 use crate::{
     app::{
         explore::prediction::{self, Mark, Prediction, ViewingPlace},
-        ui::{self, Field, History, Saving, Step, pixels, theme},
+        ui::{self, Bench, Field, History, Saving, Step, pixels, theme},
     },
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
@@ -48,6 +48,7 @@ const MARKS: [f64; 2] = [0.06, 0.22];
 /// The page with the stimuli of the catalog.
 pub struct Gallery {
     settings: Choices,
+    faults: Faults,
     history: History<Choices>,
     /// Whether the size has been chosen, so that the image and its plot fit the window.
     is_fitted: bool,
@@ -144,6 +145,7 @@ impl Gallery {
             prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
             history: History::new(settings.clone()),
             settings,
+            faults: Faults::new(),
             is_fitted: false,
             derivatives: false,
             shown: None,
@@ -198,41 +200,24 @@ impl Gallery {
     pub fn show(&mut self, ui: &mut Ui) -> Step {
         // Escape first answers the question whether to replace a file.
         let escaped = ui::escaped(ui) && !self.saving.cancel();
-        theme::compact(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();
         if let Ok(stimulus) = &stimulus {
             self.refresh(ui.ctx(), stimulus);
         }
-        let errors = stimulus.err().unwrap_or_default();
-        let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
-        let mut back = false;
-        if ui.available_width() < NARROW {
-            CentralPanel::default().frame(frame).show(ui, |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    // Leaves room for the scroll bar.
-                    ui.set_max_width(ui.available_width() - 6.0);
-                    self.overview(ui);
-                    ScrollArea::horizontal().id_salt("picture").show(ui, |ui| self.picture(ui));
-                    ui.separator();
-                    back = self.controls(ui, &errors);
-                    self.export(ui);
-                });
-            });
-        } else {
-            Panel::left("gallery").resizable(false).exact_size(CONTROLS).frame(frame).show(ui, |ui| {
-                // The export stays in view while the controls scroll.
-                let below = Frame::NONE.inner_margin(egui::Margin { top: 8, ..egui::Margin::ZERO });
-                Panel::bottom("gallery export").frame(below).show(ui, |ui| self.export(ui));
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| back = self.controls(ui, &errors));
-            });
-            CentralPanel::default().frame(frame).show(ui, |ui| {
-                self.overview(ui);
-                ScrollArea::both().auto_shrink(false).show(ui, |ui| self.picture(ui));
-            });
-        }
+        self.faults = stimulus.err().unwrap_or_default();
+        let (controls, export, view) = (Self::controls, Self::export, Self::view);
+        let bench = Bench { name: "Stimuli", width: CONTROLS, narrow: NARROW, controls, export, view };
+        let back = bench.show(ui, self);
         self.history.record(ui, &self.settings);
         Step::back_if(back || escaped)
+    }
+
+    /// Draws the kinds to choose from, and the stimulus.
+    fn view(&mut self, ui: &mut Ui, is_narrow: bool) {
+        self.overview(ui);
+        let area = if is_narrow { ScrollArea::horizontal() } else { ScrollArea::both().auto_shrink(false) };
+        area.id_salt("picture").show(ui, |ui| self.picture(ui));
     }
 
     /// Renders the stimulus again if something has changed.
@@ -259,9 +244,8 @@ impl Gallery {
         self.shown = Some(Shown { recipe, texture, curves });
     }
 
-    /// Draws all settings; returns whether to go back.
-    fn controls(&mut self, ui: &mut Ui, errors: &Faults) -> bool {
-        let back = ui::heading(ui, "Stimuli");
+    /// Draws all settings.
+    fn controls(&mut self, ui: &mut Ui) {
         let entries: Vec<usize> = (0..catalog::all().len()).collect();
         let kind = Field::new("Stimulus").column(LABELS);
         kind.choice(ui, &mut self.settings.entry, &entries, |i| catalog::all()[*i].title.to_owned());
@@ -270,7 +254,7 @@ impl Gallery {
         ui::hint(ui, self.settings.kind().about);
         ui.add_space(theme::SMALL_GAP);
         let show = |ui: &mut Ui, name: Option<&str>| {
-            errors.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
+            self.faults.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
         };
         let Choices { entry, values, size, dither } = &mut self.settings;
         let parameters = catalog::all()[*entry].default_stimulus().parameters();
@@ -291,7 +275,6 @@ impl Gallery {
             .on_hover_text("How a value between two codes becomes one of them.");
         ui.checkbox(&mut self.derivatives, "First and second derivative")
             .on_hover_text("Adds plots of the slope and of its change. Mach bands appear where the slope changes.");
-        back
     }
 
     fn export(&mut self, ui: &mut Ui) {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use eframe::egui;
 
-use super::request::{Prepared, Request, stimulus_side_px};
+use super::request::{Prepared, Request, has_slider, needed_px, stimulus_side_px};
 use crate::{
     app::ui::{Monitor, platform::Platform, today},
     display::{
@@ -21,8 +21,8 @@ const SAMPLES: u32 = 64;
 
 pub struct Findings {
     pub notes: Vec<PreflightNote>,
-    /// The values that the session needs; `None` if it cannot run.
-    pub prepared: Option<Prepared>,
+    /// The values that the session needs, or why it cannot run.
+    pub prepared: Result<Prepared, String>,
 }
 
 /// The screen of the previous sitting.
@@ -79,7 +79,7 @@ pub fn all(
 ) -> Findings {
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
-    let scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
+    let told_scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
     // The timing of the mode is exact, but the window system rounds it.
     let reported = platform.refresh_hz.or(monitor.refresh_hz);
     let refresh = match reported {
@@ -92,15 +92,15 @@ pub fn all(
     let mut notes = vec![
         note("monitor", true, format!("Monitor {name}, {width} × {height} pixels.")),
         full_screen(request.windowed, window, window == (width, height)),
-        note("scale", true, scale),
+        note("scale", true, told_scale),
         note("refresh", reported.is_some(), refresh),
         frame_interval,
     ];
     notes.extend(path_to_the_screen(platform));
     notes.extend(display_profile(&request.display, monitor, platform));
-    let geometry = geometry(request, monitor, window, &mut notes);
+    let geometry = geometry(request, monitor, window, scale, &mut notes);
     let prepared = geometry.map(|(viewing, size_px)| Prepared { viewing, size_px, refresh: refresh_found, window });
-    if let (Some(before), Some(now)) = (before, &prepared) {
+    if let (Some(before), Ok(now)) = (before, &prepared) {
         notes.push(before.note(now.size_px));
     }
     Findings { notes, prepared }
@@ -203,13 +203,14 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// Returns the viewing geometry, and the side of the stimulus in physical pixels; `None` if the stimulus does not fit.
+/// Returns the viewing geometry, and the side of the stimulus in physical pixels, or why the stimulus cannot be shown.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
     (width, height): (u32, u32),
+    px_per_point: f64,
     notes: &mut Vec<PreflightNote>,
-) -> Option<(Viewing, u32)> {
+) -> Result<(Viewing, u32), String> {
     let known_cm = request.screen_width_cm.or(request.display.screen_width_cm);
     let width_cm = known_cm.unwrap_or_else(|| monitor.assumed_width_cm());
     let viewing = Screen::new(monitor.width_px, monitor.height_px, width_cm)
@@ -217,8 +218,9 @@ fn geometry(
     let viewing = match viewing {
         Ok(viewing) => viewing,
         Err(error) => {
-            notes.push(note("geometry", false, format!("{error}.")));
-            return None;
+            let sentence = format!("{error}.");
+            notes.push(note("geometry", false, &sentence));
+            return Err(sentence);
         }
     };
     let origin = match known_cm {
@@ -232,10 +234,11 @@ fn geometry(
     let size_px = stimulus_side_px(&viewing, &request.protocol);
     notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
     let layout = request.protocol.task.layout();
-    let [wide, high] = layout.size_px(size_px);
+    let [wide, high] = needed_px(&request.protocol, size_px, px_per_point);
     let fits = wide <= width && high <= height;
     let stimuli = match layout {
         Layout::Places(count) => format!("The {count} stimuli of {deg}° side by side"),
+        _ if has_slider(&request.protocol) => format!("The {deg}° stimulus with its slider"),
         Layout::Single | Layout::Intervals { .. } => format!("The {deg}° stimulus"),
     };
     let verb = |one: &str, several: &str| if layout.grid() == [1, 1] { one.to_owned() } else { several.to_owned() };
@@ -246,8 +249,8 @@ fn geometry(
             verb("needs", "need")
         ),
     };
-    notes.push(note("stimulus_fits", fits, sentence));
-    fits.then_some((viewing, size_px))
+    notes.push(note("stimulus_fits", fits, &sentence));
+    if fits { Ok((viewing, size_px)) } else { Err(sentence) }
 }
 
 /// Reports the characters of the participant's texts that no font has; `None` if every character has one. They would be

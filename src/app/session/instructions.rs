@@ -158,7 +158,9 @@ pub fn phase_start(ui: &mut egui::Ui, phase: Phase, protocol: &Protocol, progres
 fn key_list(ui: &mut egui::Ui, protocol: &Protocol) {
     if protocol.task.dial().is_some() {
         let ends: Vec<&str> = protocol.response.categories.iter().map(|end| end.label.as_str()).collect();
-        ui.label(ends.join("  —  "));
+        if ends.iter().any(|end| !end.is_empty()) {
+            ui.label(ends.join("  —  "));
+        }
         return;
     }
     for category in &protocol.response.categories {

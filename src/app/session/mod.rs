@@ -14,5 +14,5 @@ mod runner;
 mod trials;
 mod unsaved_answer;
 
-pub use request::{Request, stimulus_side_px};
+pub use request::{Request, needed_px, stimulus_side_px};
 pub use runner::Runner;

@@ -116,7 +116,7 @@ fn draw(
         *on_choice |= tick.has_focus();
         return Some(tick);
     }
-    let form = Field::new(&label).column(LABELS).error(error);
+    let form = Field::new(&label).column(LABELS).slot().error(error);
     if field.kind() != FieldKind::Choice {
         let width = if field.kind() == FieldKind::Number { 90.0 } else { 300.0 };
         let edit = egui::TextEdit::singleline(typed).desired_width(width).char_limit(MAX_ANSWER);

@@ -106,15 +106,16 @@ impl Preflight {
         let Findings { mut notes, prepared } =
             findings::all(&self.request, self.before.as_ref(), monitor, &platform, &self.frames, window, scale);
         notes.push(self.light_steps.clone());
-        let prepared = prepared.filter(|_| missing.is_none());
+        let prepared = missing.as_ref().map_or(prepared, |missing| Err(missing.sentence.clone()));
         notes.extend(missing);
-        let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_some());
+        let blocked = prepared.as_ref().err().or(self.refused.as_ref());
+        let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_ok(), blocked);
         notes.extend(questions.notes());
         self.platform = Some((platform, questions));
         if back {
             return self.back(ui.ctx());
         }
-        let Some(prepared) = prepared.filter(|_| begin) else { return Step::Stay };
+        let Some(prepared) = prepared.ok().filter(|_| begin) else { return Step::Stay };
         self.refused = None;
         if self.participant.is_some() {
             self.ready = Some((prepared, notes));
@@ -150,14 +151,22 @@ impl Preflight {
         Step::Back
     }
 
-    /// Draws the findings; returns whether the session begins, and whether the user leaves the page.
-    fn draw(&self, ui: &mut egui::Ui, notes: &[PreflightNote], questions: &mut Questions, ready: bool) -> (bool, bool) {
+    /// Draws the findings; returns whether the session begins, and whether the user leaves the page. `blocked` says why it
+    /// cannot begin, or could not.
+    fn draw(
+        &self,
+        ui: &mut egui::Ui,
+        notes: &[PreflightNote],
+        questions: &mut Questions,
+        ready: bool,
+        blocked: Option<&String>,
+    ) -> (bool, bool) {
         let escaped = ui::escaped(ui);
         let proceed = ui::shortcut(ui, Key::Space) || ui::shortcut(ui, Key::Enter);
         let Request { protocol, identity, .. } = &self.request;
         let (begin, back) = ui::footer(ui, |ui| {
-            if let Some(refused) = &self.refused {
-                ui::show_error(ui, refused);
+            if let Some(blocked) = blocked {
+                ui::show_error(ui, blocked);
             }
             let begin = ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             (begin, ui::keyed(ui, "Back", "Esc"))

@@ -8,6 +8,9 @@ use crate::{
     store::session::Changes,
 };
 
+/// Height of the slider with its distance from the lower edge of the window, points.
+const SLIDER_ROOM: f32 = 92.0;
+
 /// A requested session. Everything that can be checked without knowing the screen has been checked.
 #[derive(Clone, Debug)]
 pub struct Request {
@@ -48,4 +51,17 @@ pub struct Prepared {
     pub refresh: KnownRefresh,
     /// Width and height of the window in physical pixels.
     pub window: (u32, u32),
+}
+
+/// Returns the width and height that all stimuli of `side` physical pixels need at the center of the window. A slider is
+/// always shown, and it lies below them.
+pub fn needed_px(protocol: &Protocol, side: u32, px_per_point: f64) -> [u32; 2] {
+    let [wide, high] = protocol.task.layout().size_px(side);
+    let strip = if has_slider(protocol) { (2.0 * f64::from(SLIDER_ROOM) * px_per_point).ceil() as u32 } else { 0 };
+    [wide, high + strip]
+}
+
+/// Returns whether answers are given on a slider.
+pub fn has_slider(protocol: &Protocol) -> bool {
+    protocol.task.dial().is_some_and(|dial| dial.parameter.is_none())
 }

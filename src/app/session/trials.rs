@@ -11,7 +11,7 @@ use super::{
     frames::ScreenRefresh,
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::Recording,
-    request::{Prepared, Request},
+    request::{Prepared, Request, has_slider, needed_px},
     unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
@@ -328,7 +328,7 @@ impl Trials {
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
         let (width, height) = window_px(ctx);
-        let [wide, high] = self.session.protocol().task.layout().size_px(self.size_px);
+        let [wide, high] = needed_px(self.session.protocol(), self.size_px, ctx.pixels_per_point().into());
         (width < wide || height < high).then(|| {
             format!(
                 "The window has {width} × {height} pixels and the stimulus needs {wide} × {high}. Make the window larger."
@@ -476,11 +476,10 @@ impl Trials {
             None if is_shown => draw_scale(ui.ctx(), scale, rating_now),
             None => None,
         };
-        let has_slider = self.dial().is_some_and(|dial| dial.parameter.is_none());
         if let Some(value) = set {
             self.step(Event::Adjust(value), now);
         }
-        if !(self.scale_shown || has_slider) || window_s - self.mouse_moved_s > CURSOR_S {
+        if !(self.scale_shown || has_slider(self.session.protocol())) || window_s - self.mouse_moved_s > CURSOR_S {
             ui.ctx().set_cursor_icon(CursorIcon::None);
         }
         if let Some(rating) = clicked {

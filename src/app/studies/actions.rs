@@ -9,7 +9,7 @@ use super::{
     grid::Cell,
     jobs::Job,
     page::{Destination, LIST, Open, Studies},
-    pilot::{ExportForm, PilotForm},
+    request_form::RequestForm,
 };
 use crate::{
     app::ui::{
@@ -18,6 +18,8 @@ use crate::{
     },
     experiment::Protocol,
     store::{definition::BUILT_IN, session::overview::SessionState, settings::Settings},
+    system::found,
+    work::{Export, plan::Plan, simulate::Simulate},
 };
 
 /// In a page narrower than this, in points, what is rarely needed is in a menu.
@@ -25,7 +27,9 @@ const ROOM_FOR_ACTIONS: f32 = 560.0;
 /// In a window narrower than this, in points, buttons beside the title have no words.
 const SMALL: f32 = 600.0;
 /// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
-const ROOM_FOR_ALL: f32 = 720.0;
+const ROOM_FOR_ALL: f32 = 816.0;
+/// Number of simulated participants if none is planned.
+const PARTICIPANTS: u32 = 8;
 
 impl Studies {
     /// Draws the title of the study, its extent, and what is rarely needed.
@@ -149,7 +153,13 @@ impl Studies {
         let mut next = None;
         ui.add_enabled_ui(is_free, |ui| {
             if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                self.open = Some(Open::Pilot(PilotForm::new(protocol)));
+                self.open = Some(Open::Pilot(self.pilot(protocol)));
+            }
+        });
+        let can_plan = protocol.task.is_default() || protocol.adaptive.is_some();
+        ui.add_enabled_ui(is_free && can_plan, |ui| {
+            if quiet(ui, Icon::People, "Plan…", "Plan…").clicked() {
+                self.open = Some(Open::Plan(self.plan(protocol)));
             }
         });
         ui.add_enabled_ui(has_sessions && is_free, |ui| {
@@ -164,10 +174,49 @@ impl Studies {
         });
         ui.add_enabled_ui(has_sessions && is_free, |ui| {
             if quiet(ui, Icon::Out, "Export…", "Export…").clicked() {
-                self.open = Some(Open::Export(ExportForm::new(folder)));
+                self.open = Some(Open::Export(export(folder)));
             }
         });
         next
+    }
+
+    /// Returns the dialog that finds how many participants the study needs.
+    fn plan(&self, protocol: &Protocol) -> RequestForm<Plan> {
+        let about = "Simulates studies of several sizes, and says which is large enough. Separate numbers by commas.";
+        let planned = protocol.plan.participants.map_or_else(|| "8, 16, 24".to_owned(), |planned| planned.to_string());
+        let mut shown = vec![
+            ("participants", "Numbers of participants", planned),
+            ("effects", "Effects", String::new()),
+            ("deviations", "People differ by", String::new()),
+            ("target", "Target power", String::new()),
+            ("studies", "Simulated studies", "200".to_owned()),
+        ];
+        if let Some(adaptive) = &protocol.adaptive {
+            shown.push(("trials", "Trials", adaptive.common.trials.to_string()));
+        }
+        RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &[("experiment", self.experiment_name())])
+    }
+
+    /// Returns the dialog that simulates a pilot.
+    fn pilot(&self, protocol: &Protocol) -> RequestForm<Simulate> {
+        // Simulated sessions never lie among those of people.
+        let beside = |number: u32| self.results().with_file_name(format!("pilot-{number}"));
+        let free = (1..).map(beside).find(|folder| !matches!(found(folder), Ok(Some(_)))).unwrap_or_default();
+        // The findings of the paper are about ratings.
+        let observer = if protocol.task.is_default() { "paper" } else { "vision" };
+        let participants = protocol.plan.participants.unwrap_or(PARTICIPANTS).to_string();
+        let about = format!(
+            "Simulated observers do every trial, and their answers are analyzed as those of people would be. The files go \
+                into the new folder {}.",
+            free.display()
+        );
+        let shown = [("participants", "Participants", participants), ("observer", "Observer", observer.to_owned())];
+        let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
+        RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given)
+    }
+
+    fn experiment_name(&self) -> String {
+        self.form.experiment.trim().to_owned()
     }
 
     /// Opens the dialog of a session; `None` for the next participant.
@@ -213,6 +262,20 @@ impl Studies {
         }
         None
     }
+}
+
+/// Returns the dialog that exports the study in a folder.
+fn export(folder: &Path) -> RequestForm<Export> {
+    let name = folder.file_name().unwrap_or_default().display().to_string();
+    let beside = folder.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+    let out = beside.join(format!("{name}-export")).display().to_string();
+    let shown = [
+        ("format", "Format", "psych-ds".to_owned()),
+        ("out", "New folder", out),
+        ("complete_only", "Only finished sessions", String::new()),
+    ];
+    let given = [("folder", folder.display().to_string())];
+    RequestForm::new(["Export", "Export"], folder.display().to_string(), &shown, &given)
 }
 
 /// Opens the data file of a session with the desktop's program for tables.

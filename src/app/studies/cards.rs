@@ -159,11 +159,8 @@ impl Studies {
                 ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));
             }
             if planned.is_none() {
-                let find = if protocol.task.is_default() || protocol.adaptive.is_some() {
-                    "; machband plan finds one"
-                } else {
-                    ""
-                };
+                let find =
+                    if protocol.task.is_default() || protocol.adaptive.is_some() { "; Plan… finds one" } else { "" };
                 ui::hint(ui, format!("The definition plans no number of participants{find}."));
             }
         });

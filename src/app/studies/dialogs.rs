@@ -1,22 +1,23 @@
 //! The dialogs other than that of a session, and the results of what ran in the background.
 
-use eframe::egui;
+use eframe::egui::{self, ScrollArea};
 
 use super::{
     form::Checked,
     grid::Cell,
     jobs::{Job, Made},
     page::{Destination, Open, Studies},
+    request_form::RequestForm,
 };
 use crate::{
     app::ui::{self, Field, FileKind, Step, theme::GAP},
     report::document::numbers::count,
+    work::Request,
 };
 
 impl Studies {
     /// Draws the dialogs other than that of a session.
     pub(super) fn other_dialog(&mut self, ctx: &egui::Context, open: Open, checked: &Checked) {
-        let folder = self.folder();
         if let Open::Definition(path) = open {
             self.open = self.definition_dialog(ctx, path).map(Open::Definition);
             return;
@@ -24,22 +25,26 @@ impl Studies {
         let Some(protocol) = &checked.protocol else { return };
         self.open = match open {
             Open::Session | Open::Definition(_) => None,
-            Open::Pilot(mut form) => match form.show(ctx, &self.form.experiment, &self.results()) {
-                Step::Stay => Some(Open::Pilot(form)),
-                Step::Back => None,
-                Step::Next(request) => {
-                    self.job = Some(Job::pilot(ctx, *request, protocol.clone()));
-                    None
-                }
-            },
-            Open::Export(mut form) => match form.show(ctx, &folder) {
-                Step::Stay => Some(Open::Export(form)),
-                Step::Back => None,
-                Step::Next(request) => {
-                    self.job = Some(Job::export(ctx, request));
-                    None
-                }
-            },
+            Open::Plan(form) => self.requested(ctx, form, Open::Plan, |request| Job::plan(ctx, request)),
+            Open::Planned(planned) => {
+                let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
+                    ui.heading("Plan");
+                    ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
+                        if !planned.rows.is_empty() {
+                            let heads = ["participants", "trials", "estimate", "± (95 %)", "power"];
+                            ui::table(ui, "planned", heads, planned.rows.clone());
+                        }
+                        planned.sentences.iter().for_each(|sentence| ui::paragraph(ui, sentence));
+                    });
+                    ui.add_space(GAP);
+                    ui.button("Close").clicked()
+                });
+                (!done && !closed).then_some(Open::Planned(planned))
+            }
+            Open::Pilot(form) => {
+                self.requested(ctx, form, Open::Pilot, |request| Job::pilot(ctx, request, protocol.clone()))
+            }
+            Open::Export(form) => self.requested(ctx, form, Open::Export, |request| Job::export(ctx, request)),
             Open::Removal(session) => {
                 let title = Cell::of(&session).title();
                 let text = format!("Nothing was rated in {title}, so no rating is lost.");
@@ -59,6 +64,22 @@ impl Studies {
                 }
             }
         };
+    }
+
+    /// Draws the dialog of a request, and starts what is requested; returns the dialog while it stays open.
+    fn requested<T: Request>(
+        &mut self,
+        ctx: &egui::Context,
+        mut form: RequestForm<T>,
+        stay: fn(RequestForm<T>) -> Open,
+        start: impl FnOnce(T) -> Job,
+    ) -> Option<Open> {
+        match form.show(ctx) {
+            Step::Stay => return Some(stay(form)),
+            Step::Back => {}
+            Step::Next(request) => self.job = Some(start(request)),
+        }
+        None
     }
 
     /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
@@ -108,6 +129,7 @@ impl Studies {
                 }
                 self.found = Some(found);
             }
+            Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
             Ok(Made::Exported(text)) => ui::say(ctx, text),
             Ok(Made::Pilot(folder)) => {
                 ui::say(ctx, format!("Simulated in {}", folder.display()));

@@ -9,7 +9,7 @@ use eframe::egui::Ui;
 
 use crate::{
     app::{
-        session::{Request, stimulus_side_px},
+        session::{Request, needed_px, stimulus_side_px},
         ui::{Field, Monitor, ScreenFields, full, number},
     },
     display::{DisplayProfile, Screen, Viewing},
@@ -183,7 +183,7 @@ impl SessionForm {
         let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
         let stimulus_px = viewing.zip(deg).zip(protocol.as_ref()).map(|((viewing, deg), protocol)| {
             let side = stimulus_side_px(&viewing, protocol);
-            let needed = protocol.task.layout().size_px(side);
+            let needed = needed_px(protocol, side, monitor.scale);
             let screen = [monitor.width_px, monitor.height_px];
             if let Some(axis) = (0..2).find(|axis| needed[*axis] > screen[*axis]) {
                 let error = format!(

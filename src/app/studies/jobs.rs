@@ -5,22 +5,25 @@ use std::{
     path::{Path, PathBuf},
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicBool, Ordering},
     },
 };
 
 use anyhow::ensure;
-use eframe::egui::{Context, ProgressBar, Ui};
+use eframe::egui::{Context, Ui};
 
 use crate::{
+    analysis::power::{Precision, Quantity},
     app::ui::{
         self,
         theme::{Icon, ink},
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Progress, Steps},
     },
     experiment::Protocol,
     work::{
         Export, Watcher,
+        plan::Plan,
+        plan_thresholds::Found,
         simulate::{Simulate, simulate},
         verify::Verify,
     },
@@ -33,6 +36,33 @@ pub enum Made {
     /// The folder of a simulated study.
     Pilot(PathBuf),
     Exported(String),
+    Planned(Planned),
+}
+
+/// What a plan found.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    pub sentences: Vec<String>,
+    /// Of thresholds: the numbers of participants and of trials, what is estimated, half its interval, and the power.
+    pub rows: Vec<[String; 5]>,
+}
+
+impl Planned {
+    fn of(found: &Found) -> Self {
+        let planned = match found {
+            Found::Ratings(planned) => return Self { sentences: planned.sentences(), rows: Vec::new() },
+            Found::Thresholds(planned) => planned,
+        };
+        let row = |one: &Precision| {
+            let is_there = matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
+            let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
+            let power = if is_there { format!("{:.0} %", 100.0 * one.share().0) } else { String::new() };
+            [one.participants.to_string(), one.trials.to_string(), planned.name(&one.quantity), half_width, power]
+        };
+        let unit = format!("Intervals are in {}.", planned.unit());
+        let sentences = planned.sentences().into_iter().chain([unit]).collect();
+        Self { sentences, rows: planned.found.iter().map(row).collect() }
+    }
 }
 
 /// What a check found.
@@ -51,8 +81,7 @@ pub struct Checked {
 /// How far a job is, and whether it should end.
 #[derive(Default)]
 struct State {
-    done: AtomicU64,
-    total: AtomicU64,
+    steps: Steps,
     stopped: AtomicBool,
     /// What the user should know about a result.
     warnings: Mutex<Vec<String>>,
@@ -60,8 +89,7 @@ struct State {
 
 impl Watcher for State {
     fn progress(&self, done: u64, total: u64) {
-        self.done.fetch_max(done, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
+        self.steps.set(done, total);
     }
 
     fn warn(&self, warning: &str) {
@@ -83,6 +111,8 @@ pub struct Job {
     what: &'static str,
     state: Arc<State>,
     work: BackgroundTask<Result<Made, String>>,
+    /// Whether it writes files, so that it must come to its end.
+    writes: bool,
 }
 
 impl Job {
@@ -94,7 +124,7 @@ impl Job {
         let state = Arc::<State>::default();
         let watcher = state.clone();
         let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| format!("{error:#}")));
-        Self { what, state, work }
+        Self { what, state, work, writes: true }
     }
 
     /// Checks the files of a study.
@@ -105,6 +135,12 @@ impl Job {
             let errors = verified.0.errors.iter().map(ToString::to_string).collect();
             Ok(Made::Checked(Checked { folder, sessions: verified.0.files.len(), errors, wrong }))
         })
+    }
+
+    /// Finds how many participants a study needs.
+    pub fn plan(ctx: &Context, request: Plan) -> Self {
+        let job = Self::start(ctx, "Planning", move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))));
+        Self { writes: false, ..job }
     }
 
     /// Simulates a study in a folder of its own.
@@ -122,6 +158,9 @@ impl Job {
 
     /// Returns what the job made, once it is done.
     pub fn poll(&self) -> Option<Result<Made, String>> {
+        if !self.writes && self.state.stopped.load(Ordering::Relaxed) {
+            return Some(Err("Stopped.".to_owned()));
+        }
         match self.work.poll() {
             Progress::Running => None,
             Progress::Done(result) => Some(result),
@@ -138,14 +177,10 @@ impl Job {
     pub fn show(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             Icon::Part.show(ui, ink(ui).text);
-            let [done, total] = [&self.state.done, &self.state.total].map(|count| count.load(Ordering::Relaxed));
-            ui.label(ui::secondary(format!("{}: {done} of {total}", self.what)));
-            let share = done as f32 / total.max(1) as f32;
-            ui.add(ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+            self.state.steps.show(ui, |done, total| format!("{}: {done} of {total}", self.what));
             if ui.button("Stop").clicked() {
                 self.state.stopped.store(true, Ordering::Relaxed);
             }
         });
-        ui.ctx().request_repaint_after_secs(0.1);
     }
 }

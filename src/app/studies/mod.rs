@@ -6,7 +6,7 @@
 //! | [`actions`], [`cards`], [`dialogs`] | what can be done with the chosen study; what stands beside it; its questions |
 //! | [`list`], [`grid`] | the studies to choose from; the participants and sessions of one |
 //! | [`session`], [`form`], [`fields`] | the dialog that begins a session; its fields, their errors, and what they remember |
-//! | [`pilot`], [`jobs`] | the dialogs of a pilot and an export; what runs in the background |
+//! | [`request_form`], [`jobs`] | the dialogs of a plan, a pilot and an export; what runs in the background |
 
 mod actions;
 mod cards;
@@ -17,7 +17,7 @@ mod grid;
 mod jobs;
 mod list;
 mod page;
-mod pilot;
+mod request_form;
 mod session;
 
 pub use page::{Destination, Studies};

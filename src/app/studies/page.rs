@@ -12,9 +12,9 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, RichText, Sc
 use super::{
     form::{Checked, SessionField, SessionForm},
     grid::{Cell, Chosen, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job},
+    jobs::{Checked as FilesChecked, Job, Planned},
     list::StudyList,
-    pilot::{ExportForm, PilotForm},
+    request_form::RequestForm,
 };
 use crate::{
     app::{
@@ -30,6 +30,7 @@ use crate::{
         session::overview::SessionState,
         settings::{Settings, remember},
     },
+    work::{Export, plan::Plan, simulate::Simulate},
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -56,8 +57,10 @@ pub(super) enum Open {
     Session,
     /// Asks for the path of a definition.
     Definition(String),
-    Pilot(PilotForm),
-    Export(ExportForm),
+    Plan(RequestForm<Plan>),
+    Planned(Planned),
+    Pilot(RequestForm<Simulate>),
+    Export(RequestForm<Export>),
     /// Asks whether to remove a session in which nothing was rated.
     Removal(Box<SessionState>),
 }

@@ -9,7 +9,7 @@ use eframe::{
 
 use super::{
     text,
-    theme::{MESSAGE, outline_wrong},
+    theme::{MESSAGE, SMALL_GAP, outline_wrong},
 };
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
@@ -110,10 +110,13 @@ impl<'a> Field<'a> {
     fn show_errors(self, ui: &mut Ui) {
         let errors = |ui: &mut Ui| self.error.lines().for_each(|line| text::show_error(ui, line));
         if self.slot {
-            ui.allocate_ui(egui::vec2(ui.available_width(), MESSAGE), |ui| {
-                ui.set_min_height(MESSAGE);
+            // Two lines of a message fit, without the space that otherwise separates fields.
+            let height = MESSAGE + 2.0 * SMALL_GAP;
+            ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
+                ui.set_min_height(height);
                 errors(ui);
             });
+            ui.add_space(-ui.spacing().item_spacing.y);
         } else {
             errors(ui);
         }

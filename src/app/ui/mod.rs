@@ -42,8 +42,8 @@ pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, number};
 pub use history::History;
 pub use page::{
-    Step, action, ask, end_frame, entered, escaped, footer, heading, keyed, main_action, modal, neutral_primary, page,
-    page_from, primary, quiet, release_focus, shortcut, tool_page,
+    Bench, Step, action, ask, end_frame, entered, escaped, footer, heading, keyed, main_action, modal, neutral_primary,
+    page, page_from, primary, quiet, release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};

@@ -8,7 +8,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, MARGIN, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, ink, ink_of},
 };
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
@@ -94,6 +94,56 @@ pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> 
         let content = add(ui);
         (back || escaped, content)
     })
+}
+
+/// The parts of a page with controls on the left, an export below them that stays in view, and a view on the right.
+pub struct Bench<T> {
+    pub name: &'static str,
+    /// Width of the controls, points.
+    pub width: f32,
+    /// In a page narrower than this, in points, the view is above the controls, in one column.
+    pub narrow: f32,
+    pub controls: fn(&mut T, &mut Ui),
+    pub export: fn(&mut T, &mut Ui),
+    /// Draws the view; the last argument is true in one column.
+    pub view: fn(&mut T, &mut Ui, bool),
+}
+
+impl<T> Bench<T> {
+    /// Draws the page; returns whether its back button was clicked.
+    pub fn show(self, ui: &mut Ui, page: &mut T) -> bool {
+        let Self { name, width, narrow, controls, export, view } = self;
+        let is_narrow = ui.available_width() < narrow;
+        let frame = Frame::NONE.inner_margin(LARGE_GAP);
+        let mut back = false;
+        let mut column = |ui: &mut Ui, page: &mut T| {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+                // Leaves room for the scroll bar.
+                ui.set_max_width(ui.available_width() - 6.0);
+                back = heading(ui, name);
+                if is_narrow {
+                    view(page, ui, true);
+                    ui.separator();
+                }
+                controls(page, ui);
+                if is_narrow {
+                    export(page, ui);
+                }
+            });
+        };
+        compact(ui);
+        if is_narrow {
+            CentralPanel::default().frame(frame).show(ui, |ui| column(ui, page));
+            return back;
+        }
+        Panel::left(name).resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
+            let below = Frame::NONE.inner_margin(egui::Margin { top: GAP as i8, ..egui::Margin::ZERO });
+            Panel::bottom("export").frame(below).show(ui, |ui| export(page, ui));
+            column(ui, page);
+        });
+        CentralPanel::default().frame(frame).show(ui, |ui| view(page, ui, false));
+        back
+    }
 }
 
 /// Draws the name of a page and its back button; returns whether the button was clicked.

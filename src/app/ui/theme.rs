@@ -333,73 +333,58 @@ pub fn card(ui: &Ui) -> egui::Frame {
     egui::Frame::NONE.fill(ink.card).stroke(Stroke::new(1.0, ink.line)).corner_radius(6.0).inner_margin(12.0)
 }
 
-/// A picture of an action, a place or a state: polylines and circles on a square of [`ICON`] points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Icon {
-    Studies,
-    Stimuli,
-    Shading,
-    Display,
-    Analyze,
-    Settings,
-    Help,
-    Play,
-    Resume,
-    Pilot,
-    Check,
-    Out,
-    Folder,
-    Edit,
-    More,
-    Plus,
-    Down,
-    Warn,
-    Close,
-    Done,
-    None,
-    Part,
-    Rating,
-    Choice,
-    YesNo,
-    Pair,
-    Adjust,
+macro_rules! icons {
+    ($($name:ident $path:literal)*) => {
+        /// A picture of an action, a place or a state: polylines and circles on a square of [`ICON`] points.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Icon {
+            $($name,)*
+        }
+
+        impl Icon {
+            /// Returns the lines and circles of the icon: `M`, `L`, `H` and `V` as in the paths of SVG, `Z` to close a
+            /// line, `o X Y RADIUS` for a circle; parts are separated by `|`.
+            const fn path(self) -> &'static str {
+                match self {
+                    $(Self::$name => $path,)*
+                }
+            }
+        }
+    };
+}
+
+icons! {
+    Studies "M2 2H7V7H2Z|M9 2H14V7H9Z|M2 9H7V14H2Z|M9 9H14V14H9Z"
+    Stimuli "M2 2H14V14H2Z|M2 11H6L10 5H14"
+    Shading "o 8 8 6|M9.2 2.2L11.2 4.8L11.9 8L11.2 11.2L9.2 13.8"
+    Display "M1.5 3H14.5V11.5H1.5Z|M8 11.5V14|M5 14H11"
+    Analyze "M2 2V14H14|M5 10L8 6.5L10.5 8.5L14 4"
+    Settings "M2 4H14|M2 12H14|o 6 4 2|o 10 12 2"
+    Help "o 8 8 6.25|M6 6.5L6.5 5.4L8 5L9.5 5.4L10 6.5L9.4 7.6L8 8.6V9.4|M8 11.4V11.5"
+    Play "M5 3L12.5 8L5 13Z"
+    Resume "M3.5 3V13|M7 3L13.5 8L7 13Z"
+    Pilot "M1.5 8H4L6 3L9.5 13L11.5 8H14.5"
+    Check "M3 8.5L6.5 12L13 4.5"
+    Out "M8 10V2|M5 5L8 2L11 5|M3 9V14H13V9"
+    Folder "M1.5 4H6L7.5 5.5H14.5V13H1.5Z"
+    Edit "M3 13L3.6 10L11 2.6L13.4 5L6 12.4Z"
+    More "o 3.5 8 .8|o 8 8 .8|o 12.5 8 .8"
+    Plus "M8 3V13|M3 8H13"
+    Down "M4.5 6.5L8 10L11.5 6.5"
+    Warn "M8 2L14.5 13.5H1.5Z|M8 6.5V9.5|M8 11.4V11.5"
+    Close "M4 4L12 12|M12 4L4 12"
+    Done "o 8 8 6|M5 8.3L7.2 10.5L11 6"
+    None "o 8 8 6"
+    Part "o 8 8 6|M8 2V8L12 12.2"
+    People "o 8 5 3|M2.5 14L4.5 10.5H11.5L13.5 14"
+    Rating "M5 1H11V7H5Z|M1 11H4V14H1Z|M6.5 11H9.5V14H6.5Z|M12 11H15V14H12Z"
+    Choice "M1 4.5H6V9.5H1Z|M10 4.5H15V9.5H10Z|M7 7H9"
+    YesNo "M5 1H11V7H5Z|M2 11H7V14H2Z|M9 11H14V14H9Z"
+    Pair "M1 2H7V8H1Z|M9 2H15V8H9Z|M3 12H5|M11 12H13"
+    Adjust "M5 1H11V7H5Z|M1 12.5H7.5|M10.5 12.5H15|o 9 12.5 1.5"
 }
 
 impl Icon {
-    /// Returns the lines and circles of the icon: `M`, `L`, `H` and `V` as in the paths of SVG, `Z` to close a line,
-    /// `o X Y RADIUS` for a circle; parts are separated by `|`.
-    const fn path(self) -> &'static str {
-        match self {
-            Self::Studies => "M2 2H7V7H2Z|M9 2H14V7H9Z|M2 9H7V14H2Z|M9 9H14V14H9Z",
-            Self::Stimuli => "M2 2H14V14H2Z|M2 11H6L10 5H14",
-            Self::Shading => "o 8 8 6|M9.2 2.2L11.2 4.8L11.9 8L11.2 11.2L9.2 13.8",
-            Self::Display => "M1.5 3H14.5V11.5H1.5Z|M8 11.5V14|M5 14H11",
-            Self::Analyze => "M2 2V14H14|M5 10L8 6.5L10.5 8.5L14 4",
-            Self::Settings => "M2 4H14|M2 12H14|o 6 4 2|o 10 12 2",
-            Self::Help => "o 8 8 6.25|M6 6.5L6.5 5.4L8 5L9.5 5.4L10 6.5L9.4 7.6L8 8.6V9.4|M8 11.4V11.5",
-            Self::Play => "M5 3L12.5 8L5 13Z",
-            Self::Resume => "M3.5 3V13|M7 3L13.5 8L7 13Z",
-            Self::Pilot => "M1.5 8H4L6 3L9.5 13L11.5 8H14.5",
-            Self::Check => "M3 8.5L6.5 12L13 4.5",
-            Self::Out => "M8 10V2|M5 5L8 2L11 5|M3 9V14H13V9",
-            Self::Folder => "M1.5 4H6L7.5 5.5H14.5V13H1.5Z",
-            Self::Edit => "M3 13L3.6 10L11 2.6L13.4 5L6 12.4Z",
-            Self::More => "o 3.5 8 .8|o 8 8 .8|o 12.5 8 .8",
-            Self::Plus => "M8 3V13|M3 8H13",
-            Self::Down => "M4.5 6.5L8 10L11.5 6.5",
-            Self::Warn => "M8 2L14.5 13.5H1.5Z|M8 6.5V9.5|M8 11.4V11.5",
-            Self::Close => "M4 4L12 12|M12 4L4 12",
-            Self::Done => "o 8 8 6|M5 8.3L7.2 10.5L11 6",
-            Self::None => "o 8 8 6",
-            Self::Part => "o 8 8 6|M8 2V8L12 12.2",
-            Self::Rating => "M5 1H11V7H5Z|M1 11H4V14H1Z|M6.5 11H9.5V14H6.5Z|M12 11H15V14H12Z",
-            Self::Choice => "M1 4.5H6V9.5H1Z|M10 4.5H15V9.5H10Z|M7 7H9",
-            Self::YesNo => "M5 1H11V7H5Z|M2 11H7V14H2Z|M9 11H14V14H9Z",
-            Self::Pair => "M1 2H7V8H1Z|M9 2H15V8H9Z|M3 12H5|M11 12H13",
-            Self::Adjust => "M5 1H11V7H5Z|M1 12.5H7.5|M10.5 12.5H15|o 9 12.5 1.5",
-        }
-    }
-
     /// Draws the icon in a square.
     pub fn paint(self, painter: &egui::Painter, rect: Rect, color: Color32) {
         let scale = rect.width() / ICON;

@@ -1,9 +1,13 @@
 //! Long computations on separate threads, so that the window stays responsive.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{
+    atomic::{AtomicU64, Ordering},
+    mpsc::{Receiver, TryRecvError, channel},
+};
 
 use eframe::egui;
 
+use super::{text::secondary, theme::ink};
 use crate::system::run_on_thread;
 
 /// A running computation. If it is dropped before it is done, its result is lost.
@@ -41,6 +45,30 @@ impl<T: Send + 'static> BackgroundTask<T> {
             Err(TryRecvError::Empty) => Progress::Running,
             Err(TryRecvError::Disconnected) => Progress::Lost,
         }
+    }
+}
+
+/// How many steps of a computation are done, and of how many.
+#[derive(Default)]
+pub struct Steps {
+    done: AtomicU64,
+    all: AtomicU64,
+}
+
+impl Steps {
+    pub fn set(&self, done: u64, all: u64) {
+        self.all.store(all, Ordering::Relaxed);
+        // Steps may end out of order.
+        self.done.fetch_max(done, Ordering::Relaxed);
+    }
+
+    /// Draws how far it is. `told` is the text about the numbers of steps that are done and of all steps.
+    pub fn show(&self, ui: &mut egui::Ui, told: impl FnOnce(u64, u64) -> String) {
+        let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
+        ui.label(secondary(told(done, all)));
+        let share = done as f32 / all.max(1) as f32;
+        ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+        ui.ctx().request_repaint_after_secs(0.1);
     }
 }
 

@@ -6,9 +6,12 @@ use super::{
     palette::{AXIS, GRID},
     svg::{Anchor, Font, Svg, WIDTH},
 };
-use crate::analysis::{
-    counts::{Counts, Factor, Role},
-    summary::category_values,
+use crate::{
+    analysis::{
+        counts::{Counts, Factor, Role},
+        summary::category_values,
+    },
+    statistics::Interval,
 };
 
 /// Text size in a chart of column width.
@@ -127,7 +130,7 @@ pub(super) struct Levels {
     pub at: Vec<f64>,
     /// True if a line from one level to the next is meaningful.
     pub ordered: bool,
-    names: Vec<String>,
+    pub names: Vec<String>,
 }
 
 impl Levels {
@@ -257,4 +260,11 @@ fn ticks(low: f64, high: f64, most: usize) -> Vec<f64> {
 /// Formats a number without binary rounding noise.
 pub(super) fn plain(value: f64) -> String {
     labels::level(&((value * 1e6).round() / 1e6 + 0.0).to_string())
+}
+
+/// Says how much a value is, with its interval.
+pub(super) fn told(value: f64, interval: Option<Interval>) -> String {
+    let digits = |number: f64| plain((number * 1e3).round() / 1e3);
+    let interval = interval.map(|Interval { low, high }| format!(", from {} to {}", digits(low), digits(high)));
+    digits(value) + &interval.unwrap_or_default()
 }

@@ -1,7 +1,7 @@
 //! A chart of the model's coefficients with their intervals, grouped by term.
 
 use super::{
-    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis},
+    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, told},
     figure::Figure,
     labels,
     palette::{AXIS, Series, Stroke, WHITE},
@@ -56,7 +56,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             };
             let name = labels::fit(name, MAX_NAME - INDENT, TEXT);
             svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
-            effect(svg, &panel, coefficient, share, y);
+            effect(svg, &panel, coefficient, share, y, &name);
         }
     }))
 }
@@ -139,7 +139,7 @@ fn range(model: &Model) -> (f64, f64) {
 }
 
 /// Draws an estimate with its interval, and an arrow where they extend beyond the panel.
-fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64) {
+fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64, name: &str) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
     if estimate.is_infinite() {
         let (edge, direction) = if estimate > 0.0 { (panel.right, 1.0) } else { (panel.left, -1.0) };
@@ -161,7 +161,8 @@ fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl F
             }
         }
     }
-    svg.marker((panel.x(share(estimate)), y), MARKER + 1.0, series);
+    let text = format!("{name}: {}", told(estimate, coefficient.interval));
+    svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
 }
 
 /// Draws an arrowhead that points right (1) or left (−1).

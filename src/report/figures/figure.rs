@@ -12,7 +12,7 @@ use resvg::{
 };
 use thiserror::Error;
 
-use super::svg::Svg;
+use super::svg::{Plotted, Svg};
 
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,8 @@ pub struct Figure {
     pub height: f64,
     /// The drawing, 800 units wide. Its text is kept as text, and it does not depend on other files.
     pub svg: String,
+    /// The values in it, at their places.
+    pub values: Vec<Plotted>,
 }
 
 impl Figure {
@@ -39,8 +41,8 @@ impl Figure {
         height: f64,
         paint: impl FnOnce(&mut Svg),
     ) -> Self {
-        let svg = Svg::draw(height, &title, &caption, paint);
-        Self { name, title, caption, wide: false, height, svg }
+        let (svg, values) = Svg::draw(height, &title, &caption, paint);
+        Self { name, title, caption, wide: false, height, svg, values }
     }
 
     /// Returns the chart as a PNG image that is 1600 pixels wide. Its bytes are the same on every machine.

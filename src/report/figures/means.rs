@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain, told},
     figure::Figure,
     labels,
     palette::{GRAY, MAX_SERIES, Series, Stroke},
@@ -33,6 +33,7 @@ type Means = HashMap<Vec<String>, Mean>;
 
 /// One line of a chart, with a mean for each level of the factor on the horizontal axis.
 struct Line {
+    /// The level of the other factor; empty if there is none.
     name: String,
     series: Series,
     means: Vec<Option<Mean>>,
@@ -137,14 +138,16 @@ fn chart(
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
         levels.draw(svg, &panel, labels::axis(&across.name, is_ours));
-        draw(svg, &panel, &levels, &lines);
+        let name = |factor: &Factor| labels::in_sentence(&factor.name, is_ours);
+        draw(svg, &panel, &levels, &lines, [&name(across), &by.map(name).unwrap_or_default()]);
         if let Some(heading) = &heading {
             legend(svg, &panel, heading, &lines, levels.ordered);
         }
     })
 }
 
-fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]) {
+/// Draws lines of means. `names` are those of the factor on the horizontal axis and of the other factor.
+fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, by]: [&str; 2]) {
     let count = lines.len() as f64;
     // Series are offset so that no interval hides another; with lines, a smaller offset is enough.
     let most = if levels.ordered { 10.0 } else { 26.0 };
@@ -162,8 +165,11 @@ fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]) {
                 svg.interval(x(at), panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
             }
         }
-        for (&at, (mean, _)) in means().filter_map(|(at, mean)| Some((at, mean.as_ref()?))) {
-            svg.marker((x(at), panel.y(*mean)), MARKER, line.series);
+        let other = if line.name.is_empty() { String::new() } else { format!(", {by} {}", line.name) };
+        for ((at, name), mean) in levels.at.iter().zip(&levels.names).zip(&line.means) {
+            let Some((mean, interval)) = *mean else { continue };
+            let text = format!("{across} {name}{other}: {}", told(mean, interval));
+            svg.point((x(*at), panel.y(mean)), MARKER, line.series, text);
         }
     }
 }
@@ -222,7 +228,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
             levels.draw(svg, &panel, across);
             let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
             let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
-            draw(svg, &panel, &levels, &[line]);
+            draw(svg, &panel, &levels, &[line], [across, ""]);
         }
     }))
 }
@@ -278,9 +284,14 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         }
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
-        let all = points(&by.levels.iter().map(mean).collect::<Vec<_>>());
+        let means: Vec<_> = by.levels.iter().map(mean).collect();
+        let all = points(&means);
         svg.path(&all, thick);
-        all.into_iter().flatten().for_each(|point| svg.marker(point, MARKER + 1.0, Series::only()));
+        for ((point, mean), level) in all.iter().zip(&means).zip(&levels.names) {
+            let Some((point, mean)) = point.zip(*mean) else { continue };
+            let text = format!("{name} {level}: {}", told(mean, None));
+            svg.point(point, MARKER + 1.0, Series::only(), text);
+        }
     }))
 }
 

@@ -25,6 +25,7 @@ use crate::analysis::Results;
 pub use display::{calibration, intervals};
 pub use figure::{Figure, FigureError, Pixels};
 pub use means::predicted;
+pub use svg::Plotted;
 
 /// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {

@@ -2,7 +2,7 @@
 //! model.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis},
+    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis, told},
     figure::Figure,
     labels,
     palette::{AXIS, Series, Stroke},
@@ -47,7 +47,11 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             let (series, x) = (Series::of(category), panel.x(share(proportion.expected)));
             let bar = Stroke { opacity: 0.35, ..Stroke::new(series.color, 5.0) };
             svg.line(&[(x, panel.y(proportion.range.low)), (x, panel.y(proportion.range.high))], bar);
-            svg.marker((x, panel.y(proportion.observed)), 0.8 * MARKER, series);
+            let [observed, expected] = [proportion.observed, proportion.expected].map(|share| told(share, None));
+            let factor = labels::in_sentence(&proportion.factor, results.options.is_ours);
+            let (level, rating) = (&proportion.level, &proportion.category);
+            let text = format!("{factor} {level}, rating {rating}: {observed}, expected {expected}");
+            svg.point((x, panel.y(proportion.observed)), 0.8 * MARKER, series, text);
         }
         let right = panel.right + 24.0;
         for (index, name) in categories.iter().enumerate().take(8) {

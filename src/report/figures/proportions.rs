@@ -162,7 +162,9 @@ impl Chart<'_> {
         let mut from = left;
         for (index, &count) in tally.iter().enumerate().filter(|(_, count)| **count > 0) {
             let to = from + count as f64 / n as f64 * width;
-            svg.rectangle((from, high), (to, low), category(index, tally.len()));
+            let percent = 100.0 * count as f64 / n as f64;
+            let text = format!("{}: {count} of {n}, {percent:.0} %", labels::level(&self.counts.categories[index]));
+            svg.bar((from, high), (to, low), category(index, tally.len()), text);
             if from > left && to - from > 5.0 {
                 svg.line(&[(from, high), (from, low)], Stroke::new(WHITE, 1.6));
             }

@@ -52,8 +52,22 @@ impl Font {
     }
 }
 
-/// A drawing in progress.
-pub(super) struct Svg(String);
+/// A value of the data at its place in a chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plotted {
+    /// The center of its marker or bar.
+    pub center: (f64, f64),
+    /// Half the width and half the height of the marker or bar.
+    pub half: (f64, f64),
+    /// What and how much it is.
+    pub text: String,
+}
+
+/// A drawing in progress, and the values in it.
+pub(super) struct Svg {
+    text: String,
+    values: Vec<Plotted>,
+}
 
 /// Rounds a length to a hundredth, so that its text is short.
 fn n(length: f64) -> f64 {
@@ -82,24 +96,26 @@ fn attributes(stroke: Stroke) -> String {
 }
 
 impl Svg {
-    /// Creates a complete drawing, with a title and a description for readers who cannot see it.
-    pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> String {
+    /// Creates a complete drawing, with a title and a description for readers who cannot see it; also returns the values
+    /// in it.
+    pub fn draw(height: f64, title: &str, description: &str, paint: impl FnOnce(&mut Self)) -> (String, Vec<Plotted>) {
         // Whole pixels, so that the last row is fully white.
         let height = height.ceil();
         let (title, description) = (escaped(title), escaped(description));
-        let mut svg = Self(format!(
+        let text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
              viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" font-family=\"{FAMILY}\">\n\
              <title>{title}</title>\n<desc>{description}</desc>\n"
-        ));
+        );
+        let mut svg = Self { text, values: Vec::new() };
         svg.rectangle((0.0, 0.0), (WIDTH, height), WHITE);
         paint(&mut svg);
-        svg.0 + "</svg>\n"
+        (svg.text + "</svg>\n", svg.values)
     }
 
     fn element(&mut self, element: std::fmt::Arguments<'_>) {
         // Writing to memory does not fail.
-        let _ = writeln!(self.0, "{element}");
+        let _ = writeln!(self.text, "{element}");
     }
 
     /// Draws a line through points.
@@ -182,6 +198,20 @@ impl Svg {
         };
         let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
         self.polygon(&corners, color);
+    }
+
+    /// Draws the marker of a value; `text` says what and how much it is.
+    pub fn point(&mut self, center: Point, radius: f64, series: Series, text: String) {
+        self.marker(center, radius, series);
+        self.values.push(Plotted { center, half: (radius, radius), text });
+    }
+
+    /// Draws the bar of a value between two corners; `text` says what and how much it is.
+    pub fn bar(&mut self, (left, top): Point, (right, bottom): Point, color: Rgb, text: String) {
+        self.rectangle((left, top), (right, bottom), color);
+        let (center, half) =
+            (((left + right) / 2.0, (top + bottom) / 2.0), ((right - left) / 2.0, (bottom - top) / 2.0));
+        self.values.push(Plotted { center, half, text });
     }
 
     /// Draws a legend entry: a sample of the series, which is 46 units wide and begins at `(x, y)`, and the series'

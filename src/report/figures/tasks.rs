@@ -1,7 +1,7 @@
 //! Charts of a task: psychometric functions and thresholds.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis},
+    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis, told},
     figure::Figure,
     labels,
     palette::{Series, Stroke},
@@ -43,7 +43,10 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
             for (x, y, n) in &curve.points {
                 // The area of a marker stands for the number of trials.
                 let radius = MARKER * (0.3 + 0.9 * (f64::from(*n) / f64::from(largest)).sqrt());
-                svg.marker((panel.x(share(*x)), panel.y(*y)), radius, series);
+                let of = if curve.name.is_empty() { String::new() } else { format!("{}, ", curve.name) };
+                let [level, answers] = [*x, *y].map(|value| told(value, None));
+                let text = format!("{of}{axis} {level}: {answers} of {n} trials");
+                svg.point((panel.x(share(*x)), panel.y(*y)), radius, series, text);
             }
             let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
             let name = labels::fit(&curve.name, 160.0, TEXT);
@@ -83,13 +86,15 @@ pub(crate) fn estimates(
         for (index, (name, all)) in series.iter().enumerate() {
             let one = if named { Series::of(index) } else { Series::only() };
             let shift = if named { room * ((index as f64 + 0.5) / series.len() as f64 - 0.5) } else { 0.0 };
-            for (at, estimate) in levels.at.iter().zip(all) {
+            let of = if named { format!("{name}, ") } else { String::new() };
+            for ((at, place), estimate) in levels.at.iter().zip(places).zip(all) {
                 let Some((value, interval)) = estimate else { continue };
                 let x = panel.x(*at) + shift;
                 if let Some(interval) = interval {
                     svg.interval(x, panel.y(interval.low), panel.y(interval.high), 6.0, Stroke::new(one.color, 3.0));
                 }
-                svg.marker((x, panel.y(*value)), MARKER, one);
+                let text = format!("{of}{place}: {}", told(*value, *interval));
+                svg.point((x, panel.y(*value)), MARKER, one, text);
             }
             if named {
                 let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);

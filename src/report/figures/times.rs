@@ -1,7 +1,7 @@
 //! A chart of response times: the median and quartiles by rating and by participant.
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Values},
+    axes::{EDGE, Levels, MARKER, PANEL, Values, told},
     figure::Figure,
     palette::{Series, Stroke},
     svg::WIDTH,
@@ -9,6 +9,7 @@ use super::{
 use crate::{
     analysis::{Results, counts::Quartiles, numbers_of},
     report::document::numbers::count,
+    statistics::Interval,
 };
 
 /// Space between two panels.
@@ -47,11 +48,14 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             // A bar between the quartiles, and a marker at the median.
             let (series, room) = (Series::only(), levels.gap() * panel.width());
             let (bar, radius) = ((0.3 * room).clamp(1.0, 12.0), (0.4 * room).clamp(1.5, MARKER));
-            for (&at, times) in levels.at.iter().zip(*times).filter_map(|(at, times)| Some((at, times.as_ref()?))) {
-                let x = panel.x(at);
+            for ((at, name), times) in levels.at.iter().zip(&levels.names).zip(*times) {
+                let Some(times) = times else { continue };
+                let x = panel.x(*at);
                 let ends = [(x, panel.y(times.lower)), (x, panel.y(times.upper))];
                 svg.line(&ends, Stroke { opacity: 0.45, ..Stroke::new(series.color, bar) });
-                svg.marker((x, panel.y(times.median)), radius, series);
+                let quartiles = Interval { low: times.lower, high: times.upper };
+                let text = format!("{title} {name}: {} s", told(times.median, Some(quartiles)));
+                svg.point((x, panel.y(times.median)), radius, series, text);
             }
         }
     }))

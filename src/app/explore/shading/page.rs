@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{
-    self, CentralPanel, Frame, Key, Label, Panel, Rect, RichText, ScrollArea, TextureHandle, UiBuilder,
-};
+use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
 use toml::{Table, Value};
 
 use super::{
@@ -18,7 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, History, Step, escaped, heading, hint,
+        Bench, Dialog, Field, FileKind, History, Step, escaped, hint,
         pixels::Canvas,
         say, secondary, show_error, text,
         theme::{self, BODY, SECTION, ink},
@@ -37,6 +35,8 @@ const NARROW_VIEW: f32 = 560.0;
 const NUMBERS: f32 = 180.0;
 /// The same height while they are closed.
 const CLOSED: f32 = 26.0;
+/// Width of the controls of the zoom, points.
+const ZOOM: f32 = 160.0;
 /// Height of the first sentence, points: two lines.
 const LEAD: f32 = 46.0;
 
@@ -91,54 +91,23 @@ impl ShadingPage {
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
-        let is_narrow = ui.available_width() < NARROW;
-        let frame = Frame::NONE.inner_margin(12.0);
-        let back = if is_narrow {
-            let scrolling = |ui: &mut egui::Ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, true)).inner
-            };
-            CentralPanel::default().frame(frame).show(ui, scrolling).inner
-        } else {
-            let back = Panel::left("shading").resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
-                // The export stays in view while the controls scroll.
-                let below = Frame::NONE.inner_margin(egui::Margin { top: 8, ..egui::Margin::ZERO });
-                Panel::bottom("shading export").frame(below).show(ui, |ui| {
-                    theme::compact(ui);
-                    self.export(ui);
-                });
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| self.column(ui, false)).inner
-            });
-            let back = back.inner;
-            CentralPanel::default().frame(frame).show(ui, |ui| {
-                theme::compact(ui);
-                self.view(ui);
-            });
-            back
-        };
+        let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
+        let back = Bench { name: "Shading", width, narrow: NARROW, controls, export, view }.show(ui, self);
         self.history.record(ui, &self.compared);
         Step::back_if(back || escaped)
     }
 
-    /// Draws the column of controls; returns whether to go back. In a narrow window, it also contains the view.
-    fn column(&mut self, ui: &mut egui::Ui, is_narrow: bool) -> bool {
-        theme::compact(ui);
-        // Leaves room for the scroll bar.
-        ui.set_max_width(ui.available_width() - 6.0);
-        let back = heading(ui, "Shading");
-        if is_narrow {
-            let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
-            let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
-            ui.allocate_ui(size, |ui| {
-                ui.set_min_size(size);
-                self.view(ui);
-            });
-            ui.separator();
+    /// Draws the view; in one column, it has a height of its own.
+    fn sized_view(&mut self, ui: &mut egui::Ui, is_narrow: bool) {
+        if !is_narrow {
+            return self.view(ui);
         }
-        self.controls(ui);
-        if is_narrow {
-            self.export(ui);
-        }
-        back
+        let plots = if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let size = egui::vec2(ui.available_width(), NARROW_VIEW + plots);
+        ui.allocate_ui(size, |ui| {
+            ui.set_min_size(size);
+            self.view(ui);
+        });
     }
 
     fn controls(&mut self, ui: &mut egui::Ui) {
@@ -273,6 +242,13 @@ impl ShadingPage {
                 }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
+            // What belongs to the zoom stays on one line.
+            if ui.available_size_before_wrap().x < ZOOM {
+                ui.end_row();
+                // The label is in the middle of a line that is as high as its buttons.
+                ui.allocate_exact_size(egui::vec2(0.0, ui.spacing().interact_size.y), egui::Sense::hover());
+                ui.add_space(-ui.spacing().item_spacing.x);
+            }
             group(ui, "Zoom");
             let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
             let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {

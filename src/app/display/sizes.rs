@@ -1,0 +1,109 @@
+//! Whether the luminance of white depends on the size of the patch, as on screens that limit their power.
+
+use std::path::Path;
+
+use eframe::egui;
+
+use super::{
+    calibrate::{Findings, Method},
+    patch_run::{PatchRun, PatchView},
+    photometer::{READING_S, settling_s},
+};
+use crate::{
+    app::ui::{Field, hint, note, success, table},
+    display::{Channel, DisplayProfile, Viewing, photometer::Patch},
+    store::readings,
+};
+
+/// Heights of the patches in percent of the screen's height.
+const PERCENTS: [u32; 5] = [5, 10, 20, 40, 70];
+/// A smaller change, as a share of the largest luminance, is not told from the noise of a photometer.
+const NOISE: f64 = 0.02;
+
+/// The settings of the test.
+pub struct SizeTest {
+    settle_s: String,
+}
+
+impl Default for SizeTest {
+    fn default() -> Self {
+        Self { settle_s: "2".to_owned() }
+    }
+}
+
+impl Method for SizeTest {
+    type Findings = SizeFindings;
+    type Run = PatchRun;
+
+    const BEGIN: &'static str = "Show patches";
+    const FORMAT: &'static str = "CSV written by this page: one row for each size, from the smallest to the largest.";
+    const HAS_CHANNELS: bool = false;
+    const INTRODUCTION: &'static str = "White patches of five sizes on black are shown one at a time; type each \
+        photometer reading. Some screens, OLED ones above all, dim large bright areas, so that a profile holds for one \
+        size only.";
+    const ITEMS: &'static str = "sizes";
+    const TITLE: &'static str = "Patch size";
+
+    fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
+        Field::new("Settling time, seconds").width(70.0).text(ui, &mut self.settle_s);
+    }
+
+    fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {
+        Ok((PERCENTS.len(), PERCENTS.len() as f64 * (settling_s(&self.settle_s)? + READING_S)))
+    }
+
+    fn begin(&self, _: &[Channel], file: &Path) -> Result<PatchRun, String> {
+        let view = PatchView { settle_s: settling_s(&self.settle_s)?, percents: PERCENTS.to_vec(), gray_around: false };
+        let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
+        PatchRun::begin(vec![white; PERCENTS.len()], file, view).map_err(|error| error.to_string())
+    }
+}
+
+/// The luminance of white at each size.
+pub struct SizeFindings([f64; PERCENTS.len()]);
+
+impl Findings for SizeFindings {
+    fn read(path: &Path) -> Result<Self, String> {
+        let readings = readings::open_incomplete(path).map_err(|errors| errors.to_string())?;
+        let whites = readings.iter().filter(|one| one.channel == Channel::Gray && one.level >= 1.0);
+        let cd_m2: Vec<f64> = whites.map(|one| one.luminance_cd_m2).collect();
+        let wrong = |found: Vec<f64>| {
+            let (path, sizes) = (path.display(), PERCENTS.len());
+            format!("{path}: there are {} readings of white; expected {sizes}, one for each size", found.len())
+        };
+        cd_m2.try_into().map(Self).map_err(wrong)
+    }
+
+    fn summary(&mut self, ui: &mut egui::Ui) {
+        let [small, .., large] = self.0;
+        let most = self.0.into_iter().fold(0.0, f64::max);
+        let change = (most - self.0.into_iter().fold(f64::INFINITY, f64::min)) / most.max(f64::MIN_POSITIVE);
+        let percent = 100.0 * change;
+        if change <= NOISE {
+            success(
+                ui,
+                format!("White changes by {percent:.1} % with the size of the patch: the size hardly matters."),
+            );
+        } else {
+            let text = format!(
+                "White changes by {percent:.0} % with the size of the patch: {small:.1} cd/m² for the smallest, \
+                    {large:.1} cd/m² for the largest. Calibrate with a patch as large as the stimulus, on a similar field."
+            );
+            note(ui, text);
+        }
+    }
+
+    fn details(&self, ui: &mut egui::Ui) {
+        hint(ui, "Height of the patch in percent of the screen's height, and the luminance of white.");
+        let rows = PERCENTS.iter().zip(self.0);
+        table(ui, "sizes", ["%", "cd/m²"], rows.map(|(percent, cd_m2)| [percent.to_string(), format!("{cd_m2:.1}")]));
+    }
+
+    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
+        None
+    }
+
+    fn instrument(&self) -> String {
+        "photometer".to_owned()
+    }
+}

@@ -1,0 +1,154 @@
+//! A dialog for an operation. The bounds, defaults, choices and explanations of its fields are those of the request, as
+//! on the command line.
+
+use std::marker::PhantomData;
+
+use clap::{Arg, ArgAction, Command};
+use eframe::egui::{Context, ScrollArea, TextEdit, Ui};
+use serde_json::{Map, Value};
+
+use crate::{
+    app::ui::{self, Dialog, Field, FileKind, Step, primary, theme::GAP},
+    work::{Request, RequestError, from_names},
+};
+
+/// Width of the dialog, its column of labels, and its fields, points.
+const WIDTH: f32 = 600.0;
+const LABELS: f32 = 176.0;
+const FIELD: f32 = 280.0;
+
+/// Height of the title and of the buttons, points.
+const BUTTONS: f32 = 150.0;
+
+/// A field that the dialog shows.
+struct Shown {
+    label: &'static str,
+    argument: Arg,
+    /// What was typed or chosen; `true` for a box that is checked.
+    value: String,
+}
+
+/// The dialog and what was entered.
+pub struct RequestForm<T> {
+    title: &'static str,
+    /// Label of the button.
+    action: &'static str,
+    about: String,
+    fields: Vec<Shown>,
+    /// The fields that are not shown.
+    given: Map<String, Value>,
+    error: Option<RequestError>,
+    dialog: Dialog,
+    request: PhantomData<T>,
+}
+
+impl<T: Request> RequestForm<T> {
+    /// Creates a dialog. `shown` are the names, labels and values of the fields to show; a field without a value has its
+    /// default.
+    pub fn new(
+        [title, action]: [&'static str; 2],
+        about: String,
+        shown: &[(&str, &'static str, String)],
+        given: &[(&str, String)],
+    ) -> Self {
+        let command = T::augment_args(Command::new("machband"));
+        let find = |name: &str| command.get_arguments().find(|argument| argument.get_id() == name).cloned();
+        let field = |(name, label, value): &(&str, &'static str, String)| {
+            let argument = find(name)?;
+            let default = argument.get_default_values().first().map(|value| value.to_string_lossy().into_owned());
+            let value = if value.is_empty() { default.unwrap_or_default() } else { value.clone() };
+            Some(Shown { label, argument, value })
+        };
+        let fields = shown.iter().filter_map(field).collect();
+        let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
+        let (error, dialog, request) = Default::default();
+        Self { title, action, about, fields, given, error, dialog, request }
+    }
+
+    /// Draws the dialog; returns the request once it is confirmed and possible.
+    pub fn show(&mut self, ctx: &Context) -> Step<T> {
+        let entered = ui::entered(ctx);
+        let (step, closed) = ui::modal(ctx, self.title, WIDTH, |ui, height| {
+            ui.heading(self.title);
+            ui::hint(ui, &self.about);
+            ui.add_space(GAP);
+            // The buttons stay in view in a low window.
+            ScrollArea::vertical().max_height(height - BUTTONS).show(ui, |ui| {
+                for field in &mut self.fields {
+                    field.show(ui, self.error.as_ref(), &mut self.dialog);
+                }
+            });
+            self.dialog.missing_error(ui);
+            let of_none = self.error.iter().filter(|error| error.field.is_none());
+            of_none.for_each(|error| ui::show_error(ui, error.to_string()));
+            ui.horizontal(|ui| {
+                if primary(ui, self.action, true, "") || entered {
+                    match self.request() {
+                        Ok(request) => return Step::Next(request),
+                        Err(error) => self.error = Some(error),
+                    }
+                }
+                Step::back_if(ui.button("Cancel").clicked())
+            })
+            .inner
+        });
+        if closed { Step::Back } else { step }
+    }
+
+    fn request(&self) -> Result<T, RequestError> {
+        let mut given = self.given.clone();
+        given.extend(self.fields.iter().map(|field| (field.argument.get_id().to_string(), field.json())));
+        from_names(&given)
+    }
+}
+
+impl Shown {
+    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) {
+        let error = error.filter(|error| error.field.as_deref() == Some(self.argument.get_id().as_str()));
+        let error = error.map(|error| error.told(|_| String::new())).unwrap_or_default();
+        let error = error.replace("invalid digit found in string", "expected a whole number");
+        let error = error.trim_start_matches([' ', ':']);
+        let about = self.argument.get_help().map(ToString::to_string).unwrap_or_default();
+        let choices = self.argument.get_possible_values();
+        let names = self.argument.get_value_names().unwrap_or_default();
+        let form = names.first().map_or("", |name| name.as_str());
+        let field = Field::new(self.label).column(LABELS).width(FIELD).hint(form).slot().error(error);
+        if matches!(self.argument.get_action(), ArgAction::SetTrue) {
+            let mut checked = self.value == "true";
+            Field::new("").column(LABELS).slot().show(ui, |ui, _| {
+                ui.checkbox(&mut checked, self.label).on_hover_text(about);
+            });
+            self.value = if checked { "true".to_owned() } else { String::new() };
+        } else if !choices.is_empty() {
+            let names: Vec<String> = choices.iter().map(|choice| choice.get_name().to_owned()).collect();
+            let title = |name: &String| {
+                let choice = choices.iter().find(|choice| choice.get_name() == name);
+                choice.and_then(|choice| choice.get_help()).map_or_else(|| name.clone(), ToString::to_string)
+            };
+            field.width(FIELD + 120.0).choice(ui, &mut self.value, &names, title).on_hover_text(about);
+        } else if form == "DIR" {
+            field.show(ui, |ui, label| {
+                ui.horizontal_wrapped(|ui| {
+                    let edit = TextEdit::singleline(&mut self.value).desired_width(FIELD);
+                    ui.add(edit).labelled_by(label).on_hover_text(about);
+                    dialog.browse(ui, FileKind::Folder, "Choose the folder…", &mut self.value);
+                });
+            });
+        } else {
+            field.text(ui, &mut self.value).on_hover_text(about);
+        }
+    }
+
+    /// Returns the value as the request takes it: a list for what can be repeated.
+    fn json(&self) -> Value {
+        let value = self.value.trim();
+        let parts = value.split(',').map(str::trim).filter(|part| !part.is_empty());
+        match (self.argument.get_action(), self.argument.get_value_delimiter()) {
+            (ArgAction::SetTrue, _) => (value == "true").into(),
+            (ArgAction::Append, None) => parts.collect(),
+            (_, Some(_)) => parts.collect::<Vec<_>>().join(",").into(),
+            _ if value.is_empty() => Value::Null,
+            _ => value.into(),
+        }
+    }
+}
