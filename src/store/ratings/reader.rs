@@ -179,9 +179,9 @@ fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileE
         move |(why, what)| {
             let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
             let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
-            let have = if found == 1 { "has" } else { "have" };
+            let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
             let message = format!(
-                "{found} of {rows} rows {have} no {what} (an empty cell, NA, {named}or another text that means so) and are left out; \
+                "{found} of {rows} rows {have} no {what} (an empty cell, NA, {named}or another text that means so) and {are} left out; \
              expected a {what} in every row"
             );
             Some(FileError::whole(&first.path, message))
