@@ -47,15 +47,8 @@ pub fn document(
     Document { title: title.clone(), subtitle, sections }
 }
 
-/// Formats a level or a setting, which is a logarithm if the method or the dial counts in ratios.
-pub(super) fn scaled(log: bool, value: f64) -> Shown {
-    let value = if log { f64::powf(10.0, value) } else { value };
-    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
-    fixed(value, decimals)
-}
-
 fn level(common: &Common, value: f64) -> Shown {
-    scaled(common.log, value)
+    further::scaled(common.log, value)
 }
 
 fn summary(study: &TaskStudy, results: &TaskResults) -> Section {

@@ -1,7 +1,6 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    document::scaled,
     results::{Comparisons, OfPerson, TaskResults},
     study::TaskStudy,
 };
@@ -42,6 +41,13 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
         all.extend(direction(results, dial));
     }
     all
+}
+
+/// Formats a level or a setting, which is a logarithm if the method or the dial counts in ratios.
+pub(super) fn scaled(log: bool, value: f64) -> Shown {
+    let value = if log { f64::powf(10.0, value) } else { value };
+    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
+    fixed(value, decimals)
 }
 
 /// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
