@@ -143,7 +143,7 @@ pub fn kappa(pairs: &[[u8; 2]]) -> Option<f64> {
 /// Returns each participant's first and second ratings of the same conditions.
 pub fn retests(measured: &Measured) -> Vec<Vec<[u8; 2]>> {
     let mut retests = vec![Vec::new(); measured.counts.subjects.len()];
-    for pair in &measured.retests {
+    for pair in measured.retests() {
         retests[pair.subject as usize].push([pair.first, pair.second]);
     }
     retests

@@ -31,7 +31,22 @@ pub struct Detection {
     pub criterion_se: f64,
 }
 
+impl Detection {
+    /// Returns d′, its standard error, c and its standard error; `None` for each without a detection.
+    #[must_use]
+    pub fn numbers(found: Option<Self>) -> [Option<f64>; 4] {
+        let of = |number: fn(Self) -> f64| found.map(number);
+        [of(|own| own.d_prime), of(|own| own.d_prime_se), of(|own| own.criterion), of(|own| own.criterion_se)]
+    }
+}
+
 impl Answers {
+    /// Returns hits, misses, false alarms and correct rejections.
+    #[must_use]
+    pub fn counts(&self) -> [u32; 4] {
+        [self.hits, self.misses, self.false_alarms, self.correct_rejections]
+    }
+
     /// Returns sensitivity and criterion; `None` without targets or without catch trials.
     #[must_use]
     pub fn detection(&self) -> Option<Detection> {

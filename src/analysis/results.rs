@@ -13,7 +13,7 @@ use super::{
     summary::{Group, by_cell, by_factor, by_subject},
     terms::{Term, Terms, Variable},
 };
-use crate::statistics::Interval;
+use crate::{statistics::Interval, stimulus::Parameter};
 
 /// What to compute.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +38,8 @@ pub struct Options {
     pub resampling: Resampling,
     /// Whether to compute how well the model describes the data.
     pub checks: bool,
-    /// Whether the ratings are of this program’s stimuli, so that its names of factors mean their parameters.
-    pub is_ours: bool,
+    /// The parameters of the stimulus that was rated, whose names the factors have; `None` if the ratings are from elsewhere.
+    pub parameters: Option<&'static [Parameter]>,
 }
 
 impl Default for Options {
@@ -55,7 +55,7 @@ impl Default for Options {
             max_minutes: MAX_MINUTES,
             resampling: Resampling::default(),
             checks: true,
-            is_ours: false,
+            parameters: None,
         }
     }
 }
@@ -136,7 +136,9 @@ impl FactorResults {
         let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
         let with = Self { marginal, ..self.clone() };
         let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());
-        if self.comparable || is_same && self.matched.incomplete.is_empty() { self.clone() } else { with }
+        // If a factor varies only between participants, none of them could rate all levels.
+        let is_whole = !self.within || self.matched.incomplete.is_empty();
+        if self.comparable || is_same && is_whole { self.clone() } else { with }
     }
 
     /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
@@ -252,7 +254,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
     );
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
-        .zip(retests(&measured))
+        .zip(retests(whole.as_ref().unwrap_or(&measured)))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,
@@ -314,13 +316,17 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> M
             .then(|| Term { variables: vec![variable] })
     };
     let all = || Terms::new(counts.factors.iter().enumerate().filter_map(main));
+    // A covariate that was asked for is in the model, whatever the other terms are.
+    let named =
+        options.covariates.iter().flatten().map(|name| Term { variables: vec![Variable::Number(name.clone())] });
+    let asked = options.terms.as_ref().map(|terms| Terms::new(terms.iter().cloned().chain(named)));
     ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         items: options.items.clone(),
         max_coefficients: options.max_coefficients,
-        ..ModelSpec::new(options.terms.clone().unwrap_or_else(all))
+        ..ModelSpec::new(asked.unwrap_or_else(all))
     }
 }
 

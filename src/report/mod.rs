@@ -7,6 +7,7 @@
 
 pub mod document;
 pub mod figures;
+pub(crate) mod names;
 mod output;
 pub mod prediction;
 mod script;

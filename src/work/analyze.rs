@@ -281,7 +281,7 @@ impl Analyze {
             max_minutes: self.model.max_minutes(),
             slopes: self.model.slopes,
             resampling: self.resampling,
-            is_ours: source.protocol.is_some() || !source.sessions.is_empty(),
+            parameters: source.parameters(),
             ..Options::default()
         }
     }
@@ -293,7 +293,7 @@ impl Analyze {
             let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
             return Err(RequestError::value(option, format!("{name}: {}", expected_one_of(name, &names))));
         }
-        if let Some(message) = determined(counts, &self.columns()[0]) {
+        if let Some(message) = determined(counts, self.columns()) {
             return Err(RequestError::value("terms", message));
         }
         let Some(order) = &self.ratings.order else { return Ok(()) };
@@ -322,16 +322,17 @@ impl Analyze {
     }
 }
 
-/// Says which factor among these determines another one, so that their effects cannot be told apart.
-fn determined(counts: &Counts, names: &[String]) -> Option<String> {
-    let factors: Vec<usize> = names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect();
+/// Says which of these factors determines another one, or a number, so that their effects cannot be told apart.
+fn determined(counts: &Counts, names: [Vec<String>; 2]) -> Option<String> {
+    let [factors, numbers] =
+        names.map(|names| names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect::<Vec<usize>>());
     let determines = |own: usize, other: usize| {
         let mut found = HashMap::new();
         let is_varied = |factor: usize| counts.factors[factor].levels.len() > 1;
         let mut all = counts.conditions.iter().map(|levels| (levels[own], levels[other]));
         own != other && is_varied(other) && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
     };
-    let mut pairs = factors.iter().flat_map(|own| factors.iter().map(move |other| (*own, *other)));
+    let mut pairs = factors.iter().flat_map(|own| factors.iter().chain(&numbers).map(move |other| (*own, *other)));
     let (own, other) = pairs.find(|(own, other)| determines(*own, *other))?;
     let [one, two] = [own, other].map(|factor| &counts.factors[factor].name);
     Some(format!(

@@ -5,11 +5,17 @@ use crate::{
         FEW_FOR_LIKELIHOOD_RATIOS,
         power::{Effect, Hypothesis, Power, Slope, Test},
     },
-    report::document::numbers::count,
+    report::{document::numbers::count, names},
     work::plan::Planned,
 };
 
 impl Planned {
+    /// Returns a term in words.
+    #[must_use]
+    pub fn in_words(&self, term: &str) -> String {
+        names::term(Some(self.protocol.stimulus.parameters()), term)
+    }
+
     /// Returns the name of a test in a sentence.
     #[must_use]
     pub fn test(&self, power: &Power) -> &'static str {
@@ -32,19 +38,33 @@ impl Planned {
                 sentences.push(format!(
                     "With {}, Friedman's test of {} cannot be significant: its smallest possible p is {least:.3}.",
                     people(power.participants),
-                    self.hypothesis(power).term
+                    self.in_words(&self.hypothesis(power).term)
+                ));
+            }
+        }
+        for power in &self.powers {
+            if let Some(reason) = power.withheld {
+                sentences.push(format!(
+                    "With {}, an analysis withholds the test of {} in {}: {reason}. {}",
+                    people(power.participants),
+                    self.in_words(&self.hypothesis(power).term),
+                    self.test(power),
+                    match power.participants {
+                        1 => "Such studies count as not finding an effect.",
+                        _ => "Such studies count as not finding an effect, and Friedman's test takes its place.",
+                    }
                 ));
             }
         }
         for powers in self.powers.chunk_by(|l, r| l.participants == r.participants) {
-            let untested = powers.iter().rev().filter(|power| power.untested > 0);
+            let untested = powers.iter().rev().filter(|power| power.untested > 0 && power.withheld.is_none());
             if let Some(power) = untested.max_by_key(|power| power.untested) {
                 sentences.push(format!(
                     "With {}, {} of {} studies could not test {} with {}; they count as not finding an effect.",
                     people(power.participants),
                     power.untested,
                     power.studies,
-                    self.hypothesis(power).term,
+                    self.in_words(&self.hypothesis(power).term),
                     self.test(power)
                 ));
             }
@@ -61,6 +81,7 @@ impl Planned {
         let clauses = |clause: &dyn Fn(&[&Power]) -> String| {
             powers.iter().map(|powers| clause(powers)).collect::<Vec<_>>().join("; ")
         };
+        let term = self.in_words(term);
         Some(match effect {
             None => format!(
                 "{term} has no effect on this observer. The false-alarm rate, expected to be {}, is {}.",
@@ -133,7 +154,7 @@ impl Planned {
             remarks.push(format!(
                 "The model has no random slope of {}, in which the simulated participants differ, so it finds too many \
                  effects of it.",
-                slope.factor
+                self.in_words(&slope.factor)
             ));
         }
         remarks

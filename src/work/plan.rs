@@ -248,6 +248,19 @@ impl Planned {
         &self.plan.hypotheses()[power.hypothesis]
     }
 
+    /// Returns whether an analysis draws its conclusion from this test: from the model or, if its test is withheld, from
+    /// Friedman's.
+    #[must_use]
+    pub fn leads(&self, power: &Power) -> bool {
+        let Hypothesis { term, test, .. } = self.hypothesis(power);
+        let of_model = |other: &&Power| {
+            let own = self.hypothesis(other);
+            other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
+        };
+        let is_withheld = self.powers.iter().find(of_model).is_some_and(|other| other.withheld.is_some());
+        is_withheld == (*test == Test::Friedman)
+    }
+
     /// Returns one row for each number of participants and each test.
     #[must_use]
     pub fn table(&self) -> Table {

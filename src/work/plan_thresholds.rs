@@ -7,6 +7,7 @@ use super::{
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
+    report::tasks::task,
     store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
 };
@@ -59,9 +60,11 @@ impl Plan {
         }
         if !protocol.task.is_default() {
             let message = format!(
-                "{} has the task {}; expected a rating on a scale of categories, or a task with [adaptive]",
-                protocol.name,
-                protocol.task.name()
+                "{name} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
+                 expected a rating on a scale of categories, or a task with [adaptive]. To see the intervals that simulated \
+                 people give, run machband simulate {name} --participants 8 and machband analyze results/{name} --out analysis",
+                task(&protocol.task),
+                name = protocol.name
             );
             return Err(RequestError::whole(message).into());
         }

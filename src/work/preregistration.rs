@@ -17,7 +17,8 @@ use crate::{
     experiment::{Factor, Protocol},
     report::{
         document::numbers::{count, list},
-        tasks::{MODEL_OVER_PEOPLE, model_of_a_person},
+        names,
+        tasks::{MODEL_OVER_PEOPLE, method, model_of_a_person, task},
     },
 };
 
@@ -77,8 +78,13 @@ fn viewing(protocol: &Protocol) -> String {
 
 /// Lists the factors with their levels.
 fn factors(protocol: &Protocol) -> String {
-    let levels = |factor: &Factor| factor.levels.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-    let named = protocol.factors.iter().map(|factor| format!("{} ({})", factor.name, levels(factor)));
+    let known = Some(protocol.stimulus.parameters());
+    let levels = |factor: &Factor| {
+        let shown = factor.levels.iter().map(|level| names::level(known, &factor.name, &level.to_string()).to_string());
+        shown.collect::<Vec<_>>().join(", ")
+    };
+    let named =
+        protocol.factors.iter().map(|factor| format!("{} ({})", names::factor(known, &factor.name), levels(factor)));
     list(&named.collect::<Vec<_>>())
 }
 
@@ -104,7 +110,7 @@ const UNDECIDED: &str = "Otherwise, the study does not decide; this will not be 
 impl Planned {
     fn sections(&self) -> Vec<(&'static str, String)> {
         vec![
-            ("Hypotheses", bullets(self.effects().map(|(_, one)| hypothesis(one)).collect())),
+            ("Hypotheses", bullets(self.effects().map(|(_, one)| hypothesis(self, one)).collect())),
             ("Design", self.design()),
             ("Sample size", self.sample_size()),
             (
@@ -151,8 +157,7 @@ impl Planned {
     fn sample_size(&self) -> String {
         let enough = |people: u32| {
             let own = |power: &&Power| power.participants == people && self.hypothesis(power).effect.is_some();
-            let mut powers =
-                self.powers.iter().filter(own).filter(|p| self.hypothesis(p).test == Test::LikelihoodRatio);
+            let mut powers = self.powers.iter().filter(own).filter(|power| self.leads(power));
             powers.clone().count() > 0 && powers.all(|power| power.share() >= self.target)
         };
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
@@ -186,7 +191,7 @@ impl Planned {
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
              analysis. Everything else is exploratory and will be called so.",
             spec.link,
-            list(&spec.terms.iter().map(ToString::to_string).collect::<Vec<_>>()),
+            list(&spec.terms.iter().map(|term| self.in_words(&term.to_string())).collect::<Vec<_>>()),
             self.sampling.alpha,
             Resampling::default().draws,
             self.sampling.alpha
@@ -211,6 +216,14 @@ impl PlannedThresholds {
         sections
     }
 
+    /// Returns what a precision is that of, in words.
+    fn told(&self, quantity: &Quantity) -> String {
+        let Quantity::Difference { factor, level, .. } = *quantity else { return self.name(quantity) };
+        let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
+        let [level, first] = [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
+        format!("{} {level} − {first}", names::factor(known, &of.name))
+    }
+
     /// Returns the differences between levels, each with its planned size.
     fn differences(&self) -> impl Iterator<Item = (&Precision, f64)> {
         let first =
@@ -222,7 +235,7 @@ impl PlannedThresholds {
     }
 
     fn hypothesis(&self, found: &Precision, truth: f64) -> String {
-        let name = self.name(&found.quantity);
+        let name = self.told(&found.quantity);
         if truth == 0.0 {
             return format!("{name}: no difference of thresholds is predicted, and none is planned for.");
         }
@@ -237,8 +250,9 @@ impl PlannedThresholds {
         let protocol = &self.protocol;
         let levels = protocol.adaptive.as_ref().map_or_else(String::new, |adaptive| {
             let [low, high] = adaptive.range();
-            let (method, parameter) = (adaptive.method.name(), &adaptive.common.parameter);
-            format!("The level, {parameter} from {low} to {high}, is chosen by the method {method}. ")
+            let known = Some(protocol.stimulus.parameters());
+            let (chosen, parameter) = (method(&adaptive.method), names::factor(known, &adaptive.common.parameter));
+            format!("The level, {parameter} from {low} to {high}, is chosen by {chosen}. ")
         });
         let conditions = match protocol.conditions().len() as u64 {
             1 => "There is one condition.".to_owned(),
@@ -250,7 +264,7 @@ impl PlannedThresholds {
         };
         format!(
             "The task is {} and asks “{}” {levels}{conditions} {} {}",
-            protocol.task.name(),
+            task(&protocol.task),
             protocol.response.question,
             course(protocol),
             viewing(protocol)
@@ -279,7 +293,7 @@ impl PlannedThresholds {
                 "{} with {} of each condition: {}{}{}{share}",
                 count(one.participants.into(), "participant"),
                 count(one.trials.into(), "trial"),
-                self.name(&one.quantity),
+                self.told(&one.quantity),
                 number("half-width of the 95 % interval", one.half_width),
                 number("root mean square error", one.error),
             )
@@ -304,7 +318,7 @@ impl PlannedThresholds {
     }
 
     fn meaning(&self, found: &Precision, truth: f64) -> String {
-        let name = self.name(&found.quantity);
+        let name = self.told(&found.quantity);
         if truth == 0.0 {
             return format!("{name}: a 95 % interval without 0 is a difference that was not predicted. {UNDECIDED}");
         }
@@ -320,10 +334,18 @@ fn bullets(items: Vec<String>) -> String {
     items.iter().map(|item| format!("- {item}")).collect::<Vec<_>>().join("\n")
 }
 
-fn hypothesis(hypothesis: &Hypothesis) -> String {
-    let term = &hypothesis.term;
+/// Returns the term of a hypothesis in words, and the levels that are rated higher and lower.
+fn in_words(planned: &Planned, hypothesis: &Hypothesis) -> (String, [String; 2]) {
+    let known = Some(planned.protocol.stimulus.parameters());
+    let level = |level: &String| names::level(known, &hypothesis.term, level).to_string();
+    let levels = hypothesis.effect.as_ref().map(|Effect { above, below, .. }| [above, below].map(level));
+    (names::term(known, &hypothesis.term), levels.unwrap_or_default())
+}
+
+fn hypothesis(planned: &Planned, hypothesis: &Hypothesis) -> String {
+    let (term, [above, below]) = in_words(planned, hypothesis);
     match &hypothesis.effect {
-        Some(Effect { above, below, logits }) => {
+        Some(Effect { logits, .. }) => {
             let size =
                 logits.map_or_else(String::new, |logits| format!(" The effect planned for is {logits:.2} logits."));
             format!("{term}: ratings at {above} are higher than at {below}.{size}")
@@ -334,9 +356,9 @@ fn hypothesis(hypothesis: &Hypothesis) -> String {
 
 /// Says what would count as which result.
 fn meaning(planned: &Planned, hypothesis: &Hypothesis) -> String {
-    let (term, alpha) = (&hypothesis.term, planned.sampling.alpha);
+    let (alpha, (term, [above, below])) = (planned.sampling.alpha, in_words(planned, hypothesis));
     match &hypothesis.effect {
-        Some(Effect { above, below, .. }) => format!(
+        Some(_) => format!(
             "{term}: p below {alpha} with a higher estimate at {above} than at {below} supports the hypothesis, and p below {alpha} \
              with the opposite order contradicts it. {UNDECIDED}"
         ),

@@ -9,6 +9,7 @@ use machband::{
     analysis::{Options, Resampling, Results, analyze, counts::MeasuredBuilder, terms::Terms},
     experiment::RatingRow,
     report::figures::{self, Figure},
+    stimulus::MachBand,
 };
 use resvg::usvg::{self, Group, Node, Tree, fontdb, roxmltree};
 
@@ -106,7 +107,11 @@ fn noise(seed: usize) -> usize {
 }
 
 fn quick() -> Options {
-    Options { resampling: Resampling { draws: 19, seed: 1 }, is_ours: true, ..Options::default() }
+    Options {
+        resampling: Resampling { draws: 19, seed: 1 },
+        parameters: Some(MachBand::PARAMETERS),
+        ..Options::default()
+    }
 }
 
 fn no_model() -> Options {

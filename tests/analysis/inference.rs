@@ -275,6 +275,8 @@ fn intervals_agree_with_tests() {
         let (p, interval) = (report.terms[0].p.unwrap(), report.model.coefficients[0].interval.unwrap());
         let excludes = interval.low > 0.0 || interval.high < 0.0;
         assert!(excludes == (p < 0.05) || (p - 0.05).abs() < 0.011, "seed {seed}: p {p}, {interval:?}");
+        // A difference has one interval, wherever it is told.
+        assert_eq!(report.comparisons[0].interval, Some(interval));
         excluded += usize::from(excludes);
         let random = report.model.random.as_ref().unwrap();
         let around = |sd: f64, interval: machband::statistics::Interval| interval.low <= sd && sd <= interval.high;

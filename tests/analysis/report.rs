@@ -18,6 +18,7 @@ use machband::{
         skins,
         study::{self, Parts, Summary, document},
     },
+    stimulus::MachBand,
     store::{
         FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
@@ -91,7 +92,11 @@ fn ratings(people: usize, depths: &[&str], reversed: bool) -> Measured {
 }
 
 fn options() -> Options {
-    Options { resampling: Resampling { draws: 59, seed: 2 }, is_ours: true, ..Options::default() }
+    Options {
+        resampling: Resampling { draws: 59, seed: 2 },
+        parameters: Some(MachBand::PARAMETERS),
+        ..Options::default()
+    }
 }
 
 fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
@@ -215,7 +220,7 @@ fn what_is_said_of_one_participant_is_not_said_of_people() {
     assert_parts(&one, &[alone, "machband plan", "if width made no difference to this participant"]);
     assert_parts(&one, &["In these ratings, the mean tends to fall with depth, from 1.83 at 1 to 0.00 at ∞"]);
     // With a second participant, the report draws inferences.
-    assert_parts(&two, &["Friedman", " interval ", "These are few people"]);
+    assert_parts(&two, &["Friedman", " interval ", "With only 2 participants, intervals are wide"]);
     assert!(!two.contains(alone));
 }
 
@@ -241,7 +246,7 @@ fn problems_with_the_data_are_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    let expected = ["All 2 sessions are finished", "all sittings were run in the same way", "No errors were found"];
+    let expected = ["Both sessions are finished", "all sittings were run in the same way", "No errors were found"];
     assert_parts(&fine, &expected);
     assert!(!fine.contains("are simulated"));
 
@@ -290,7 +295,7 @@ fn problems_with_the_data_are_reported() {
         &hash,
     ];
     assert_parts(&wrong, &expected);
-    assert!(!wrong.contains("The scale is 1.") && !wrong.contains("All 2 sessions"));
+    assert!(!wrong.contains("The scale is 1.") && !wrong.contains("Both sessions"));
 
     for session in &mut source.sessions {
         Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer = Some(SimulatedObserver::Random);
@@ -303,7 +308,7 @@ fn problems_with_the_data_are_reported() {
     let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
     let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
     let left = text(&page(&source, &left));
-    let excluded = format!("The participant S002 ({}) was left out on request.", count(total - n, "rating"));
+    let excluded = format!("Participant S002 ({}) was left out on request.", count(total - n, "rating"));
     let rest = format!("All numbers are about the remaining {} by 1 participant.", count(n, "rating"));
     assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
     assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);
@@ -457,5 +462,28 @@ proptest! {
         if results.people() < 2 {
             prop_assert!(!text.contains("Friedman"), "{}", text);
         }
+    }
+}
+
+/// A parameter of the stimulus is named in words, with its unit; a column from elsewhere may mean anything and keeps its name.
+#[test]
+fn factors_are_named_in_words() {
+    let mut builder = MeasuredBuilder::new(&["orientation_deg", "tanh_k"]);
+    for person in 0..5 {
+        for (place, levels) in [["0", "5"], ["0", "10"], ["45", "5"], ["45", "10"]].iter().enumerate() {
+            builder.add_counts(&format!("S{person}"), levels, SCALE[(person + place) % 4], 2).unwrap();
+        }
+    }
+    let measured = builder.finish();
+    let said = |parameters| {
+        let results = analyze(measured.clone(), &Options { parameters, ..options() });
+        text(&page(&source(&["orientation_deg", "tanh_k"]), &results))
+    };
+    let (own, foreign) = (said(Some(MachBand::PARAMETERS)), said(None));
+    for expected in ["Ratings by tanh k", "orientation 45°", "orientation and tanh k", "orientation × tanh k"] {
+        assert!(own.contains(expected), "{expected}: {own}");
+    }
+    for expected in ["Ratings by tanh_k", "orientation_deg 45", "orientation_deg and tanh_k"] {
+        assert!(foreign.contains(expected) && !foreign.contains("45°"), "{expected}: {foreign}");
     }
 }

@@ -159,10 +159,39 @@ fn an_age_is_no_condition() {
     let results = analyze(measured.clone(), &options(None));
     assert_eq!((results.cells.len(), results.factors.len(), &results.covariates[..]), (2, 1, &["age".to_owned()][..]));
     let Summary { lead, findings, .. } = said(&results);
-    assert!(lead[0].contains("of 2 conditions") && lead.concat().contains("age is a covariate"), "{lead:?}");
+    assert!(
+        lead[0].contains("of 2 conditions") && lead.concat().contains("The model has the covariate age"),
+        "{lead:?}"
+    );
     assert!(findings.iter().any(|text| text.starts_with("Ratings depend on age")), "{findings:?}");
-    let by_level = analyze(measured, &options(Some("age,cond")));
+    let by_level = analyze(measured.clone(), &options(Some("age,cond")));
     assert!(by_level.covariates.is_empty() && by_level.cells.len() == 40);
+    // A covariate that was asked for is in the model, whatever the other terms are; one that no term uses is not said to be.
+    let asked = Options { covariates: Some(vec!["age".to_owned()]), ..options(Some("cond")) };
+    assert_eq!(analyze(measured.clone(), &asked).spec.terms.to_string(), "cond,num:age");
+    assert!(!said(&analyze(measured, &options(Some("cond")))).lead.concat().contains("covariate"));
+}
+
+/// Nobody could rate all levels of a factor that varies between participants, so their raw means are compared.
+#[test]
+fn groups_are_compared_by_their_means() {
+    let latent = |person: usize, row: usize| (person % 2 == row).then_some(1.5 * row as f64);
+    let results = analyze(study(&["group"], &[&["a"], &["b"]], (60, 1, 3), latent), &options(None));
+    let finding = &said(&results).findings[0];
+    assert!(finding.starts_with("By group, the mean rating is higher at b"), "{finding}");
+}
+
+/// Where all ratings are equal, nothing ranges from anything to anything.
+#[test]
+fn equal_ratings_have_no_range() {
+    let mut builder = MeasuredBuilder::new(&["cond"]);
+    for (person, level) in [("1", "a"), ("1", "b"), ("2", "a"), ("2", "b")] {
+        builder.add_counts(person, &[level], "2", 12).unwrap();
+    }
+    let Summary { lead, findings, cautions } = said(&analyze(builder.finish(), &options(None)));
+    let all = [lead, findings, cautions].concat().concat();
+    assert!(all.contains("All ratings are 2.") && !all.contains("range from"), "{all}");
+    assert!(all.contains("Participants 1 and 2 used only one category"), "{all}");
 }
 
 /// The order of the terms decides nothing.

@@ -16,6 +16,7 @@ use machband::{
         figures,
         study::{Parts, document},
     },
+    stimulus::MachBand,
     store::ratings::ReadOptions,
     system,
 };
@@ -40,7 +41,8 @@ fn study(participants: usize) -> (tempfile::TempDir, PathBuf) {
 
 fn read(data_set: &Path) -> (Study, Results) {
     let study = Study::read(&[data_set.to_owned()], &ReadOptions { details: true, ..ReadOptions::default() }).unwrap();
-    let results = analyze(study.measured.clone(), &Options { is_ours: true, ..Options::default() });
+    let results =
+        analyze(study.measured.clone(), &Options { parameters: Some(MachBand::PARAMETERS), ..Options::default() });
     (study, results)
 }
 
@@ -223,7 +225,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let only = vec![("width".to_owned(), vec!["0.1".to_owned(), "0.8".to_owned()])];
     let left = study.measured.narrowed(&Exclusions { exclude: vec!["S002".to_owned()], only }).unwrap();
-    let results = analyze(left, &Options { is_ours: true, ..Options::default() });
+    let results = analyze(left, &Options { parameters: Some(MachBand::PARAMETERS), ..Options::default() });
     assert_document(&mut window, &study, &results);
 
     let out = folder.path().join("out");

@@ -283,6 +283,28 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }
 
+/// A plan does not promise what an analysis would withhold: here, the design has too few ratings for people who differ in the
+/// effect of the width.
+#[test]
+fn a_test_that_an_analysis_withholds_has_no_power() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = "schema = 1\nname = \"few\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.4, 0.8]\n\
+                  orientation_deg = [0, 45]\n[design]\nrepetitions = 1\n";
+    std::fs::write(folder.path().join("few.toml"), design).unwrap();
+    let line = "few.toml --participants 6 --studies 20 --effect width:0.1=3 --out p.csv";
+    let said = succeeds(folder.path(), line, "2");
+    let withheld =
+        "With 6 participants, an analysis withholds the test of width in the mixed model: the design has too few";
+    assert!(said.contains(withheld), "{said}");
+    let (header, rows) = table(&folder.path().join("p.csv"));
+    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
+    assert_eq!(
+        ["term", "test", "found", "untested"].map(|name| cell(0, name)),
+        ["width", "likelihood-ratio", "0", "20"]
+    );
+    assert_eq!([cell(1, "test"), cell(1, "untested")], ["friedman", "0"]);
+}
+
 #[test]
 fn wrong_usage_is_reported() {
     let folder = tempfile::tempdir().unwrap();
@@ -329,7 +351,7 @@ fn a_preregistration_says_what_was_planned() {
     let text = std::fs::read_to_string(folder.path().join("plan.md")).unwrap();
     for expected in [
         "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
-        "- orientation_deg: no direction is predicted",
+        "- orientation: no direction is predicted",
         "24 conditions, each once, which makes 24 ratings",
         "participants will be tested: the smallest number tried (2 and 6) with a power of at least 80 %",
         "p below 0.05 with a higher estimate at 0.1 than at 0.8 supports the hypothesis",

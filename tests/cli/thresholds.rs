@@ -96,10 +96,10 @@ fn studies_of_thresholds_are_planned() {
         fs::read_to_string(folder.path().join("p.md")).unwrap()
     };
     for expected in [
-        "orientation_deg 90 − 0: the threshold at the first of these levels is higher. The difference planned for is 0.4",
-        "The level, width from 0.005 to 0.8, is chosen by the method quest-plus.",
-        "Every participant answers in 2 conditions, the combinations of orientation_deg (0, 90).",
-        "4 participants with 40 trials of each condition: orientation_deg 90 − 0, half-width",
+        "orientation 90° − 0°: the threshold at the first of these levels is higher. The difference planned for is 0.4",
+        "The level, width from 0.005 to 0.8, is chosen by QUEST+.",
+        "Every participant answers in 2 conditions, the combinations of orientation (0°, 90°).",
+        "4 participants with 40 trials of each condition: orientation 90° − 0°, half-width",
         "the guess rate γ is .50",
         "machband analyze results/threshold-width --out analysis",
     ] {
@@ -132,4 +132,5 @@ fn studies_of_thresholds_are_planned() {
     assert!(told.contains("--trials: does not apply to ratings"), "{told}");
     let told = fails(folder.path(), &["plan", "pairs-shaders", "--participants=4"], 2);
     assert!(told.contains("expected a rating on a scale of categories, or a task with [adaptive]"), "{told}");
+    assert!(told.contains("run machband simulate pairs-shaders --participants 8"), "{told}");
 }

@@ -692,6 +692,7 @@ mod elsewhere {
             })
             .collect();
         let short = gzip(text.as_bytes());
+        let formula = sheet.replace("<c r=\"D4\"><v>2</v></c>", "<c r=\"D4\"><f>1+1</f></c>");
         for (name, bytes, expected) in [
             ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
             ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
@@ -699,6 +700,11 @@ mod elsewhere {
             ("cut.csv.gz", short[..short.len() - 9].to_vec(), "cannot be unpacked: "),
             ("no.xlsx", b"PK\x03\x04\0\0".to_vec(), "cannot be unpacked: "),
             ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))]), ""),
+            (
+                "formula.xlsx",
+                workbook(&[("One", &formula)]),
+                "has no value of 1 of its formulas, such as that in row 4 and column 4",
+            ),
             ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
         ] {
             let said = errors(&[&file(&folder, name, bytes)], &how);

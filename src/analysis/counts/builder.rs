@@ -5,7 +5,7 @@ use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
 };
 
-use super::table::{CountError, CountRow, Counts, Factor, Measured, RetestPair, Trial};
+use super::table::{CountError, CountRow, Counts, Factor, Measured, Trial};
 use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials, which can come in any order, into [`Measured`].
@@ -35,22 +35,8 @@ struct Cell {
     key: Box<[u8]>,
     /// Number of ratings, by index into [`MeasuredBuilder::ratings`].
     counts: Vec<u64>,
-    /// Trials that are known one by one: seconds, session, position and rating.
-    trials: Vec<(Option<f64>, u32, Option<f64>, u8)>,
-    earliest: Earliest,
-}
-
-/// The two earliest ratings, in order.
-#[derive(Clone, Debug, Default)]
-struct Earliest([Option<Placed>; 2]);
-
-/// A rating and its place in the study.
-#[derive(Clone, Debug, PartialEq)]
-struct Placed {
-    session: Box<str>,
-    /// Number of the repetition, or the place in the session.
-    repetition: f64,
-    rating: u8,
+    /// Trials that are known one by one, with the index of their rating, and without participant and condition.
+    trials: Vec<Trial>,
 }
 
 /// The byte that ends each text within a key. It cannot occur in UTF-8, and therefore not in any text of a CSV file.
@@ -125,17 +111,19 @@ impl MeasuredBuilder {
             self.key.extend_from_slice(text.as_bytes());
             self.key.push(END);
         }
-        let is_one = count == 1 && (response_time_s.is_some() || position.is_some());
-        let placed = position;
-        let (session, position) = position.map_or((0, None), |(session, at)| (self.session(session), Some(at)));
+        let session = position.map(|(session, _)| session).or(place.map(|(session, _)| session));
+        let is_one = count == 1 && (response_time_s.is_some() || session.is_some());
+        let trial = Trial {
+            rating,
+            seconds: response_time_s,
+            session: session.map_or(0, |session| self.session(session)),
+            position: position.map(|(_, at)| at),
+            repetition: place.map(|(_, repetition)| repetition),
+            ..Trial::default()
+        };
         let cell = self.cell();
         cell.count(rating, count);
-        if is_one {
-            cell.trials.push((response_time_s, session, position, rating));
-        }
-        if let Some((session, repetition)) = place.map(|(session, n)| (session, f64::from(n))).or(placed) {
-            cell.earliest.place(session, repetition, rating);
-        }
+        cell.trials.extend(is_one.then_some(trial));
         Ok(())
     }
 
@@ -169,7 +157,7 @@ impl MeasuredBuilder {
             let number = cells.len() as u32;
             let key: Box<[u8]> = key.as_slice().into();
             index.insert(key.clone(), number);
-            cells.push(Cell { key, counts: Vec::new(), trials: Vec::new(), earliest: Earliest::default() });
+            cells.push(Cell { key, counts: Vec::new(), trials: Vec::new() });
             number
         });
         &mut cells[number as usize]
@@ -248,7 +236,6 @@ impl MeasuredBuilder {
         let mut session_of = vec![0; sessions.len().max(1)];
         (0..).zip(sessions).for_each(|(place, (_, number))| session_of[number as usize] = place);
         let mut trials = Vec::new();
-        let mut earliest: BTreeMap<(u32, u32), Earliest> = BTreeMap::new();
         // Each cell is dropped as soon as it is counted.
         for ((cell, subject), levels) in std::mem::take(&mut self.cells).into_iter().zip(subject_of).zip(&condition_of)
         {
@@ -257,14 +244,10 @@ impl MeasuredBuilder {
             for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
                 *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
             }
-            trials.extend(cell.trials.into_iter().map(|(seconds, session, position, rating)| {
-                let rating = category(rating.into());
-                Trial { subject, condition, rating, seconds, session: session_of[session as usize], position }
+            trials.extend(cell.trials.into_iter().map(|trial| {
+                let (rating, session) = (category(trial.rating.into()), session_of[trial.session as usize]);
+                Trial { subject, condition, rating, session, ..trial }
             }));
-            let known = earliest.entry((subject, condition)).or_default();
-            for placed in cell.earliest.0.iter().flatten() {
-                known.place(&placed.session, placed.repetition, placed.rating);
-            }
         }
         let rows = (counts.into_iter()).map(|((subject, condition, rating), count)| CountRow {
             subject,
@@ -275,17 +258,11 @@ impl MeasuredBuilder {
         // Not in the order in which they were added.
         trials.sort_unstable_by(|l: &Trial, r| {
             let cell = |trial: &Trial| (trial.subject, trial.condition, trial.rating);
-            let rest = |trial: &Trial| (trial.seconds, trial.session, trial.position);
+            let rest = |trial: &Trial| (trial.seconds, trial.session, trial.position, trial.repetition);
             // Times and places are never NaN.
             cell(l).cmp(&cell(r)).then(rest(l).partial_cmp(&rest(r)).unwrap_or(Ordering::Equal))
         });
-        let retests = earliest.into_iter().filter_map(|((subject, condition), earliest)| {
-            let [Some(first), Some(second)] = earliest.0 else { return None };
-            let (first, second) = (category(first.rating.into()), category(second.rating.into()));
-            Some(RetestPair { subject, condition, first, second })
-        });
         Measured {
-            retests: retests.collect(),
             trials,
             excluded: Vec::new(),
             counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
@@ -308,27 +285,5 @@ impl Cell {
         // The text after the last END is empty and is not used.
         let subject = texts.next().unwrap_or_default();
         (subject, texts.map(str::trim).collect())
-    }
-}
-
-impl Earliest {
-    /// Adds a rating if it is one of the two earliest. At the same place, a lower rating counts as earlier, so the
-    /// result does not depend on the order of the calls.
-    fn place(&mut self, session: &str, repetition: f64, rating: u8) {
-        let before = |placed: &Option<Placed>| match placed {
-            None => true,
-            Some(placed) => {
-                let order = levels::compare_mixed(session, &placed.session)
-                    .then(repetition.total_cmp(&placed.repetition))
-                    .then(rating.cmp(&placed.rating));
-                order == Ordering::Less
-            }
-        };
-        let new = || Some(Placed { session: session.into(), repetition, rating });
-        if before(&self.0[0]) {
-            self.0[1] = std::mem::replace(&mut self.0[0], new());
-        } else if before(&self.0[1]) {
-            self.0[1] = new();
-        }
     }
 }

@@ -1,6 +1,9 @@
 //! The data that are kept for any number of trials: counts of ratings, pairs of repeated ratings, and response times.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    cmp::Ordering,
+    collections::{BTreeMap, BTreeSet},
+};
 
 use serde::Serialize;
 use thiserror::Error;
@@ -274,8 +277,6 @@ pub(crate) fn varies_within(counts: &Counts, rows: &[CountRow], factor: usize) -
 pub struct Measured {
     /// How often each participant gave each rating in each condition.
     pub counts: Counts,
-    /// The first and the second rating of each condition that a participant rated more than once.
-    pub retests: Vec<RetestPair>,
     /// The trials whose response time or place is known. A row that stands for several ratings has none.
     pub trials: Vec<Trial>,
     /// What was excluded on request from the ratings that were read; nothing of it is in the other fields.
@@ -296,7 +297,7 @@ pub struct RetestPair {
 }
 
 /// The response time and the place of a rating.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
     /// Index into [`Counts::subjects`].
     pub subject: u32,
@@ -310,16 +311,41 @@ pub struct Trial {
     pub session: u32,
     /// Place in the session, if it is known.
     pub position: Option<f64>,
+    /// Number of the repetition of the condition in the session, if it is known.
+    pub repetition: Option<u32>,
 }
 
 impl Measured {
+    /// Returns the first and the second rating of each condition that a participant rated more than once, if their order is
+    /// known. At the same place, a lower rating counts as earlier.
+    pub fn retests(&self) -> Vec<RetestPair> {
+        let place = |trial: &Trial| trial.repetition.map(f64::from).or(trial.position);
+        let mut placed: Vec<&Trial> = self.trials.iter().filter(|trial| place(trial).is_some()).collect();
+        placed.sort_by(|l, r| {
+            let cell = |trial: &Trial| (trial.subject, trial.condition, trial.session);
+            // Places are never NaN.
+            let order = cell(l).cmp(&cell(r)).then(place(l).partial_cmp(&place(r)).unwrap_or(Ordering::Equal));
+            order.then(l.rating.cmp(&r.rating))
+        });
+        let cells = placed.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition));
+        let pair = |cell: &[&Trial]| match cell {
+            [Trial { subject, condition, rating, .. }, second, ..] => {
+                Some(RetestPair { subject: *subject, condition: *condition, first: *rating, second: second.rating })
+            }
+            _ => None,
+        };
+        cells.filter_map(pair).collect()
+    }
+
     /// Returns how often a participant rated a condition more than once without a known order of these ratings, so that
     /// [`Self::retests`] has no pair for them. If this is 0 and there are no retests, no condition was rated twice. The
     /// order is known only from the columns `session_id` and `repetition`, never from the order of the rows.
     pub fn repeats_without_order(&self) -> usize {
         let same = |a: &CountRow, b: &CountRow| (a.subject, a.condition) == (b.subject, b.condition);
         let all = self.counts.rows.chunk_by(same);
-        all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1).count().saturating_sub(self.retests.len())
+        all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
+            .count()
+            .saturating_sub(self.retests().len())
     }
 
     /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
@@ -358,7 +384,6 @@ impl Measured {
                 subjects: counts.subjects.clone(),
                 categories: counts.categories.clone(),
             },
-            retests: self.retests.iter().map(|pair| RetestPair { condition: moved(pair.condition), ..*pair }).collect(),
             trials: self.trials.iter().map(|row| Trial { condition: moved(row.condition), ..*row }).collect(),
             excluded: self.excluded.clone(),
         }
@@ -398,12 +423,6 @@ impl Measured {
                     })
                     .collect(),
             },
-            retests: (self.retests.iter().filter(|pair| keep(pair.subject, pair.condition)))
-                .map(|pair| {
-                    let (subject, condition) = moved(pair.subject, pair.condition);
-                    RetestPair { subject, condition, ..*pair }
-                })
-                .collect(),
             trials: (self.trials.iter().filter(|row| keep(row.subject, row.condition)))
                 .map(|row| {
                     let (subject, condition) = moved(row.subject, row.condition);

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     checks::{self, Checks},
-    design::coefficients,
+    design::{coefficients, is_level},
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
@@ -32,8 +32,6 @@ pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 41;
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
 const MAX_PROFILES: usize = 60;
-/// Smallest number of participants or items at each level of a factor that varies only between them.
-const LEAST_PER_LEVEL: usize = 3;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
 const MANY_PER_PARAMETER: u64 = 50;
@@ -155,14 +153,13 @@ pub fn fit_calibrated(
         profile_deviations(&full, random);
     }
     report.model.contrasts = contrasts(&full, &report, &limits, &(calibration.contrasts)(&report.margins));
+    share_intervals(&mut report);
     report.checks =
         calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
     Ok(report)
 }
 
-/// Withholds tests of terms that vary only between participants if a level has too few of them, tests of terms in which
-/// participants may differ although the model does not let them, and tests of assumptions with too few ratings: even
-/// simulated distributions are then not accurate.
+/// Withholds tests whose distribution is not accurate even if it is simulated.
 fn withhold(full: &Fitted, report: &mut ModelReport) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
     let is_between =
@@ -175,20 +172,9 @@ fn withhold(full: &Fitted, report: &mut ModelReport) {
             (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
         }
     }
-    if full.mixed.is_none() && full.frame.total() < LEAST_PER_PARAMETER * parameters as u64 {
-        for test in report.terms.iter_mut().filter(|test| test.lr.is_some()) {
-            (test.p, test.withheld) = (None, Some(Withheld::FewRatings));
-        }
-    }
-    for term in full.spec.terms.iter() {
-        let [people, items] = full.least_at_level(term);
-        let reason = match full.mixed.is_some() {
-            true if full.is_between(term) && people < LEAST_PER_LEVEL => Withheld::FewPerLevel,
-            true if full.is_between_items(term) && items < LEAST_PER_LEVEL => Withheld::FewItems,
-            true if full.lacks_slope(term) => Withheld::NoSlope,
-            _ => continue,
-        };
-        for test in report.terms.iter_mut().filter(|test| test.term == term.to_string()) {
+    for test in &mut report.terms {
+        let term = full.spec.terms.iter().find(|term| term.to_string() == test.term);
+        if let Some(reason) = term.and_then(|term| full.withheld(term)) {
             (test.p, test.withheld) = (None, Some(reason));
         }
     }
@@ -319,6 +305,23 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     });
     if let Some(items) = &mut random.items {
         items.interval = interval(full.random.components.len() - 1, items.sd, items.se);
+    }
+}
+
+/// Gives the comparisons the profile intervals that are known, so that a difference has one interval.
+fn share_intervals(report: &mut ModelReport) {
+    let Model { coefficients, contrasts, .. } = &report.model;
+    for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.interval.is_some()) {
+        let is_same = |c: &&Contrast| (&c.factor, &c.level, &c.other) == (&own.factor, &own.level, &own.other);
+        let is_own = |estimate: f64| (estimate - own.estimate).abs() < 1e-9;
+        let of_level = |level: &str| coefficients.iter().find(|c| is_level(&c.parts, &own.factor, level));
+        let known = match (contrasts.iter().find(is_same), of_level(&own.level), of_level(&own.other)) {
+            (Some(contrast), ..) => contrast.interval,
+            (None, Some(level), None) if is_own(level.estimate) => level.interval,
+            (None, None, Some(other)) if is_own(-other.estimate) => other.interval.map(Interval::negative),
+            _ => None,
+        };
+        own.interval = known.or(own.interval);
     }
 }
 

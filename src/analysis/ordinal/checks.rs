@@ -1,4 +1,4 @@
-//! How well a model describes the data: other models, studies simulated from it, and the influence of each participant.
+//! How well a model describes the data: studies simulated from it, and the influence of each participant.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -6,9 +6,8 @@ use serde::Serialize;
 use super::{
     design::is_level,
     estimates::difference,
-    fitting::{Fitted, How, fit_counts, fit_terms},
-    link::Link,
-    model::{Contrast, ModelSpec, Slopes},
+    fitting::{Fitted, fit_counts},
+    model::{Contrast, ModelSpec},
     resampling::Simulator,
 };
 use crate::{
@@ -26,8 +25,6 @@ const MAX_LEFT_OUT: usize = 60;
 /// Checks of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checks {
-    /// Models with the other link, and with and without random slopes; the first is the model itself.
-    pub alternatives: Vec<Alternative>,
     /// Observed proportions and those in simulated studies, at each level of each factor.
     pub proportions: Vec<Proportion>,
     /// The same in each condition, if there are at most 300: `factor` and `level` list all factors and levels.
@@ -37,19 +34,6 @@ pub struct Checks {
     pub spread: Option<(f64, Interval)>,
     /// How the contrasts of the model change without each participant.
     pub influence: Vec<Influence>,
-}
-
-/// Another model of the same ratings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Alternative {
-    pub link: Link,
-    pub slopes: Slopes,
-    pub parameters: usize,
-    /// `None` if the model could not be fitted.
-    pub loglik: Option<f64>,
-    pub aic: Option<f64>,
-    /// The Bayesian information criterion with the number of ratings, as in R.
-    pub bic: Option<f64>,
 }
 
 /// The proportion of ratings in a category at a level of a factor.
@@ -75,45 +59,9 @@ pub struct Influence {
 
 /// Computes the checks of a fit, with its contrasts.
 pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
-    let ((alternatives, influence), (proportions, cells, spread)) =
-        rayon::join(|| rayon::join(|| alternatives(full), || influence(full, contrasts)), || predictive(full, seed));
-    Checks { alternatives, proportions, cells, spread, influence }
-}
-
-fn alternatives(full: &Fitted) -> Vec<Alternative> {
-    // The slopes that the design supports.
-    let has_slopes = !full.random.components.is_empty() && full.random.effects().0 > 1;
-    let slopes = if has_slopes { full.spec.slopes } else { Slopes::None };
-    let own = &ModelSpec { slopes, ..full.spec.clone() };
-    let mut specs = vec![own.clone()];
-    let other = if own.link == Link::Logit { Link::Probit } else { Link::Logit };
-    for link in [own.link, other] {
-        for slopes in [Slopes::Independent, Slopes::None] {
-            let spec = ModelSpec { link, slopes, ..own.clone() };
-            let possible = slopes == Slopes::None || has_slopes;
-            let same = |other: &ModelSpec| (other.link, other.slopes) == (link, slopes);
-            if possible && !specs.iter().any(same) {
-                specs.push(spec);
-            }
-        }
-    }
-    let fit = |spec: ModelSpec| {
-        let (link, slopes) = (spec.link, spec.slopes);
-        let how = How::default();
-        let fitted = fit_terms(full.frame.clone(), spec, Vec::new(), how).ok();
-        let fitted = fitted.filter(|fitted| full.mixed.is_some() == fitted.mixed.is_some());
-        let parameters = fitted.as_ref().map_or(0, Fitted::parameters);
-        let loglik = fitted.map(|fitted| fitted.loglik());
-        Alternative {
-            link,
-            slopes,
-            parameters,
-            loglik,
-            aic: loglik.map(|loglik| 2.0 * parameters as f64 - 2.0 * loglik),
-            bic: loglik.map(|loglik| (full.frame.total() as f64).ln() * parameters as f64 - 2.0 * loglik),
-        }
-    };
-    specs.into_par_iter().map(fit).collect()
+    let (influence, (proportions, cells, spread)) =
+        rayon::join(|| influence(full, contrasts), || predictive(full, seed));
+    Checks { proportions, cells, spread, influence }
 }
 
 /// The counts of each category at each level of each factor, and the standard deviation of the participants' means.

@@ -38,6 +38,9 @@ pub struct TermTest {
 /// Smallest number of ratings for each parameter of a model that is wider than the main one.
 pub(super) const LEAST_PER_PARAMETER: u64 = 5;
 
+/// Smallest number of participants or items at each level of a factor that varies only between them.
+const LEAST_PER_LEVEL: usize = 3;
+
 /// Why a test has no probability.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Error)]
 #[serde(rename_all = "kebab-case")]
@@ -68,8 +71,29 @@ pub enum Withheld {
     )]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
-    #[error("the data are too few: more than a tenth of the simulated studies allowed no fit")]
+    #[error("there are too few data: more than a tenth of the simulated studies allowed no fit")]
     TooFew,
+}
+
+impl Fitted<'_> {
+    /// Returns why the test of a term is withheld, if it is: the term varies only between participants or items, and a level
+    /// has too few of them; participants may differ in its effect, although the model does not let them; or, without random
+    /// effects, there are too few ratings.
+    pub(crate) fn withheld(&self, term: &Term) -> Option<Withheld> {
+        if self.mixed.is_none() {
+            let parameters = self.frame.categories.len() - 1 + self.rank();
+            let are_few = self.frame.total() < LEAST_PER_PARAMETER * parameters as u64;
+            return are_few.then_some(Withheld::FewRatings);
+        }
+        let [people, items] = self.least_at_level(term);
+        if self.is_between(term) && people < LEAST_PER_LEVEL {
+            Some(Withheld::FewPerLevel)
+        } else if self.is_between_items(term) && items < LEAST_PER_LEVEL {
+            Some(Withheld::FewItems)
+        } else {
+            self.lacks_slope(term).then_some(Withheld::NoSlope)
+        }
+    }
 }
 
 /// Tests each term by the likelihood ratio against the model without it. The main effect of a variable in an interaction is

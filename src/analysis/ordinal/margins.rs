@@ -42,11 +42,12 @@ pub struct Comparison {
     pub at: Option<(String, String)>,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`.
     pub estimate: f64,
-    /// The standard error that p and the interval imply, with the normal distribution.
+    /// The standard error that p implies, with the normal distribution.
     pub se: Option<f64>,
-    /// The 95 % interval, with the limit of the term's likelihood ratio; not corrected for the number of comparisons.
+    /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient or a contrast
+    /// has one, and otherwise symmetric; not corrected for the number of comparisons.
     pub interval: Option<Interval>,
-    /// Two-sided probability, consistent with the interval.
+    /// Two-sided probability.
     pub p: Option<f64>,
     /// The probability corrected for all comparisons of this factor (Holm).
     pub p_holm: Option<f64>,

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, ModelSpec, Random, Slopes,
+        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, ModelSpec, Random, Slopes, Withheld,
         counts::Counts,
         frame::{Frame, find_factor},
         ordinal::{
@@ -75,9 +75,11 @@ pub struct Power {
     pub studies: usize,
     /// Number of studies in which p is below α.
     pub found: usize,
-    /// Number of studies with no test, because there was no model or all ratings were the same. They count as not
-    /// found.
+    /// Number of studies with no test, because there was no model, all ratings were the same, or an analysis withholds the
+    /// test. They count as not found.
     pub untested: usize,
+    /// Why an analysis withholds the test in the last of these studies, if it does.
+    pub withheld: Option<Withheld>,
     /// Median of the estimated effect over studies, on the scale of the link, for the same contrast as
     /// `Effect::logits`. It is infinite if the ratings are separated in half of the studies or more.
     pub estimate: Option<f64>,
@@ -259,6 +261,7 @@ fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha:
         studies: outcomes.len(),
         found: all().filter(|outcome| outcome.p.is_some_and(|p| p < alpha)).count(),
         untested: all().filter(|outcome| outcome.p.is_none()).count(),
+        withheld: all().rev().find_map(|outcome| outcome.withheld),
         estimate: median(all().filter_map(|outcome| outcome.estimate).collect()),
     }
 }
@@ -268,6 +271,8 @@ fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha:
 struct Outcome {
     /// Probability from the test; `None` if there is no test, for example because there is no model.
     pub p: Option<f64>,
+    /// Why an analysis withholds the test.
+    pub withheld: Option<Withheld>,
     /// Estimate of the effect; infinite if the ratings are separated.
     pub estimate: Option<f64>,
 }
@@ -285,12 +290,15 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls:
         null.iter().for_each(|ratios| test.calibrate(ratios));
         test.p
     };
+    let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.absent.as_ref()?.term);
     let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, hypothesis.factor) {
         (Test::Friedman, Some(factor)) => {
-            Outcome { p: friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), estimate: None }
+            let test = friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS);
+            Outcome { p: test.map(|test| test.p), ..Outcome::default() }
         }
         _ => Outcome {
-            p: probability(hypothesis, null),
+            p: probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()),
+            withheld: withheld(hypothesis),
             estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
                 .map(|(contrast, predictors)| dot_ignoring_zero_weights(contrast.iter(), predictors.iter()))
                 .filter(|estimate| !estimate.is_nan()),

@@ -3,7 +3,7 @@
 
 use super::{
     labels,
-    palette::{AXIS, GRID},
+    palette::{AXIS, GRID, Series},
     svg::{Anchor, Font, Svg, WIDTH},
 };
 use crate::{
@@ -28,6 +28,8 @@ const TICK: f64 = 8.0;
 const MAX_NAME: f64 = 170.0;
 /// Maximum length of a level's name that is rotated below a tick.
 const MAX_UPRIGHT: f64 = 250.0;
+/// Maximum width of a name beside a panel.
+const MAX_BESIDE: f64 = 160.0;
 /// Maximum number of ticks without a name.
 const MAX_TICKS: usize = 40;
 
@@ -193,6 +195,19 @@ impl Levels {
             }
         }
         base(svg, panel, height, title);
+    }
+}
+
+/// Returns the space that names need beside a panel.
+pub(super) fn beside<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
+    90.0 + names.map(|name| labels::width(name, TEXT).min(MAX_BESIDE)).fold(0.0, f64::max)
+}
+
+/// Names series beside a panel, each with whether it has a line.
+pub(super) fn legend<'a>(svg: &mut Svg, panel: &Panel, all: impl Iterator<Item = (Series, bool, &'a str)>) {
+    for (index, (series, lined, name)) in all.enumerate() {
+        let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
+        svg.legend_entry((panel.right + 24.0, y), series, lined, &labels::fit(name, MAX_BESIDE, TEXT), TEXT);
     }
 }
 

@@ -93,7 +93,7 @@ fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coef
         // The names of factors are in the heading.
         let part = |part: &TermPart| match &part.level {
             Some(level) => labels::level(level),
-            None => labels::heading(part.variable.name(), results.options.is_ours).to_owned(),
+            None => labels::heading(results, part.variable.name()),
         };
         let parts: Vec<String> = coefficient.parts.iter().map(part).collect();
         rows.push((labels::clean(&parts.join(" × ")), Some(coefficient)));
@@ -107,7 +107,7 @@ fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String 
     let [Variable::Factor(name)] = variables else {
         return variables
             .iter()
-            .map(|variable| labels::heading(variable.name(), results.options.is_ours))
+            .map(|variable| labels::heading(results, variable.name()))
             .collect::<Vec<_>>()
             .join(" × ");
     };
@@ -117,7 +117,7 @@ fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String 
     });
     let baseline = results.modeled().factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
     let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
-    format!("{}{against}", labels::heading(name, results.options.is_ours))
+    format!("{}{against}", labels::heading(results, name))
 }
 
 /// Returns the interval of a coefficient or, if there is none, only the estimate.

@@ -2,7 +2,7 @@
 
 use crate::{
     analysis::{Results, number_of},
-    report::document::numbers::count,
+    report::{document::numbers::count, names},
 };
 
 /// Removes line breaks and characters that XML does not allow from a text.
@@ -41,44 +41,29 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
 
 /// Formats a level for readers; the depth `inf` becomes ∞.
 pub(super) fn level(name: &str) -> String {
-    if name.eq_ignore_ascii_case("inf") {
-        "∞".to_owned()
-    } else {
-        name.replace('-', if number_of(name).is_some() { "−" } else { "-" })
-    }
-}
-
-/// Returns a factor's name as an axis title with its unit, as a legend heading, and as used within a sentence. A factor
-/// from elsewhere may mean anything.
-fn names(factor: &str, is_ours: bool) -> [&str; 3] {
-    match factor {
-        other if !is_ours => [other; 3],
-        "width" => ["Ramp width (proportion of the window)", "Width", "ramp width"],
-        "depth" => ["Continuity depth n", "Depth n", "continuity depth"],
-        "orientation_deg" => ["Orientation (degrees)", "Angle (°)", "orientation"],
-        other => [other; 3],
-    }
-}
-
-/// Returns a factor's name as an axis title, with its unit.
-pub(super) fn axis(factor: &str, is_ours: bool) -> &str {
-    names(factor, is_ours)[0]
-}
-
-/// Returns a factor's name as a legend heading.
-pub(super) fn heading(factor: &str, is_ours: bool) -> &str {
-    names(factor, is_ours)[1]
+    let shown = names::level(None, "", &name.to_ascii_lowercase());
+    if number_of(name).is_some() { shown.replace('-', "−") } else { name.to_owned() }
 }
 
 /// Returns a factor's name as used within a sentence.
-pub(super) fn in_sentence(factor: &str, is_ours: bool) -> String {
-    clean(names(factor, is_ours)[2])
+pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
+    clean(&names::factor(results.options.parameters, factor))
+}
+
+/// Returns a factor's name as an axis title, with its unit.
+pub(super) fn axis(results: &Results, factor: &str) -> String {
+    names::axis(results.options.parameters, factor)
+}
+
+/// Returns a factor's name as a legend heading.
+pub(super) fn heading(results: &Results, factor: &str) -> String {
+    names::heading(results.options.parameters, factor)
 }
 
 /// Names what the ratings measure, which is visibility if any factor is a parameter of our stimuli.
 pub(super) fn rating(results: &Results) -> &'static str {
-    let is_ours = |name: &str| ["width", "depth", "orientation_deg"].contains(&name);
-    if results.options.is_ours && results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
+    let is_ours = |name: &str| results.options.parameters.is_some_and(|all| all.iter().any(|own| own.name == name));
+    if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
         "Mean visibility rating"
     } else {
         "Mean rating"
@@ -87,8 +72,7 @@ pub(super) fn rating(results: &Results) -> &'static str {
 
 /// Returns a caption: it begins with a capital letter and ends with a period.
 pub(super) fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).chain(['.']).collect())
+    format!("{}.", names::capitalized(text))
 }
 
 /// States the size of the sample: `8 participants, 1,920 ratings`.

@@ -45,7 +45,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let counts = project(&results.measured.counts, &factors);
     let names = ["figure4a", "figure4b"];
     let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(&counts, &means, names, (labels::rating(results), results.options.is_ours), &labels::bars(results))
+    charts(results, &counts, &means, names, labels::rating(results), &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
@@ -72,7 +72,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
-    charts(&project(counts, &factors), &means, names, ("Predicted mean rating", true), source)
+    charts(results, &project(counts, &factors), &means, names, "Predicted mean rating", source)
 }
 
 /// Chooses the two most interesting factors.
@@ -85,17 +85,24 @@ fn of_groups(groups: Vec<Group>) -> Means {
 }
 
 /// Draws one chart by each factor, with one line for each level of the other.
-fn charts(counts: &Counts, means: &Means, names: [&'static str; 2], what: (&str, bool), source: &str) -> Vec<Figure> {
-    let chart = |(x, name)| chart(counts, means, x, name, what, source);
+fn charts(
+    results: &Results,
+    counts: &Counts,
+    means: &Means,
+    names: [&'static str; 2],
+    what: &str,
+    source: &str,
+) -> Vec<Figure> {
+    let chart = |(x, name)| chart(results, counts, means, (x, name), what, source);
     (0..counts.factors.len()).zip(names).map(chart).collect()
 }
 
 fn chart(
+    results: &Results,
     counts: &Counts,
     means: &Means,
-    x: usize,
-    name: &'static str,
-    (what, is_ours): (&str, bool),
+    (x, name): (usize, &'static str),
+    what: &str,
     source: &str,
 ) -> Figure {
     let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
@@ -117,18 +124,18 @@ fn chart(
     };
     let lines: Vec<Line> = shown.iter().enumerate().map(line).collect();
     let levels = Levels::of(across);
-    let mut title = format!("{what} by {}", labels::in_sentence(&across.name, is_ours));
+    let mut title = format!("{what} by {}", labels::in_sentence(results, &across.name));
     let mut caption = String::new();
     if let Some(by) = by {
         let thing = if levels.ordered { "line" } else { "marker" };
-        let (by_name, some) = (labels::in_sentence(&by.name, is_ours), labels::some_of(lines.len(), by.levels.len()));
+        let (by_name, some) = (labels::in_sentence(results, &by.name), labels::some_of(lines.len(), by.levels.len()));
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
     let caption = labels::sentence(&format!("{caption}{source}"));
     // A single line needs no legend.
     let by = by.filter(|_| lines.len() > 1);
-    let heading = by.map(|by| labels::fit(labels::heading(&by.name, is_ours), 56.0 + MAX_NAME, TEXT));
+    let heading = by.map(|by| labels::fit(&labels::heading(results, &by.name), 56.0 + MAX_NAME, TEXT));
     let legend_width = heading.as_ref().map_or(0.0, |heading| {
         let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(MAX_NAME));
         24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
@@ -137,8 +144,8 @@ fn chart(
     let panel = values.panel(values.margin(), WIDTH - EDGE - legend_width, EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, labels::axis(&across.name, is_ours));
-        let name = |factor: &Factor| labels::in_sentence(&factor.name, is_ours);
+        levels.draw(svg, &panel, &labels::axis(results, &across.name));
+        let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
         draw(svg, &panel, &levels, &lines, [&name(across), &by.map(name).unwrap_or_default()]);
         if let Some(heading) = &heading {
             legend(svg, &panel, heading, &lines, levels.ordered);
@@ -189,7 +196,7 @@ fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bo
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let factors = &results.measured.counts.factors;
     let index = factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
-    let (factor, name) = (&factors[index], labels::in_sentence(&factors[index].name, results.options.is_ours));
+    let (factor, name) = (&factors[index], labels::in_sentence(results, &factors[index].name));
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
     let by_angle = project(&results.measured.counts, &[index]);
     let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
@@ -205,19 +212,14 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     // distance.
     let is_folded = (2..angles.len()).contains(&distances.len());
     let (what, bars) = (labels::rating(results), labels::bars(results));
-    let more = if is_folded { ", on the right by the angle to the nearest horizontal or vertical" } else { "" };
-    let caption = format!("{what} by {name}{more}; {bars}.");
+    let more = if is_folded { "on the right by the angle to the nearest horizontal or vertical; " } else { "" };
+    let caption = labels::sentence(&format!("{more}{bars}"));
     let values = Values::ratings(&by_angle);
     let (left, right) = (values.margin(), WIDTH - EDGE);
     let middle = if is_folded { left + 0.62 * (right - left) } else { right };
     let all = [
-        (
-            by_angle,
-            values.panel(left, middle, EDGE, PANEL),
-            Some(what),
-            labels::axis(&factor.name, results.options.is_ours),
-        ),
-        (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)"),
+        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(results, &factor.name)),
+        (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)".to_owned()),
     ];
     let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
     let height = EDGE + PANEL + super::axes::below(TEXT);
@@ -225,10 +227,10 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
         for (counts, panel, up, across) in parts {
             let (levels, means) = (Levels::of(&counts.factors[0]), of_groups(by_cell(&counts)));
             values.draw(svg, &panel, up);
-            levels.draw(svg, &panel, across);
+            levels.draw(svg, &panel, &across);
             let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
             let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
-            draw(svg, &panel, &levels, &[line], [across, ""]);
+            draw(svg, &panel, &levels, &[line], [&across, ""]);
         }
     }))
 }
@@ -245,7 +247,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let factor = *by_interest(counts).first()?;
     let by = &counts.factors[factor];
     let (what, name, sample) =
-        (labels::rating(results), labels::in_sentence(&by.name, results.options.is_ours), labels::sample(results));
+        (labels::rating(results), labels::in_sentence(results, &by.name), labels::sample(results));
     let several = results.is_inferential();
     let shown = evenly(results.people(), MAX_LINES);
     let title = format!("{what} of every participant by {name}");
@@ -269,7 +271,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     };
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, labels::axis(&by.name, results.options.is_ours));
+        levels.draw(svg, &panel, &labels::axis(results, &by.name));
         if several {
             let means = participant_means(counts, factor);
             shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));

@@ -2,7 +2,7 @@
 //! model.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis, told},
+    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis, told},
     figure::Figure,
     labels,
     palette::{AXIS, Series, Stroke},
@@ -33,8 +33,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     );
     let largest = all.iter().flat_map(|p| [p.observed, p.expected, p.range.high]).fold(0.0, f64::max);
     let values = Values::from_zero(largest);
-    let legend = 24.0 + categories.iter().map(|name| labels::width(name, TEXT).min(160.0)).fold(0.0, f64::max) + 66.0;
-    let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
+    let right = WIDTH - EDGE - beside(categories.iter().map(String::as_str));
+    let panel = values.panel(values.margin(), right, EDGE, PANEL);
     let title = "Observed and expected proportions".to_owned();
     Some(Figure::draw("predictive", title, caption, panel.bottom + below(TEXT), |svg| {
         values.draw(svg, &panel, Some("Observed proportion"));
@@ -48,15 +48,12 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             let bar = Stroke { opacity: 0.35, ..Stroke::new(series.color, 5.0) };
             svg.line(&[(x, panel.y(proportion.range.low)), (x, panel.y(proportion.range.high))], bar);
             let [observed, expected] = [proportion.observed, proportion.expected].map(|share| told(share, None));
-            let factor = labels::in_sentence(&proportion.factor, results.options.is_ours);
+            let factor = labels::in_sentence(results, &proportion.factor);
             let (level, rating) = (&proportion.level, &proportion.category);
             let text = format!("{factor} {level}, rating {rating}: {observed}, expected {expected}");
             svg.point((x, panel.y(proportion.observed)), 0.8 * MARKER, series, text);
         }
-        let right = panel.right + 24.0;
-        for (index, name) in categories.iter().enumerate().take(8) {
-            let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
-            svg.legend_entry((right, y), Series::of(index), false, &labels::fit(name, 160.0, TEXT), TEXT);
-        }
+        let named = categories.iter().enumerate().take(8);
+        legend(svg, &panel, named.map(|(index, name)| (Series::of(index), false, name.as_str())));
     }))
 }

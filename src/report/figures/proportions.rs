@@ -28,7 +28,7 @@ const MAX_BARS: usize = 40;
 /// The layout of the chart.
 struct Chart<'a> {
     counts: &'a Counts,
-    is_ours: bool,
+    results: &'a Results,
     /// Level and name of each bar.
     bars: Vec<(usize, String)>,
     /// Level and name of each panel.
@@ -53,8 +53,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let mut caption = "Proportions of the ratings".to_owned();
     let drawn = [("bar", ", by ", bars.len()), ("panel", " and ", panels.len())];
     for (factor, (thing, by, drawn)) in counts.factors.iter().zip(drawn) {
-        let (name, some) =
-            (labels::in_sentence(&factor.name, results.options.is_ours), labels::some_of(drawn, factor.levels.len()));
+        let (name, some) = (labels::in_sentence(results, &factor.name), labels::some_of(drawn, factor.levels.len()));
         title += &format!("{by}{name}");
         caption += &format!(", one {thing} for each level of {name}{some}");
     }
@@ -62,9 +61,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let size = if panels.len() > 1 { SMALL } else { TEXT };
     let widest = bars.iter().map(|(_, name)| labels::width(name, size)).fold(0.0, f64::max);
     let wide = panels.len() > 1;
-    let is_ours = results.options.is_ours;
     let chart =
-        Chart { counts: &counts, is_ours, bars, panels, size, pitch: 1.5 * size, label: widest.min(12.0 * size) };
+        Chart { counts: &counts, results, bars, panels, size, pitch: 1.5 * size, label: widest.min(12.0 * size) };
     Some(Figure { wide, ..chart.figure(title, caption) })
 }
 
@@ -126,11 +124,9 @@ impl Chart<'_> {
         let (size, pitch) = (self.size, self.pitch);
         if let Some(factor) = self.counts.factors.get(1) {
             // A text is self-explanatory, but a number needs the factor's name.
-            let heading = match factor.name.as_str() {
-                "depth" => format!("n = {name}"),
-                "orientation_deg" => format!("{name}°"),
-                factor_name if factor.numbers.is_some() => format!("{factor_name} = {name}"),
-                _ => name.to_owned(),
+            let heading = match &factor.numbers {
+                Some(_) => format!("{} {name}", labels::in_sentence(self.results, &factor.name)),
+                None => name.to_owned(),
             };
             let at = (left + width / 2.0, top - 0.75 * size);
             svg.text(&labels::fit(&heading, width, size), at, Font::new(size, Anchor::Middle).bold());
@@ -181,7 +177,7 @@ impl Chart<'_> {
             svg.text(&labels::fit(name, self.label, size), at, Font::new(size, Anchor::End));
         }
         let length = pitch * self.bars.len() as f64;
-        let title = labels::fit(labels::heading(&factor.name, self.is_ours), length.max(4.0 * size), size);
+        let title = labels::fit(&labels::heading(self.results, &factor.name), length.max(4.0 * size), size);
         let at = (EDGE + 0.5 * size, top + length / 2.0);
         svg.text(&title, at, Font::new(size, Anchor::Middle).upright());
     }

@@ -1,19 +1,18 @@
 //! Charts of a task: psychometric functions and thresholds.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, number_axis, told},
+    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis, told},
     figure::Figure,
-    labels,
     palette::{Series, Stroke},
     svg::WIDTH,
 };
 use crate::statistics::Interval;
 
-/// The shares of right answers in a condition, and its psychometric function.
+/// The proportions of correct answers in a condition, and its psychometric function.
 pub(crate) struct Curve {
     /// Name of the condition.
     pub name: String,
-    /// Level, share and number of trials.
+    /// Level, proportion and number of trials.
     pub points: Vec<(f64, f64, u32)>,
     /// The function, at equally spaced levels over `range`.
     pub line: Vec<f64>,
@@ -26,12 +25,11 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
         return None;
     }
     let values = Values::from_zero(1.0);
-    let legend =
-        24.0 + curves.iter().map(|curve| labels::width(&curve.name, TEXT).min(160.0)).fold(0.0, f64::max) + 66.0;
-    let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
+    let right = WIDTH - EDGE - beside(curves.iter().map(|curve| curve.name.as_str()));
+    let panel = values.panel(values.margin(), right, EDGE, PANEL);
     let title = "Answers by level, and psychometric functions".to_owned();
     Some(Figure::draw("psychometric", title, caption, panel.bottom + below(TEXT), |svg| {
-        values.draw(svg, &panel, Some("Share of answers"));
+        values.draw(svg, &panel, Some("Proportion of answers"));
         number_axis(svg, &panel, (range[0], range[1]), axis);
         let share = |x: f64| (x - range[0]) / (range[1] - range[0]);
         let largest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.2).max().unwrap_or(1);
@@ -48,10 +46,8 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
                 let text = format!("{of}{axis} {level}: {answers} of {n} trials");
                 svg.point((panel.x(share(*x)), panel.y(*y)), radius, series, text);
             }
-            let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
-            let name = labels::fit(&curve.name, 160.0, TEXT);
-            svg.legend_entry((panel.right + 24.0, y), series, true, &name, TEXT);
         }
+        legend(svg, &panel, curves.iter().enumerate().map(|(i, curve)| (Series::of(i), true, curve.name.as_str())));
     }))
 }
 
@@ -71,19 +67,16 @@ pub(crate) fn estimates(
     let pad = if high > low { 0.06 * (high - low) } else { 0.5 };
     let values = Values::between(low - pad, high + pad);
     let named = series.len() > 1;
-    let legend = if named {
-        90.0 + series.iter().map(|(name, _)| labels::width(name, TEXT).min(160.0)).fold(0.0, f64::max)
-    } else {
-        0.0
-    };
-    let panel = values.panel(values.margin(), WIDTH - EDGE - legend, EDGE, PANEL);
+    let names = || series.iter().map(|(name, _)| name.as_str());
+    let right = WIDTH - EDGE - if named { beside(names()) } else { 0.0 };
+    let panel = values.panel(values.margin(), right, EDGE, PANEL);
     let levels = super::axes::Levels::evenly(places, false);
     let height = panel.bottom + levels.below(panel.width());
     Some(Figure::draw(name, title.to_owned(), caption, height, |svg| {
         values.draw(svg, &panel, Some(axis));
         levels.draw(svg, &panel, "");
         let room = 0.6 * levels.gap() * panel.width();
-        for (index, (name, all)) in series.iter().enumerate() {
+        for (index, (_, all)) in series.iter().enumerate() {
             let one = if named { Series::of(index) } else { Series::only() };
             let shift = if named { room * ((index as f64 + 0.5) / series.len() as f64 - 0.5) } else { 0.0 };
             let of = if named { format!("{name}, ") } else { String::new() };
@@ -96,10 +89,7 @@ pub(crate) fn estimates(
                 let text = format!("{of}{place}: {}", told(*value, *interval));
                 svg.point((x, panel.y(*value)), MARKER, one, text);
             }
-            if named {
-                let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
-                svg.legend_entry((panel.right + 24.0, y), one, false, &labels::fit(name, 160.0, TEXT), TEXT);
-            }
         }
+        legend(svg, &panel, names().enumerate().map(|(i, name)| (Series::of(i), false, name)).filter(|_| named));
     }))
 }

@@ -25,7 +25,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let several = results.is_inferential();
     let by = if several { "by rating and by participant" } else { "by rating" };
     let caption = format!(
-        "Response times {by}: median, with bars from the lower to the upper quartile; {}, {}.",
+        "Markers are medians, with bars from the lower to the upper quartile; {}, {}.",
         count(results.people() as u64, "participant"),
         count(n, "response time"),
     );

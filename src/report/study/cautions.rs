@@ -91,19 +91,19 @@ fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String>
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
     let dependences = findings::dependences(results);
-    let unclear: Vec<&str> = names::varied(results)
+    let unclear: Vec<String> = names::varied(results)
         .filter(|factor| !findings::is_dependent(&dependences, factor))
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
-        .map(|factor| names::factor(&factor.name))
+        .map(|factor| names::factor(results, &factor.name))
         .chain(findings::unclear_covariates(results))
         .collect();
-    let (people, unclear_list) = (count(results.people() as u64, "participant"), either(&unclear));
-    (!unclear.is_empty()).then(|| {
-        let what = if results.is_inferential() { "This study" } else { "These trials" };
-        format!(
-            "{what}, with {people}, found no clear effect of {unclear_list}. This does not show that there is none."
-        )
-    })
+    let what = match results.people() {
+        1 => "These trials of one participant".to_owned(),
+        people => format!("This study, with {},", count(people as u64, "participant")),
+    };
+    let unclear_list = either(&unclear);
+    (!unclear.is_empty())
+        .then(|| format!("{what} found no clear effect of {unclear_list}. This does not show that there is none."))
 }
 
 /// Says what readers must know about the model before they read its numbers.
@@ -115,7 +115,7 @@ fn about_model(results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     let dependences = findings::dependences(results);
     cautions.extend(dependences.iter().filter(|found| found.is_clear() && !found.is_modeled).map(|found| {
-        let together = found.names();
+        let together = found.names(results);
         format!(
             "The model is additive, although the effects of {together} depend on each other: its coefficients and \
              comparisons of each are averages over the other. A term such as {} models the interaction.",
@@ -131,7 +131,7 @@ fn about_model(results: &Results) -> Vec<String> {
                 .to_owned(),
         );
     }
-    cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| format!("About the model: {note}.")));
+    cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| names::note(results, &report.model, note)));
     cautions.extend(report.order.as_ref().filter(|order| order.is_dependent()).map(|order| {
         let so = if results.is_inferential() {
             "If conditions were shown in blocks, differences between participants in the effects are not told from this, and \
@@ -156,7 +156,7 @@ fn about_model(results: &Results) -> Vec<String> {
     }));
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        let term = names::factor(&test.term);
+        let term = names::term(results, &test.term);
         Some(format!(
             "The ratings show that the effect of {term} differs along the scale (test of proportional odds, corrected \
              {p}). Its coefficient is an average: trust its direction more than its size."
@@ -247,7 +247,7 @@ fn one_category(results: &Results) -> Vec<String> {
             let percents = own.iter().map(|subject| percent(((100.0 * share(subject)).round() / 100.0).min(0.99)));
             let percents: Vec<String> = percents.map(|percent| percent.to_string()).collect();
             let (least, most) = (percents.iter().min(), percents.iter().max());
-            let whose = first_word(short_list(&people, MAX_NAMES));
+            let whose = first_word(names::all_of(&people, MAX_NAMES));
             sentences.push(match (is_all, least == most) {
                 (true, _) => format!("{whose} used only one category: all their ratings are {name}."),
                 (false, true) => {
@@ -273,7 +273,7 @@ fn odd(
     let (who, values): (Vec<String>, Vec<f64>) =
         subjects.iter().filter_map(|s| Some((who(s), value(s).filter(|value| is_odd(*value))?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((first_word(short_list(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
+    Some((first_word(names::all_of(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
 }
 
 fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {

@@ -52,7 +52,7 @@ fn definition(source: &Source, results: &Results, protocol: &Protocol) -> Vec<(&
         ("Trials per condition", whole(design.repetitions.into())),
         ("Main trials per session", whole(protocol.main_trials() as u64)),
         ("Practice trials, not analyzed", whole(design.practice.into())),
-        ("Order", order(protocol).into()),
+        ("Order", order(results, protocol).into()),
         ("Break", breaks.into()),
         ("Between stimuli", field.into()),
         ("Planned viewing", planned.into()),
@@ -70,17 +70,22 @@ fn stimulus(protocol: &Protocol) -> String {
     let stimulus = &protocol.stimulus;
     let fixed: Vec<String> = (stimulus.parameters().iter())
         .filter(|parameter| !protocol.factors.iter().any(|factor| factor.name == parameter.name))
-        .filter_map(|parameter| Some(format!("{} {}", parameter.name, stimulus.get(parameter.name)?)))
+        .filter_map(|parameter| {
+            let level = stimulus.get(parameter.name)?.to_string();
+            let known = Some(stimulus.parameters());
+            let name = crate::report::names::factor(known, parameter.name);
+            Some(format!("{name} {}", crate::report::names::level(known, parameter.name, &level)))
+        })
         .collect();
     if fixed.is_empty() { stimulus.kind().to_owned() } else { format!("{} ({})", stimulus.kind(), fixed.join(", ")) }
 }
 
-fn order(protocol: &Protocol) -> String {
+fn order(results: &Results, protocol: &Protocol) -> String {
     let order = match &protocol.design.order {
         Order::Random => "all trials in random order".to_owned(),
-        Order::Blocked(factor) => format!("blocks by {}, in random order", names::factor(factor)),
+        Order::Blocked(factor) => format!("blocks by {}, in random order", names::factor(results, factor)),
         Order::Latin(factor) => {
-            format!("blocks by {}, with their order balanced over participants", names::factor(factor))
+            format!("blocks by {}, with their order balanced over participants", names::factor(results, factor))
         }
     };
     match protocol.design.max_run {
@@ -97,8 +102,8 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
     let rows: Vec<Vec<Shown>> = (results.measured.counts.factors.iter())
         .map(|factor| {
             let levels: Vec<String> =
-                factor.levels.iter().map(|level| names::level(&factor.name, level).to_string()).collect();
-            let (name, n) = (names::factor(&factor.name).into(), whole(levels.len() as u64));
+                factor.levels.iter().map(|level| names::level(results, &factor.name, level).to_string()).collect();
+            let (name, n) = (names::factor(results, &factor.name).into(), whole(levels.len() as u64));
             vec![name, levels.join(", ").into(), n, fixed(planned(&factor.name), 0)]
         })
         .collect();
@@ -173,25 +178,26 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     ));
     section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
-        let name = names::factor(&factor.name);
-        let rows = factor.levels.iter().map(|level| (vec![names::level_of(factor, level)], level));
-        ratings(&mut section, results, &format!("Ratings by {name}"), &[name], rows.collect());
+        let name = names::factor(results, &factor.name);
+        let rows = factor.levels.iter().map(|level| (vec![names::level_of(results, factor, level)], level));
+        ratings(&mut section, results, &format!("Ratings by {name}"), std::slice::from_ref(&name), rows.collect());
     }
     let factors = &results.measured.counts.factors;
     if factors.len() > 1 {
-        let heads: Vec<&str> = factors.iter().map(|factor| names::factor(&factor.name)).collect();
-        let levels =
-            |cell: &Group| factors.iter().zip(&cell.names).map(|(f, level)| names::level(&f.name, level)).collect();
+        let heads: Vec<String> = factors.iter().map(|factor| names::factor(results, &factor.name)).collect();
+        let levels = |cell: &Group| {
+            factors.iter().zip(&cell.names).map(|(f, level)| names::level(results, &f.name, level)).collect()
+        };
         let rows = results.cells.iter().map(|cell| (levels(cell), cell));
         ratings(&mut section, results, "Ratings of every condition", &heads, rows.collect());
     }
     let rows = (results.subjects.iter()).map(|subject| (vec![participant(subject).into()], &subject.group));
-    ratings(&mut section, results, "Ratings of every participant", &["Participant"], rows.collect());
+    ratings(&mut section, results, "Ratings of every participant", &["Participant".to_owned()], rows.collect());
     section
 }
 
 /// Adds a table of groups of ratings; `heads` are the headings of the columns with their names.
-fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&str], rows: Vec<(Vec<Shown>, &Group)>) {
+fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[String], rows: Vec<(Vec<Shown>, &Group)>) {
     let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
     let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
     let mut numbers = vec!["Ratings", "Mean", "Median"];
@@ -204,7 +210,8 @@ fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[&st
         row.extend(proportions.iter().map(|p| unit(*p)));
         row
     };
-    section.table(caption, heads, &numbers, rows.into_iter().map(row).collect());
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    section.table(caption, &heads, &numbers, rows.into_iter().map(row).collect());
 }
 
 /// Describes the response times.
@@ -214,7 +221,7 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
         section.text("The files contain no response times, or they were not read.");
         return section;
     }
-    section.text(if results.options.is_ours {
+    section.text(if results.options.parameters.is_some() {
         "Times are from the onset of the stimulus to the rating, in seconds. They are described, but not tested."
     } else {
         "Times are those in the table, taken to be in seconds; the table does not say from which moment. They are described, but not tested."
@@ -228,9 +235,9 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
         counts.categories.iter().map(Shown::from).zip(results.times.iter().copied()),
     );
     for factor in names::varied(results) {
-        let name = names::factor(&factor.name);
-        let levels = factor.levels.iter().map(|level| names::level_of(factor, level));
-        quartiles(&mut section, name, name, levels.zip(factor.times.iter().copied()));
+        let name = names::factor(results, &factor.name);
+        let levels = factor.levels.iter().map(|level| names::level_of(results, factor, level));
+        quartiles(&mut section, &name, &name, levels.zip(factor.times.iter().copied()));
     }
     let subjects = results.subjects.iter().map(|subject| (participant(subject).into(), subject.times));
     quartiles(&mut section, "Participant", "participant", subjects);

@@ -20,11 +20,11 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
         match excluded {
             Excluded::Participant { id, ratings } => people.push(with_ratings(id, *ratings)),
             Excluded::Levels { factor, kept, ratings, .. } => {
-                let kept: Vec<Shown> = kept.iter().map(|level| names::level(factor, level)).collect();
+                let kept: Vec<Shown> = kept.iter().map(|level| names::level(results, factor, level)).collect();
                 let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
                     "Only ratings at {} {} were analyzed, on request; {} at other levels {} left out.",
-                    names::factor(factor),
+                    names::factor(results, factor),
                     list(&kept),
                     count(*ratings, "rating"),
                     if *ratings == 1 { "was" } else { "were" }
@@ -34,12 +34,12 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                 "{} by {} without a value of {} were left out, because the model needs it.",
                 count(*ratings, "rating"),
                 count(*participants, "participant"),
-                names::factor(factor)
+                names::factor(results, factor)
             )),
         }
     }
     if !people.is_empty() {
-        let who = if people.len() == 1 { "The participant" } else { "The participants" };
+        let who = if people.len() == 1 { "Participant" } else { "Participants" };
         let people: Vec<&str> = people.iter().map(String::as_str).collect();
         sentences.insert(0, format!("{who} {} left out on request.", was(&people)));
     }
@@ -69,8 +69,10 @@ pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
     let requests = results.measured.excluded.iter().map(|excluded| {
         let why = match excluded {
             Excluded::Participant { id, .. } => format!("ratings by {id}"),
-            Excluded::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(factor)),
-            Excluded::Missing { factor, .. } => format!("ratings without a value of {}", names::factor(factor)),
+            Excluded::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(results, factor)),
+            Excluded::Missing { factor, .. } => {
+                format!("ratings without a value of {}", names::factor(results, factor))
+            }
         };
         vec![why.into(), whole(excluded.ratings()), whole(excluded.participants())]
     });

@@ -40,7 +40,7 @@ pub(super) struct Size {
 
 /// Describes the effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
-    let name = names::factor(&factor.name);
+    let name = names::factor(results, &factor.name);
     let before = caveat(results, factor).unwrap_or_default();
     let Some(evidence) = evidence(results, factor) else {
         return format!("{before}{}. {}", means(results, factor), untested(results, factor));
@@ -74,7 +74,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                 evidence.test
             )
         } else {
-            let [(least, low), (most, high)] = least_and_most(factor);
+            let [(least, low), (most, high)] = least_and_most(results, factor);
             let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
             let span = if least == most {
                 format!("{ratings} are {least} at all levels")
@@ -103,29 +103,32 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
 
 /// Says that the raw means cannot be compared, if so.
 fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
-    let is_unknown = factor.marginal.is_none() && !factor.comparable && !factor.matched.incomplete.is_empty();
+    let is_incomplete = factor.within && !factor.matched.incomplete.is_empty();
+    let is_unknown = factor.marginal.is_none() && !factor.comparable && is_incomplete;
     if factor.marginal.is_none() && !is_unknown {
         return None;
     }
-    let name = names::factor(&factor.name);
+    let name = names::factor(results, &factor.name);
     let raw = FactorResults { marginal: None, ..factor.clone() };
     let ([first, second], _) = factor.contrast();
     let difference = |means: &[f64]| means[second] - means[first];
     let missing = match factor.matched.incomplete.len() {
-        0 => "the conditions of the other factors differ between its levels".to_owned(),
+        _ if !is_incomplete => "the conditions of the other factors differ between its levels".to_owned(),
         n if n == results.people() && results.measured.counts.factors.len() == 1 => {
             "no participant rated all of its levels".to_owned()
         }
         n if n == results.people() => "no participant rated all of its levels in the same conditions".to_owned(),
-        n => format!("{} of {} did not rate all of its levels", n, count(results.people() as u64, "participant")),
+        n => format!("{n} of {} did not rate every level", count(results.people() as u64, "participant")),
     };
-    let at =
-        |place: usize| format!("{} at {}", mean(raw.means()[place]), names::level_of(factor, &factor.levels[place]));
+    let at = |place: usize| {
+        format!("{} at {}", mean(raw.means()[place]), names::level_of(results, factor, &factor.levels[place]))
+    };
     Some(if difference(&raw.means()) * difference(&factor.means()) < 0.0 {
         format!(
-            "The raw means by {name} mislead ({} and {}): {missing}, and within participants the order is the opposite. ",
+            "The raw means by {name} mislead ({} and {}): {missing}, and {} the order is the opposite. ",
             at(first),
-            at(second)
+            at(second),
+            if factor.within { "within participants" } else { "in the model" }
         )
     } else {
         format!("The raw means by {name} are not comparable: {missing}. ")
@@ -147,7 +150,7 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
                 results.spec.items.is_some().then(|| reason.to_owned())
             }),
     };
-    let name = names::factor(&factor.name);
+    let name = names::factor(results, &factor.name);
     let reason = reason.unwrap_or_else(|| format!("no participant has comparable ratings at every level of {name}"));
     format!("The effect of {name} could not be tested: {reason}.")
 }
@@ -162,7 +165,7 @@ fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Opti
     let random = report.model.random.as_ref()?;
     let slope = random.slopes.iter().find(|slope| slope.term == Term::factor(&factor.name))?;
     let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
-    let (name, interval) = (names::factor(&factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
+    let (name, interval) = (names::factor(results, &factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
     let so = if found { "" } else { ", so the mean effect may hide opposite effects in individuals" };
     Some(format!(
         " Participants differ in the effect of {name}: their deviations at each level have a standard deviation of {} on the \
@@ -174,7 +177,7 @@ fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Opti
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
 /// ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
-    let name = names::factor(&factor.name);
+    let name = names::factor(results, &factor.name);
     let (the_mean, of_these) = match (&factor.marginal, results.is_inferential()) {
         (Some(_), _) => ("The rating that the model expects", "the rating that the model expects"),
         (None, true) => ("The mean rating", "the mean rating"),
@@ -182,9 +185,11 @@ fn means(results: &Results, factor: &FactorResults) -> String {
     };
     let last = factor.levels.len() - 1;
     let values = factor.means();
-    let at = |index: usize| format!("{} at {}", mean(values[index]), names::level_of(factor, &factor.levels[index]));
+    let at = |index: usize| {
+        format!("{} at {}", mean(values[index]), names::level_of(results, factor, &factor.levels[index]))
+    };
     let ends = format!("from {} to {}", at(0), at(last));
-    let [(least, low), (most, high)] = least_and_most(factor);
+    let [(least, low), (most, high)] = least_and_most(results, factor);
     match factor.course() {
         Some(tau) if tau.abs() >= 1.0 => {
             let verb = if tau > 0.0 { "rises" } else { "falls" };
@@ -217,12 +222,12 @@ fn means(results: &Results, factor: &FactorResults) -> String {
 
 /// Returns the lowest and the highest mean with their levels, such as `0.61` and `45°`; levels with equal means are
 /// joined.
-fn least_and_most(factor: &FactorResults) -> [(Shown, String); 2] {
+fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String); 2] {
     let (most, least) = factor.extremes();
     let means = factor.means();
     [least, most].map(|index| {
         let same = factor.levels.iter().zip(&means).filter(|(_, value)| (*value - means[index]).abs() < 1e-9);
-        let same: Vec<Shown> = same.map(|(level, _)| names::level_of(factor, level)).collect();
+        let same: Vec<Shown> = same.map(|(level, _)| names::level_of(results, factor, level)).collect();
         (mean(means[index]), short_list(&same, 4))
     })
 }
@@ -280,7 +285,7 @@ fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
 /// model, or as a difference of means if a rank test leads or the model has no such contrast.
 fn size(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
     let from_model = || results.model.as_ref().ok().and_then(|report| size_in_model(results, report, factor));
-    let from_means = || difference_of_means(factor, evidence);
+    let from_means = || difference_of_means(results, factor, evidence);
     if evidence.is_rank_test { from_means().or_else(from_model) } else { from_model().or_else(from_means) }
 }
 
@@ -300,7 +305,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     // The higher level comes first.
     let flip = contrast.estimate < 0.0;
     let (higher, lower) = if flip { (&contrast.other, &contrast.level) } else { (&contrast.level, &contrast.other) };
-    let [higher, lower] = [higher, lower].map(|level| names::level(&factor.name, level));
+    let [higher, lower] = [higher, lower].map(|level| names::level(results, &factor.name, level));
     let estimate = contrast.estimate.abs();
     let interval = contrast.interval.map(|i| if flip { i.negative() } else { i });
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
@@ -340,8 +345,8 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
     let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
     let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
     let (estimate, interval_text) = (value(range * coefficient.estimate), with_interval(interval, value));
-    let name = names::factor(&factor.name);
-    let [low, high] = [first, last].map(|(_, level)| names::level(&factor.name, level));
+    let name = names::factor(results, &factor.name);
+    let [low, high] = [first, last].map(|(_, level)| names::level(results, &factor.name, level));
     let text = if odds {
         format!("From {name} {low} to {high}, the odds of a higher rating are multiplied by {estimate}{interval_text}")
     } else {
@@ -356,7 +361,7 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
 pub(super) fn covariate(results: &Results, name: &str) -> Option<String> {
     let report = results.model.as_ref().ok()?;
     let term = main_effect(results, name)?;
-    let (shown, size) = (names::factor(name), over_range(results, report, term)?);
+    let (shown, size) = (names::factor(results, name), over_range(results, report, term)?);
     let test = likelihood_ratio(results, term)?;
     let Some(p) = test.p else {
         let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
@@ -367,23 +372,24 @@ pub(super) fn covariate(results: &Results, name: &str) -> Option<String> {
 }
 
 /// Returns the covariates of which no effect was found.
-pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = &str> {
+pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = String> {
     let is_unclear = |name: &&String| {
         let test = main_effect(results, name).and_then(|term| likelihood_ratio(results, term));
         test.and_then(|test| test.p).is_some_and(|p| p >= ALPHA)
     };
-    results.covariates.iter().filter(is_unclear).map(|name| names::factor(name))
+    results.covariates.iter().filter(is_unclear).map(|name| names::factor(results, name))
 }
 
 /// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0
 /// what the test says.
-fn difference_of_means(factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
+fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Option<Size> {
     let (places, _) = factor.contrast();
     let levels = places.map(|place| factor.levels[place].names.first().map_or("", String::as_str));
     let (difference, interval) = factor.matched.difference(levels)?;
     let interval = interval.filter(|i| (i.low > 0.0 || i.high < 0.0) == (evidence.p < ALPHA));
     let flip = difference < 0.0;
-    let [higher, lower] = (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(&factor.name, l));
+    let [higher, lower] =
+        (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(results, &factor.name, l));
     let interval = interval.map(|i| if flip { i.negative() } else { i });
     let text = format!(
         "The mean rating at {higher} is {} higher than at {lower}{}",
@@ -418,8 +424,8 @@ impl Dependence<'_> {
     }
 
     /// Returns the names of the factors, such as `width and depth`.
-    pub fn names(&self) -> String {
-        list(&self.names.iter().map(|name| names::factor(name)).collect::<Vec<_>>())
+    pub fn names(&self, results: &Results) -> String {
+        list(&self.names.iter().map(|name| names::factor(results, name)).collect::<Vec<_>>())
     }
 }
 
@@ -469,7 +475,7 @@ pub(super) fn is_dependent(dependences: &[Dependence<'_>], factor: &FactorResult
 
 /// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
 pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
-    let together = found.names();
+    let together = found.names(results);
     let what = if results.is_inferential() { "This study" } else { "These trials" };
     let Some(p) = found.p else {
         let reason = found.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
@@ -529,13 +535,23 @@ fn simple_effects(
         let ([first, second], _) = stratum.contrast();
         let mean_at = |index: usize| {
             let level = &stratum.levels[index];
-            format!("{} at {} {}", mean(level.summary.mean), names::factor(&of.name), names::level_of(of, level))
+            format!(
+                "{} at {} {}",
+                mean(level.summary.mean),
+                names::factor(results, &of.name),
+                names::level_of(results, of, level)
+            )
         };
-        let level = names::level_of(at, &at.levels[*level]);
+        let level = names::level_of(results, at, &at.levels[*level]);
         let p = p.map_or_else(String::new, |p| format!(" ({})", p_is(p)));
         let what = if place == 0 { "the mean rating" } else { "it" };
         is_shown(place).then(|| {
-            format!("at {} {level}, {what} is {} and {}{p}", names::factor(&at.name), mean_at(first), mean_at(second))
+            format!(
+                "at {} {level}, {what} is {} and {}{p}",
+                names::factor(results, &at.name),
+                mean_at(first),
+                mean_at(second)
+            )
         })
     };
     let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().filter_map(part).collect();
@@ -547,7 +563,7 @@ fn simple_effects(
         _ if corrected.iter().all(Option::is_none) => String::new(),
         (Some(_), None) => format!(
             " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
-            names::factor(&of.name)
+            names::factor(results, &of.name)
         ),
         (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };

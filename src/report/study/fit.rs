@@ -1,8 +1,8 @@
-//! How well the model describes the ratings: simulated studies, other models, and the influence of each participant.
+//! How well the model describes the ratings: simulated studies, and the influence of each participant.
 
 use super::names;
 use crate::{
-    analysis::{Alternative, Checks, Contrast, Influence, Model, Proportion, Results, Slopes},
+    analysis::{Checks, Contrast, Influence, Model, Proportion, Results},
     report::{
         document::{
             Section,
@@ -46,7 +46,7 @@ pub(super) fn fit_of_model(
         section.text(format!(
             "Of {} in the single combinations of {}, {} outside{}.",
             count(all as u64, "proportion"),
-            list(&results.modeled().factors.iter().map(|factor| names::factor(&factor.name)).collect::<Vec<_>>()),
+            list(&results.modeled().factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
             lie(far),
             if far as f64 > MANY * all as f64 {
                 ": more than chance allows, so the model does not describe them, for example because effects depend on each other"
@@ -57,8 +57,8 @@ pub(super) fn fit_of_model(
     }
     let row = |p: &&Proportion| {
         vec![
-            names::factor(&p.factor).into(),
-            names::level(&p.factor, &p.level),
+            names::factor(results, &p.factor).into(),
+            names::level(results, &p.factor, &p.level),
             (&p.category).into(),
             unit(p.observed),
             unit(p.expected),
@@ -83,39 +83,7 @@ pub(super) fn fit_of_model(
             if fits { "consistent" } else { "not consistent" }
         ));
     }
-    alternatives(section, model, checks);
     influence(section, results, model, checks);
-}
-
-fn alternatives(section: &mut Section, model: &Model, checks: &Checks) {
-    let row = |a: &Alternative| {
-        let slopes = match a.slopes {
-            Slopes::None => "no",
-            Slopes::Independent => "independent",
-            Slopes::Correlated => "correlated",
-        };
-        let numbers = [a.loglik, a.aic, a.bic].map(|value| fixed(value, 2));
-        let cells = [a.link.to_string().into(), slopes.into(), whole(a.parameters as u64)];
-        cells.into_iter().chain(numbers).collect()
-    };
-    let numbers = ["Parameters", "Log-likelihood", "AIC", "BIC"];
-    let rows = checks.alternatives.iter().map(row).collect();
-    section.table("Models of the same ratings; the first is the one above", &["Link", "Random slopes"], &numbers, rows);
-    let aic = |a: &Alternative| a.aic.unwrap_or(f64::INFINITY);
-    let Some(best) = checks.alternatives.iter().min_by(|l, r| aic(l).total_cmp(&aic(r))) else { return };
-    let own = checks.alternatives.first().map_or(f64::NAN, aic);
-    /// A smaller difference in AIC is not evidence for either model (Burnham & Anderson 2002, p. 70).
-    const CLEAR: f64 = 4.0;
-    section.text(if own - aic(best) > CLEAR {
-        format!(
-            "The {} model {} has a lower AIC, by {}.",
-            best.link,
-            if best.slopes == Slopes::None { "without random slopes" } else { "with random slopes" },
-            fixed(own - aic(best), 1)
-        )
-    } else {
-        format!("By AIC, none of these models is clearly better than the {} model above.", model.link)
-    });
 }
 
 fn influence(section: &mut Section, results: &Results, model: &Model, checks: &Checks) {
@@ -126,9 +94,9 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
         .map(|c| {
             format!(
                 "{} {} – {}",
-                names::factor(&c.factor),
-                names::level(&c.factor, &c.level),
-                names::level(&c.factor, &c.other)
+                names::factor(results, &c.factor),
+                names::level(results, &c.factor, &c.level),
+                names::level(results, &c.factor, &c.other)
             )
         })
         .collect();
@@ -152,7 +120,7 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
         let clear = contrast.interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
         let who = changes(contrast, place);
         if clear && !who.is_empty() {
-            let name = names::factor(&contrast.factor);
+            let name = names::factor(results, &contrast.factor);
             section.text(format!("Without {}, the effect of {name} changes its direction.", short_list(&who, 6)));
         }
     }

@@ -24,7 +24,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
     ];
     facts.extend(left_out.iter().filter(|(_, rows)| *rows > 0).map(|(name, rows)| (name.as_str(), whole(*rows))));
-    facts.extend([("Other rows", sum(|file| file.counted)), ("Ratings in these rows", sum(|file| file.ratings))]);
+    facts.extend([("Rows used", sum(|file| file.counted)), ("Ratings in these rows", sum(|file| file.ratings))]);
     let excluded = exclusions::sentences(source, results);
     if !results.measured.excluded.is_empty() {
         facts.push(("Excluded: ratings of participants and levels", exclusions::ratings(results)));
@@ -49,10 +49,11 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
     } else if sealed > 0 {
-        let all = whole(source.sessions.len() as u64);
+        let all = source.sessions.len() as u64;
+        let of = if sealed < all { format!("{} of ", whole(sealed)) } else { String::new() };
         section.text(format!(
-            "The files of {} of {all} were compared with the hashes recorded when the session ended; none was changed.",
-            count(sealed, "session")
+            "The files of {of}{} were compared with the hashes recorded when the session ended; none was changed.",
+            count(all, "session")
         ));
     }
     if !source.sessions.is_empty() {
@@ -93,6 +94,7 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
     match (unknown, open, all) {
         (.., 0) => None,
         (0, 0, 1) => Some("The session is finished.".to_owned()),
+        (0, 0, 2) => Some("Both sessions are finished.".to_owned()),
         (0, 0, _) => Some(format!("All {all} sessions are finished.")),
         (0, ..) => Some(format!("{open} of {} {} unfinished.", count(all as u64, "session"), are(open))),
         _ => {

@@ -73,7 +73,12 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         n => format!("{people}, {n} of them simulated,"),
     };
     let rated = names::rated(&who, results, "which varied in", |factor| {
-        factor.levels.iter().map(|level| names::level_of(factor, level).to_string()).collect::<Vec<_>>().join(", ")
+        factor
+            .levels
+            .iter()
+            .map(|level| names::level_of(results, factor, level).to_string())
+            .collect::<Vec<_>>()
+            .join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
     let excluded: String =
@@ -109,7 +114,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let report = results.model.as_ref().ok()?;
     let model = &report.model;
     let terms: Vec<String> =
-        results.spec.terms.iter().map(|term| names::factor(&term.to_string()).to_owned()).collect();
+        results.spec.terms.iter().map(|term| names::term(results, &term.to_string()).to_owned()).collect();
     let terms =
         if terms.is_empty() { "no fixed effects".to_owned() } else { format!("fixed effects of {}", list(&terms)) };
     let terms = if model.random.is_some() { format!(", {terms}") } else { format!(" and {terms}") };
@@ -122,14 +127,15 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let (mixed, how) = match &model.random {
         None => ("", ", fitted by maximum likelihood".to_owned()),
         Some(random) => {
-            let slope = |slope: &RandomSlope| match (names::factor(&slope.name), random.correlations.is_some()) {
+            let slope = |slope: &RandomSlope| match (names::term(results, &slope.name), random.correlations.is_some()) {
                 (name, true) => format!("correlated random slopes of {name}"),
                 (name, false) if is_number(&slope.term) => format!("an independent random slope of {name}"),
                 (name, false) => format!("for each combination of participant and {name}"),
             };
             let mut effects = vec!["random intercepts for participants".to_owned()];
             effects.extend(random.slopes.iter().map(slope));
-            effects.extend(random.items.as_ref().map(|items| format!("for each {}", names::factor(&items.name))));
+            effects
+                .extend(random.items.as_ref().map(|items| format!("for each {}", names::factor(results, &items.name))));
             ("mixed ", format!(", and {}, fitted by maximum likelihood with Laplace’s approximation", list(&effects)))
         }
     };
@@ -142,7 +148,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     );
     if !report.terms.is_empty() {
         let tests: Vec<String> = (report.terms.iter())
-            .map(|test| match (names::factor(&test.term), test.lr, test.p) {
+            .map(|test| match (names::term(results, &test.term), test.lr, test.p) {
                 (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
                 (term, ..) => format!("{term}, no test"),
             })
@@ -165,7 +171,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     }
     let tested: Vec<String> = (report.interactions.iter())
         .filter_map(|test| {
-            let (name, statistic) = (list_of(&test.factors), fixed(test.chi_squared, 2));
+            let (name, statistic) = (list_of(results, &test.factors), fixed(test.chi_squared, 2));
             Some(format!("{name}, χ²({}) = {statistic}, {}", test.df, p_is(test.p?)))
         })
         .collect();
@@ -221,14 +227,14 @@ fn is_number(term: &Term) -> bool {
     term.variables.iter().all(|variable| matches!(variable, Variable::Number(_)))
 }
 
-fn list_of(factors: &[String; 2]) -> String {
-    factors.each_ref().map(|name| names::factor(name)).join(" × ")
+fn list_of(results: &Results, factors: &[String; 2]) -> String {
+    factors.each_ref().map(|name| names::factor(results, name)).join(" × ")
 }
 
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     let tested: Vec<String> = (results.factors.iter())
         .filter_map(|factor| {
-            let (f, name) = (factor.friedman?, names::factor(&factor.name));
+            let (f, name) = (factor.friedman?, names::factor(results, &factor.name));
             Some(format!("{name}, χ²({}) = {}, {}, W = {}", f.df, fixed(f.chi_squared, 2), p_is(f.p), unit(f.w)))
         })
         .collect();
@@ -245,9 +251,9 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     methods.sort_unstable();
     methods.dedup();
     let methods = list(&methods);
-    let leads: Vec<&str> = (results.factors.iter())
+    let leads: Vec<String> = (results.factors.iter())
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test))
-        .map(|factor| names::factor(&factor.name))
+        .map(|factor| names::factor(results, &factor.name))
         .collect();
     let rest = match leads.is_empty() || !findings::is_clustered(results) {
         true => String::new(),

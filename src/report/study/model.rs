@@ -30,8 +30,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     let model = &report.model;
     formula(&mut section, results, model);
     let (serious, others): (Vec<_>, Vec<_>) = model.notes.iter().partition(|note| is_serious(note));
-    serious.iter().for_each(|note| section.warning(format!("{}.", names::capitalized(&note.to_string()))));
-    section.list(others.iter().map(|note| format!("{}.", names::capitalized(&note.to_string()))).collect());
+    serious.iter().for_each(|note| section.warning(names::note(results, model, note)));
+    section.list(others.iter().map(|note| names::note(results, model, note)).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     let threshold =
@@ -43,8 +43,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         between_people(&mut section, results, model, random);
     }
     effect_sizes(&mut section, results, model);
-    comparisons(&mut section, report);
-    margins(&mut section, report);
+    comparisons(&mut section, results, report);
+    margins(&mut section, results, report);
     let scope = if results.is_inferential() {
         ""
     } else {
@@ -52,30 +52,36 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     };
     tests(
         &mut section,
-        "Does each term matter?",
-        &format!(
-            "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
+        results,
+        [
+            "Does each term matter?",
+            &format!(
+                "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
              its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
              terms. {}{scope}",
-            if model.random.is_some() { " but has the same random effects" } else { "" },
-            source_of_p(&report.terms)
-        ),
-        "Likelihood-ratio tests against the model without each term",
+                if model.random.is_some() { " but has the same random effects" } else { "" },
+                source_of_p(&report.terms)
+            ),
+            "Likelihood-ratio tests against the model without each term",
+        ],
         &report.terms,
         false,
     );
-    interactions(&mut section, report);
+    interactions(&mut section, results, report);
     tests(
         &mut section,
-        "Is one coefficient per effect enough?",
-        &format!(
-            "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
+        results,
+        [
+            "Is one coefficient per effect enough?",
+            &format!(
+                "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
              against a separate effect at each threshold{}. {} The last column corrects p for the number of terms (Holm).",
-            if model.random.is_some() { ", in models without random effects" } else { "" },
-            source_of_p(&report.proportional_odds)
-        ),
-        "Tests of proportional odds",
+                if model.random.is_some() { ", in models without random effects" } else { "" },
+                source_of_p(&report.proportional_odds)
+            ),
+            "Tests of proportional odds",
+        ],
         &report.proportional_odds,
         true,
     );
@@ -94,7 +100,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
 }
 
 /// Lists the interactions that the model leaves out.
-fn interactions(section: &mut Section, report: &ModelReport) {
+fn interactions(section: &mut Section, results: &Results, report: &ModelReport) {
     let Some(first) = report.interactions.first() else { return };
     section.heading("Do the effects depend on each other?");
     let how = if first.by_signs {
@@ -108,7 +114,7 @@ fn interactions(section: &mut Section, report: &ModelReport) {
          factors. {how} The p values are corrected for the number of rows."
     ));
     let row = |test: &Interaction| {
-        let names = test.factors.iter().map(|name| names::factor(name)).collect::<Vec<_>>().join(", ");
+        let names = test.factors.iter().map(|name| names::factor(results, name)).collect::<Vec<_>>().join(", ");
         vec![names.into(), fixed(test.chi_squared, 2), whole(test.df as u64), probability(test.p)]
     };
     let rows = report.interactions.iter().map(row).collect();
@@ -120,7 +126,7 @@ fn interactions(section: &mut Section, report: &ModelReport) {
     );
     for test in &report.interactions {
         if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", names::factor(&test.term)));
+            section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
         }
     }
 }
@@ -166,11 +172,11 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     section.heading("Differences between participants");
     let mut rows = vec![("Intercept", random.sd, random.se, random.interval)];
     rows.extend(random.slopes.iter().map(|slope| (slope.name.as_str(), slope.sd, slope.se, slope.interval)));
-    let items = random.items.as_ref().map(|items| format!("Intercept of {}", names::factor(&items.name)));
+    let items = random.items.as_ref().map(|items| format!("Intercept of {}", names::factor(results, &items.name)));
     let of_items = items.iter().zip(&random.items);
     rows.extend(of_items.map(|(name, items)| (name.as_str(), items.sd, items.se, items.interval)));
     let row = |(name, sd, se, interval): (&str, f64, Option<f64>, Option<Interval>)| {
-        vec![names::factor(name).into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
+        vec![names::factor(results, name).into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
     };
     let caption = if random.items.is_some() {
         "Standard deviations between participants and between items, on the latent scale"
@@ -229,10 +235,10 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
     }
     let link = model.link;
     let row = |contrast: &Contrast| {
-        let level = |level: &str| names::level(&contrast.factor, level);
+        let level = |level: &str| names::level(results, &contrast.factor, level);
         let (estimate, interval) = (contrast.estimate, contrast.interval);
         let mut cells = vec![
-            names::factor(&contrast.factor).into(),
+            names::factor(results, &contrast.factor).into(),
             format!("{} – {}", level(&contrast.level), level(&contrast.other)).into(),
         ];
         if odds {
@@ -249,15 +255,14 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
-fn comparisons(section: &mut Section, report: &ModelReport) {
+fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     if report.comparisons.is_empty() {
         return;
     }
     section.heading("Comparisons of levels");
     section.text(format!(
         "Differences on the latent scale, in the model{}. Their p values and intervals come from the likelihood ratio of each \
-         difference{}. The intervals are symmetric, so they can differ from the profile intervals above, which should be \
-         reported where there are both. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
+         difference{}. Intervals are the profile intervals above where there is one, and otherwise symmetric. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
          corrected.",
         if report.comparisons.iter().any(|c| c.at.is_some()) {
             "; those of factors in an interaction are at each level of the other factor (simple effects)"
@@ -273,11 +278,12 @@ fn comparisons(section: &mut Section, report: &ModelReport) {
         }
     ));
     let row = |c: &Comparison| {
-        let level = |level: &str| names::level(&c.factor, level);
-        let at =
-            c.at.as_ref().map(|(factor, level)| format!("{} {}", names::factor(factor), names::level(factor, level)));
+        let level = |level: &str| names::level(results, &c.factor, level);
+        let at = c.at.as_ref().map(|(factor, level)| {
+            format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
+        });
         vec![
-            names::factor(&c.factor).into(),
+            names::factor(results, &c.factor).into(),
             format!("{} – {}", level(&c.level), level(&c.other)).into(),
             at.unwrap_or_default().into(),
             fixed(c.estimate, 2),
@@ -291,12 +297,12 @@ fn comparisons(section: &mut Section, report: &ModelReport) {
     section.table("Differences between levels", &["Factor", "Levels", "At"], &numbers, rows);
     for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
-            section.note(format!("No p for differences of {}: {reason}.", names::factor(&comparison.factor)));
+            section.note(format!("No p for differences of {}: {reason}.", names::factor(results, &comparison.factor)));
         }
     }
 }
 
-fn margins(section: &mut Section, report: &ModelReport) {
+fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     if report.margins.is_empty() {
         return;
     }
@@ -308,7 +314,12 @@ fn margins(section: &mut Section, report: &ModelReport) {
     ));
     let row = |m: &Margin| {
         let interval = range(m.interval, mean);
-        vec![names::factor(&m.factor).into(), names::level(&m.factor, &m.level), mean(m.mean), interval]
+        vec![
+            names::factor(results, &m.factor).into(),
+            names::level(results, &m.factor, &m.level),
+            mean(m.mean),
+            interval,
+        ]
     };
     let rows = report.margins.iter().map(row).collect();
     section.table("Expected ratings", &["Factor", "Level"], &["Expected rating", "95\u{a0}% interval"], rows);
@@ -322,7 +333,7 @@ fn sentence(results: &Results, model: &Model) -> String {
         Some(_) => "cumulative-link mixed model (Laplace)",
     };
     let terms: Vec<String> = (results.spec.terms.iter().map(ToString::to_string))
-        .map(|term| match names::factor(&term) {
+        .map(|term| match names::term(results, &term) {
             name if term.starts_with("num:") && !name.contains(':') => format!("{name} as a number"),
             name => name.to_owned(),
         })
@@ -387,8 +398,12 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     section.text(sentence(results, model));
     let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
     if slopes > 0 {
-        let names: Vec<&str> =
-            model.random.iter().flat_map(|random| &random.slopes).map(|slope| names::factor(&slope.name)).collect();
+        let names: Vec<String> = model
+            .random
+            .iter()
+            .flat_map(|random| &random.slopes)
+            .map(|slope| names::term(results, &slope.name))
+            .collect();
         section.text(format!(
             "The model also lets participants differ in their effects ({}): each has a deviation v at every level of a factor, \
              or in the slope on a number, with a standard deviation for each term. Tests and intervals of these effects \
@@ -416,17 +431,17 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     } else {
         section.text(meaning(results, model));
         let odds = model.link == Link::Logit;
-        coefficient_table(section, "Coefficients of the model", &model.coefficients, odds);
+        coefficient_table(section, results, &model.coefficients, odds);
     }
 }
 
 /// Adds a table of coefficients, with odds ratios if requested.
-fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], odds: bool) {
+fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficient], odds: bool) {
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
         let mut cells = vec![
-            names::coefficient(&c.parts).into(),
+            names::coefficient(results, &c.parts).into(),
             fixed(c.estimate, 3),
             fixed(c.se, 3),
             range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { 3 } else { 2 })),
@@ -436,7 +451,7 @@ fn coefficient_table(section: &mut Section, caption: &str, all: &[Coefficient], 
         );
         cells
     };
-    section.table(caption, &["Coefficient"], &numbers, all.iter().map(row).collect());
+    section.table("Coefficients of the model", &["Coefficient"], &numbers, all.iter().map(row).collect());
 }
 
 fn meaning(results: &Results, model: &Model) -> String {
@@ -457,13 +472,23 @@ fn meaning(results: &Results, model: &Model) -> String {
 }
 
 /// Adds a table of likelihood-ratio tests, if there are any.
-fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests: &[TermTest], corrected: bool) {
+fn tests(
+    section: &mut Section,
+    results: &Results,
+    [heading, about, caption]: [&str; 3],
+    tests: &[TermTest],
+    corrected: bool,
+) {
     if tests.is_empty() {
         return;
     }
     let row = |test: &TermTest| {
-        let mut cells =
-            vec![names::factor(&test.term).into(), fixed(test.lr, 2), whole(test.df as u64), probability(test.p)];
+        let mut cells = vec![
+            names::term(results, &test.term).into(),
+            fixed(test.lr, 2),
+            whole(test.df as u64),
+            probability(test.p),
+        ];
         cells.extend(corrected.then(|| probability(test.p_holm)));
         cells
     };
@@ -474,7 +499,7 @@ fn tests(section: &mut Section, heading: &str, about: &str, caption: &str, tests
     section.table(caption, &["Term"], &numbers, tests.iter().map(row).collect());
     for test in tests {
         if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", names::factor(&test.term)));
+            section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
         }
     }
 }

@@ -1,54 +1,75 @@
 //! Names of participants, factors, levels and categories, as used in sentences and tables.
 
+pub(super) use crate::report::names::capitalized;
 use crate::{
     analysis::{
-        Results,
-        counts::{Counts, MISSING},
+        Model, Note, Results,
+        counts::Counts,
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
         terms::TermPart,
     },
     experiment::Protocol,
-    report::document::{
-        Shown,
-        numbers::{count, list},
+    report::{
+        document::{
+            Shown,
+            numbers::{count, list, short_list},
+        },
+        names,
     },
-    text::Cell,
 };
 
-/// The suffix of a column with values in degrees.
-const DEGREES: &str = "_deg";
+/// Returns the name of a factor in a sentence.
+pub(super) fn factor(results: &Results, name: &str) -> String {
+    names::factor(results.options.parameters, name)
+}
 
-/// Returns the name of a factor or a term; `orientation` for `orientation_deg`, because its levels are shown with their
-/// unit, and `age` for `num:age`.
-pub(super) fn factor(name: &str) -> &str {
-    let name = name.strip_prefix("num:").filter(|name| !name.contains(':')).unwrap_or(name);
-    name.strip_suffix(DEGREES).filter(|name| !name.is_empty()).unwrap_or(name)
+/// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
+pub(super) fn term(results: &Results, text: &str) -> String {
+    names::term(results.options.parameters, text)
 }
 
 /// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
-pub(super) fn level(factor: &str, level: &str) -> Shown {
-    let number = number_of(level);
-    let text = match level {
-        "" | MISSING => "(none)".to_owned(),
-        "inf" => "∞".to_owned(),
-        _ if factor.ends_with(DEGREES) && number.is_some() => format!("{level}°"),
-        _ => level.to_owned(),
-    };
-    Shown::new(number.map_or_else(|| Cell::from(level), Cell::Number), text)
+pub(super) fn level(results: &Results, factor: &str, level: &str) -> Shown {
+    names::level(results.options.parameters, factor, level)
+}
+
+/// Returns a note about the model as a sentence.
+pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
+    let mut note = note.clone();
+    match &mut note {
+        Note::MissingValues { factor: name, .. } | Note::NoItemVariance { items: name } => {
+            *name = factor(results, name)
+        }
+        Note::Rebased { factor: name, baseline, separated, .. } => {
+            [baseline, separated].into_iter().for_each(|own| *own = level(results, name, own).to_string());
+            *name = factor(results, name);
+        }
+        Note::AliasedTerm { term: own } | Note::NoSlope { term: own } | Note::NoSlopeVariance { term: own } => {
+            *own = term(results, own);
+        }
+        Note::Separation { coefficient: own, term: of, .. } => {
+            let found = model.coefficients.iter().find(|coefficient| coefficient.name == *own);
+            found.into_iter().for_each(|found| *own = coefficient(results, &found.parts));
+            *of = term(results, of);
+        }
+        _ => {}
+    }
+    format!("{}.", capitalized(&note.to_string()))
 }
 
 /// Returns the level of a group of ratings.
-pub(super) fn level_of(factor: &FactorResults, group: &Group) -> Shown {
-    level(&factor.name, group.names.first().map_or("", String::as_str))
+pub(super) fn level_of(results: &Results, factor: &FactorResults, group: &Group) -> Shown {
+    level(results, &factor.name, group.names.first().map_or("", String::as_str))
 }
 
 /// Lists the levels of a condition, for the factors that vary: `width 0.4, depth ∞`.
-pub(super) fn condition(counts: &Counts, condition: u32) -> String {
+pub(super) fn condition(results: &Results, condition: u32) -> String {
+    let counts = &results.measured.counts;
     let levels = counts.factors.iter().zip(counts.level_names(condition));
     let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
-        .map(|(one, name)| format!("{} {}", factor(&one.name), level(&one.name, name)))
+        .map(|(one, name)| format!("{} {}", factor(results, &one.name), level(results, &one.name, name)))
         .collect();
     if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
 }
@@ -64,26 +85,30 @@ pub(super) fn who(subject: &SubjectResults) -> String {
     if number_of(id).is_some() { format!("participant {id}") } else { id.to_owned() }
 }
 
+/// Lists participants for a sentence: `participants 97, 134 and 3 more`, or IDs that are no numbers.
+pub(super) fn all_of<S: AsRef<str>>(who: &[S], most: usize) -> String {
+    let numbers: Option<Vec<&str>> = who.iter().map(|who| who.as_ref().strip_prefix("participant ")).collect();
+    match numbers {
+        Some(numbers) if numbers.len() > 1 => format!("participants {}", short_list(&numbers, most)),
+        _ => short_list(who, most),
+    }
+}
+
 /// Returns a coefficient for a table, such as `depth ∞` or `width 0.4 × depth 2`.
-pub(super) fn coefficient(parts: &[TermPart]) -> String {
+pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
     let part = |part: &TermPart| {
-        let name = factor(part.variable.name());
-        part.level
-            .as_ref()
-            .map_or_else(|| name.to_owned(), |own| format!("{name} {}", level(part.variable.name(), own)))
+        let name = factor(results, part.variable.name());
+        match &part.level {
+            Some(own) => format!("{name} {}", level(results, part.variable.name(), own)),
+            None => name,
+        }
     };
     parts.iter().map(part).collect::<Vec<_>>().join(" × ")
 }
 
 /// Returns participants for the beginning of a sentence. An ID keeps its case.
 pub(super) fn first_word(who: String) -> String {
-    if who.starts_with("participant ") { capitalized(&who) } else { who }
-}
-
-/// Begins a sentence with a capital letter.
-pub(super) fn capitalized(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    if who.starts_with("participant") { capitalized(&who) } else { who }
 }
 
 /// Returns the answers of a definition, such as `0 (No band)`.
@@ -110,7 +135,8 @@ pub(super) fn categories_are_texts(counts: &Counts) -> bool {
 /// sentence ends with the name of each factor that varies and the result of `levels` for it.
 pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(&FactorResults) -> String) -> String {
     let counts = &results.measured.counts;
-    let varied: Vec<String> = varied(results).map(|one| format!("{} ({})", factor(&one.name), levels(one))).collect();
+    let varied: Vec<String> =
+        varied(results).map(|one| format!("{} ({})", factor(results, &one.name), levels(one))).collect();
     let by = if varied.is_empty() { String::new() } else { format!(", {differ} {}", list(&varied)) };
     let (ratings, conditions) = (count(counts.total(), "rating"), count(counts.conditions.len() as u64, "condition"));
     format!("{who} gave {ratings} of {conditions}{by}.")

@@ -29,16 +29,16 @@ pub(super) fn section(results: &Results) -> Section {
              order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if its test in the model is withheld or the model has no random \
              slopes on request, and for the simple effects of an interaction that the model leaves out.",
         );
-        friedman(&mut section, &tested);
+        friedman(&mut section, results, &tested);
     }
     section
 }
 
-fn friedman(section: &mut Section, factors: &[&FactorResults]) {
+fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]) {
     let row = |factor: &&FactorResults| {
         let test = factor.friedman;
         vec![
-            names::factor(&factor.name).into(),
+            names::factor(results, &factor.name).into(),
             fixed(test.map(|test| test.subjects as f64), 0),
             fixed(test.map(|test| test.levels as f64), 0),
             fixed(test.map(|test| test.chi_squared), 2),
@@ -56,10 +56,11 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
     for factor in factors.iter().filter(|factor| !factor.matched.incomplete.is_empty()) {
-        let (name, who) = (names::factor(&factor.name), short_list(&factor.matched.incomplete, 12));
+        let (name, who) = (names::factor(results, &factor.name), short_list(&factor.matched.incomplete, 12));
         section.note(format!("Excluded from the tests of {name}, because they did not rate every level of it in the same conditions: {who}."));
     }
-    let between: Vec<&str> = factors.iter().filter(|f| !f.within).map(|factor| names::factor(&factor.name)).collect();
+    let between: Vec<String> =
+        factors.iter().filter(|f| !f.within).map(|factor| names::factor(results, &factor.name)).collect();
     if !between.is_empty() {
         let list = list(&between);
         section.note(format!("Each participant rated only one level of {list}, so these tests do not apply to it."));
@@ -83,7 +84,7 @@ fn friedman(section: &mut Section, factors: &[&FactorResults]) {
                 "With {} and {} levels, p of {} cannot be below {}, regardless of the ratings.",
                 count(test.subjects as u64, "participant"),
                 test.levels,
-                names::factor(&factor.name),
+                names::factor(results, &factor.name),
                 probability(test.least_p)
             ));
         }

@@ -73,7 +73,12 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         let used = |category: usize| counts.rows.iter().any(|row| usize::from(row.rating) == category);
         let all = 0..counts.categories.len();
         let (first, last) = (all.clone().find(|c| used(*c)), all.clone().rev().find(|c| used(*c)));
+        let is_one = first.is_some() && first == last;
         lead.push(match (first, last) {
+            (Some(only), Some(_)) if all.len() == 1 => format!("All ratings are {}.", counts.categories[only]),
+            (Some(only), Some(_)) if is_one => {
+                format!("The scale is from {low} to {high}{positions}; all ratings are {}.", counts.categories[only])
+            }
             (Some(first), Some(last)) if first > 0 || last + 1 < all.len() => format!(
                 "The scale is from {low} to {high}{positions}; ratings range from {} to {}.",
                 counts.categories[first], counts.categories[last]
@@ -87,14 +92,16 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         lead.push(format!("Their overall mean is {}.", mean(sum / counts.total() as f64)));
     }
     if (2..FEW_PEOPLE).contains(&results.people()) {
-        lead.push(
-            "These are few people: intervals are wide, and only large and consistent effects can be found.".to_owned(),
-        );
+        lead.push(format!("With only {who}, intervals are wide, and only large and consistent effects can be found."));
     }
-    if !results.covariates.is_empty() {
-        let names: Vec<&str> = results.covariates.iter().map(|name| names::factor(name)).collect();
-        let are = if names.len() == 1 { "is a covariate" } else { "are covariates" };
-        lead.push(format!("{} {are}: a number with a linear effect, not a condition.", list(&names)));
+    if results.covariates.iter().any(|name| findings::covariate(results, name).is_some()) {
+        let modeled = results.covariates.iter().filter(|name| findings::covariate(results, name).is_some());
+        let names: Vec<String> = modeled.map(|name| names::factor(results, name)).collect();
+        let (covariates, are) = match names.len() {
+            1 => ("covariate", "a number with a linear effect, not a condition"),
+            _ => ("covariates", "numbers with linear effects, not conditions"),
+        };
+        lead.push(format!("The model has the {covariates} {}: {are}.", list(&names)));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
         let is_modeled =
@@ -102,7 +109,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         lead.push(format!(
             "The {} of {} are a sample of items{} Raw means and their intervals hold for these items.",
             count(items.levels.len() as u64, "level"),
-            names::factor(&items.name),
+            names::factor(results, &items.name),
             if results.model.as_ref().is_ok_and(is_modeled) {
                 ": each has a random intercept in the model, so its tests and intervals hold for other items as well."
             } else {
@@ -121,6 +128,9 @@ fn between_participants(results: &Results) -> Option<String> {
     }
     let by_mean = |l: &&SubjectResults, r: &&SubjectResults| l.group.summary.mean.total_cmp(&r.group.summary.mean);
     let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
+    if least.group.summary.mean.total_cmp(&most.group.summary.mean).is_eq() {
+        return None;
+    }
     let own = |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::who(subject));
     Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
 }
@@ -131,9 +141,9 @@ fn repetition(results: &Results) -> Option<String> {
     let kappa = unit(kappa);
     Some(if results.is_inferential() {
         format!(
-            "When participants rate a condition twice, the mean agreement between their ratings is κ = {kappa}{interval}."
+            "When participants rate a condition twice, the agreement between their two ratings is κ = {kappa} on average{interval}."
         )
     } else {
-        format!("When the participant rates a condition twice, the agreement between the ratings is κ = {kappa}.")
+        format!("When the participant rates a condition twice, the agreement between the two ratings is κ = {kappa}.")
     })
 }

@@ -42,7 +42,7 @@ pub(super) fn section(
         degrees(prediction),
         fixed(prediction.viewing.white_cd_m2, 0),
         what(source),
-        criterion(comparison, counts)
+        criterion(results, comparison)
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
@@ -74,8 +74,10 @@ pub(super) fn degrees(prediction: &StudyPrediction) -> String {
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-fn criterion(comparison: &Comparison, counts: &Counts) -> String {
-    let below: Vec<Shown> = counts.categories.iter().take(3).map(|category| names::level("", category)).collect();
+fn criterion(results: &Results, comparison: &Comparison) -> String {
+    let counts = &results.measured.counts;
+    let below: Vec<Shown> =
+        counts.categories.iter().take(3).map(|category| names::level(results, "", category)).collect();
     let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| times(*t)).collect();
     format!(
         "half of the ratings are above {} at {} times threshold, with a spread of {} in the logarithm",
@@ -145,7 +147,7 @@ fn largest_deviations(results: &Results, prediction: &StudyPrediction) -> Option
     far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
     let named: Vec<String> = (far.iter().take(MAX_NAMED))
         .map(|(condition, rated, expected)| {
-            let name = names::condition(&results.measured.counts, *condition);
+            let name = names::condition(results, *condition);
             format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))
         })
         .collect();

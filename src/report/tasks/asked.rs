@@ -4,8 +4,9 @@ use crate::{
     analysis::tasks::psychometric::Model,
     experiment::{
         Factor, Protocol,
-        task::{Adaptive, Common, Dial, Measures},
+        task::{Adaptive, Common, Dial, Measures, Method, Task},
     },
+    report::names,
     stimulus::ParameterValue,
 };
 
@@ -45,8 +46,62 @@ pub struct Levels {
     pub range: [f64; 2],
     /// What is known about the functions.
     pub model: Model,
-    /// What chose the levels, such as `staircase`; empty if it is not known.
+    /// What chose the levels, such as `a staircase`; empty if it is not known.
     pub chosen_by: &'static str,
+}
+
+impl Asked {
+    fn known(&self) -> names::Known {
+        self.protocol.as_ref().map(|protocol| protocol.stimulus.parameters())
+    }
+
+    /// Returns the name of a factor or of another parameter in a sentence.
+    #[must_use]
+    pub fn factor(&self, name: &str) -> String {
+        names::factor(self.known(), name)
+    }
+
+    /// Returns whether participants rated on a slider.
+    #[must_use]
+    pub fn is_slider(&self) -> bool {
+        self.dial.as_ref().is_some_and(|dial| dial.parameter.is_none())
+    }
+
+    /// Formats a level of a factor.
+    #[must_use]
+    pub fn level(&self, factor: &str, level: &str) -> String {
+        names::level(self.known(), factor, level).to_string()
+    }
+
+    /// Returns the title of an axis for a parameter, or for its logarithm.
+    #[must_use]
+    pub fn axis(&self, name: &str, log: bool) -> String {
+        match log {
+            true => format!("{} (decadic logarithm)", names::heading(self.known(), name)),
+            false => names::axis(self.known(), name),
+        }
+    }
+}
+
+/// Names a method that chooses levels in a sentence.
+pub(crate) fn method(method: &Method) -> &'static str {
+    match method {
+        Method::Staircase(_) => "a staircase",
+        Method::QuestPlus(_) => "QUEST+",
+        Method::Constant(_) => "the method of constant stimuli",
+    }
+}
+
+/// Names a task in words.
+pub(crate) fn task(task: &Task) -> &'static str {
+    match task.measures() {
+        Measures::Ratings => "rating",
+        Measures::Proportions => "forced choice",
+        Measures::Detection => "detection (yes or no)",
+        Measures::Comparisons => "comparison of pairs",
+        Measures::Settings if task.dial().is_some_and(|dial| dial.parameter.is_none()) => "rating on a slider",
+        Measures::Settings => "adjustment",
+    }
 }
 
 impl From<&Protocol> for Asked {
@@ -56,7 +111,7 @@ impl From<&Protocol> for Asked {
             common: adaptive.common.clone(),
             range: adaptive.range(),
             model,
-            chosen_by: adaptive.method.name(),
+            chosen_by: method(&adaptive.method),
         });
         let mut factors = protocol.factors.clone();
         let mut conditions: Vec<Vec<usize>> =
@@ -72,7 +127,7 @@ impl From<&Protocol> for Asked {
         Self {
             title: title.clone(),
             name: protocol.name.clone(),
-            task: protocol.task.name().to_owned(),
+            task: task(&protocol.task).to_owned(),
             question: protocol.response.question.clone(),
             measures: protocol.task.measures(),
             factors,

@@ -17,12 +17,11 @@ use crate::{
     report::{
         document::{
             Document, Section, Shown,
-            numbers::{count, fixed, list, probability, range, short_list, unit, whole},
+            numbers::{count, fixed, list, probability, range, short_list, unit, whole, with_interval},
         },
         figures::Figure,
         study::Provenance,
     },
-    statistics::Interval,
 };
 
 /// Below this p, the answers vary more than a psychometric function allows.
@@ -42,17 +41,14 @@ pub fn document(
     sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
     let Asked { title, name, task, protocol, .. } = &study.asked;
     let subtitle = match protocol {
-        Some(_) => format!("Experiment {name}, task {task}"),
+        Some(_) => format!("Experiment {name}: {task}"),
         None => format!("A {task}"),
     };
     Document { title: title.clone(), subtitle, sections }
 }
 
-/// Formats a level, which is given on the scale on which the method counts.
-pub(super) fn level(common: &Common, scaled: f64) -> Shown {
-    let value = if common.log { f64::powf(10.0, scaled) } else { scaled };
-    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
-    fixed(value, decimals)
+fn level(common: &Common, value: f64) -> Shown {
+    further::scaled(common.log, value)
 }
 
 fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -73,23 +69,23 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     }
     section.list(further::summary(study, results));
     let Some(Levels { common, .. }) = &study.asked.levels else { return section };
-    let name = &common.parameter;
+    let name = study.asked.factor(&common.parameter);
     let sentence = |(condition, population): &(usize, Population)| {
         let of = study.at(*condition);
-        let interval = told(common, population.interval);
-        format!("The threshold of {name}{of} is {} on average over people{interval}.", level(common, population.mean))
+        let interval = with_interval(population.interval, |end| level(common, end));
+        format!("The mean threshold of {name}{of} is {}{interval} over participants.", level(common, population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {
         let (of, place) = (study.at(*condition), end(common, *place));
-        format!("The threshold of {name}{of} was not measured: that of at least half of the people lies {place}.")
+        format!("The threshold of {name}{of} was not measured: that of at least half of the participants lies {place}.")
     };
     results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let fit = function.fit.as_ref().ok()?;
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            let interval = told(common, Some(fit.threshold));
+            let interval = with_interval(Some(fit.threshold), |end| level(common, end));
             let what = match (function.beyond, fit.determined_threshold()) {
                 (Some(place), _) => format!("was not measured: it lies {}", end(common, place)),
                 (None, Some(threshold)) => format!("is {}{interval}", level(common, threshold)),
@@ -123,13 +119,6 @@ fn end(common: &Common, place: Beyond) -> String {
     }
 }
 
-fn told(common: &Common, interval: Option<Interval>) -> String {
-    let shown = |interval: Interval| {
-        format!(" (95\u{a0}% interval {} to {})", level(common, interval.low), level(common, interval.high))
-    };
-    interval.map_or_else(String::new, shown)
-}
-
 fn data(study: &TaskStudy) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
@@ -141,7 +130,8 @@ fn data(study: &TaskStudy) -> Section {
     facts.extend([("Participants", short_list(&study.people, 20)), ("Answers", whole(study.answers()).to_string())]);
     if let Some(Levels { common, range: [low, high], chosen_by, .. }) = &asked.levels {
         let by = if chosen_by.is_empty() { String::new() } else { format!(", chosen by {chosen_by}") };
-        facts.push(("Levels", format!("{} from {low} to {high}{by}", common.parameter)));
+        let name = study.asked.factor(&common.parameter);
+        facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
     if study.unfinished > 0 {
@@ -178,9 +168,9 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
                 unit(population.lapse),
             ]
         };
-        let numbers = ["People", "Threshold", "95 % interval", "SD of people", "Width", "Lapse rate"];
+        let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Lapse rate"];
         let rows = results.populations.iter().map(row).collect();
-        section.table("The thresholds of people, by condition", &["Condition"], &numbers, rows);
+        section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
         if common.log {
             section.note("The standard deviation and the width are in decadic logarithms of the level.");
         }
@@ -207,10 +197,18 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             probability(function.goodness.map(|goodness| goodness.p)),
         ]
     };
-    let numbers =
-        ["Trials", "Threshold", "95 % interval", "Slope", "95 % interval", "Guess rate", "Lapse rate", "p of the fit"];
+    let numbers = [
+        "Trials",
+        "Threshold",
+        "95\u{a0}% interval",
+        "Slope",
+        "95\u{a0}% interval of the slope",
+        "Guess rate",
+        "Lapse rate",
+        "p of the fit",
+    ];
     let rows = results.functions.iter().map(row).collect();
-    section.table("The psychometric function of each person", &["Participant", "Condition"], &numbers, rows);
+    section.table("The psychometric function of each participant", &["Participant", "Condition"], &numbers, rows);
     let of = |function: &&PersonFunction| format!("{}{}", study.people[function.person], study.at(function.condition));
     let told = |wanted: &dyn Fn(&PersonFunction) -> bool| -> Vec<String> {
         results.functions.iter().filter(|function| wanted(function)).map(|function| of(&function)).collect()
@@ -228,8 +226,8 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
         let count = own.count();
         if count > 0 {
             section.warning(format!(
-                "The thresholds of {count} of {} people{} lie beyond the levels, where only the prior places them; the mean over people \
-                 contains them.",
+                "The thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
+                 participants contains them.",
                 population.people.len(),
                 study.at(*condition)
             ));
@@ -250,7 +248,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             "The answers say that the other end of the levels is easier, so these functions mean nothing (easier = \"low\" in a \
              definition, or --easier low, says that low levels are easier)",
         ),
-        (Misfit::BelowGuessing, "Fewer answers are right than by guessing, so these functions mean nothing"),
+        (Misfit::BelowGuessing, "Fewer answers are correct than by guessing, so these functions mean nothing"),
     ] {
         let odd = told(&|function| function.misfit == Some(misfit));
         if !odd.is_empty() {
@@ -275,7 +273,9 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     section.list(failed);
     let without = results.without_mean.iter();
     section.list(
-        without.map(|(condition, error)| format!("No mean over people{}: {error}.", study.at(*condition))).collect(),
+        without
+            .map(|(condition, error)| format!("There is no mean over participants{}: {error}.", study.at(*condition)))
+            .collect(),
     );
     Some(section)
 }
@@ -295,10 +295,11 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
         Measures::Proportions => "An answer counts as seen if the target was chosen.",
         Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
         Measures::Comparisons => "Each answer is a comparison of two conditions.",
+        _ if study.asked.is_slider() => "Each answer is a place on a slider, which is analyzed as a number.",
         Measures::Settings | Measures::Ratings => "Each answer is a value that the participant set.",
     };
     if !how.is_empty() {
-        section.text(format!("Practice trials are left out, and of a corrected trial, the last attempt counts. {how}"));
+        section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts. {how}"));
     }
     let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
     let Some(Levels { model, .. }) = levels else { return section };
@@ -310,10 +311,10 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
 }
 
 /// How the answers of all people are modeled.
-pub const MODEL_OVER_PEOPLE: &str = "Over people, each has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
-     a mixed model whose likelihood is integrated numerically about the peak of each person. The interval of the mean is the t \
-     interval of what each person contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
-     differences between the contributions of the same people.";
+pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
+     a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
+     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
+     differences between the contributions of the same participants.";
 
 /// Says how the answers of one person in one condition are modeled.
 #[must_use]
@@ -335,7 +336,7 @@ pub fn model_of_a_person(model: &Model) -> String {
          deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
         match model.guess {
             Guess::Fixed(guess) if guess > 0.0 =>
-                format!(" ({} right answers without lapses)", unit((1.0 + guess) / 2.0)),
+                format!(" (a proportion of {} correct answers without lapses)", unit((1.0 + guess) / 2.0)),
             _ => String::new(),
         }
     )

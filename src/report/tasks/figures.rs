@@ -2,12 +2,15 @@
 
 use super::{
     asked::Levels,
-    further::{over_people, scaled_ends},
-    results::TaskResults,
+    further::{over_people, proportion, scaled_ends},
+    results::{OfPerson, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::psychometric::{Estimate, Point},
+    analysis::{
+        detection::Detection,
+        tasks::psychometric::{Estimate, Point},
+    },
     report::{
         document::numbers::{count, list},
         figures::{
@@ -60,15 +63,14 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         }
     };
     let curves: Vec<Curve> = conditions.iter().map(curve).collect();
-    let name = &common.parameter;
-    let axis = if common.log { format!("log10 {name}") } else { name.clone() };
+    let axis = study.asked.axis(&common.parameter, common.log);
     let caption = format!(
-        "Share of right answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
+        "Proportion of correct answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
          Lines are the functions {}; {}, {}.{}",
         if study.people.len() == 1 {
             "of the participant"
         } else {
-            "at the mean threshold of people, where it was measured"
+            "at the mean threshold of the participants, where it was measured"
         },
         count(study.people.len() as u64, "participant"),
         count(study.answers(), "answer"),
@@ -94,36 +96,51 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         all.push(of_people.map(|(_, population)| (population.mean, population.interval)));
         (study.levels(condition).join(", "), all)
     };
-    let places: Vec<String> = study.people.iter().cloned().chain(["mean".to_owned()]).collect();
-    let axis = if common.log { format!("log10 {}", common.parameter) } else { common.parameter.clone() };
+    let axis = study.asked.axis(&common.parameter, common.log);
     let caption = format!(
-        "The threshold of each participant, and the mean of people, with 95\u{a0}% intervals; {}.{}",
+        "The threshold of each participant, and the mean over participants, with 95\u{a0}% intervals; {}.{}",
         count(study.answers(), "answer"),
         symbols(study)
     );
     let series: Vec<_> = conditions.iter().map(series).collect();
-    estimates("thresholds", &places, &series, ("Thresholds", &axis, caption))
+    estimates("thresholds", &people_and_mean(study), &series, ("Thresholds", &axis, caption))
 }
 
 /// Says what the symbols of a figure stand for, if there are several.
 fn symbols(study: &TaskStudy) -> String {
-    let names: Vec<&str> = study.asked.factors.iter().map(|factor| factor.name.as_str()).collect();
+    let names: Vec<String> = study.asked.factors.iter().map(|factor| study.asked.factor(&factor.name)).collect();
     match study.asked.conditions.len() {
         0 | 1 => String::new(),
         _ => format!(" The symbols are the levels of {}.", list(&names)),
     }
 }
 
-/// Returns the estimates of each condition, one for each person and at last their mean.
-fn by_person(study: &TaskStudy, ends: Option<[f64; 2]>, value: impl Fn(usize, usize) -> Option<f64>) -> Vec<Estimates> {
-    let condition = |condition: usize| {
-        let own: Vec<Option<f64>> = (0..study.people.len()).map(|person| value(condition, person)).collect();
+/// Draws one value of each participant and their mean, with a series for each condition; `what` is the value in a sentence, and
+/// `noun` an answer.
+fn by_person<T>(
+    study: &TaskStudy,
+    all: &[OfPerson<T>],
+    ends: Option<[f64; 2]>,
+    value: impl Fn(&T) -> Option<f64>,
+    (name, title, axis): (&'static str, &str, &str),
+    [what, noun]: [&str; 2],
+) -> Option<Figure> {
+    let series = |condition: usize| {
+        let of_person =
+            |person: usize| value(&all.iter().find(|own| own.condition == condition && own.person == person)?.found);
+        let own: Vec<Option<f64>> = (0..study.people.len()).map(of_person).collect();
         let known: Vec<f64> = own.iter().flatten().copied().collect();
-        let mut all: Vec<_> = own.into_iter().map(|own| Some((own?, None))).collect();
-        all.push(over_people(&known, ends).map(|mean| (mean.mean, mean.interval)));
-        (study.levels(condition).join(", "), all)
+        let mean = over_people(&known, ends).map(|mean| (mean.mean, mean.interval));
+        let all = own.into_iter().map(|own| Some((own?, None))).chain([mean]).collect();
+        (!known.is_empty()).then(|| (study.levels(condition).join(", "), all))
     };
-    (0..study.asked.conditions.len()).map(condition).collect()
+    let series: Vec<Estimates> = (0..study.asked.conditions.len()).filter_map(series).collect();
+    let caption = format!(
+        "{what} of each participant, and the mean over participants with its 95\u{a0}% interval; {}.{}",
+        count(study.answers(), noun),
+        symbols(study)
+    );
+    estimates(name, &people_and_mean(study), &series, (title, axis, caption))
 }
 
 fn people_and_mean(study: &TaskStudy) -> Vec<String> {
@@ -131,48 +148,24 @@ fn people_and_mean(study: &TaskStudy) -> Vec<String> {
 }
 
 fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let value = |condition: usize, person: usize| {
-        let mut all = results.shares.iter();
-        all.find(|own| own.condition == condition && own.person == person).map(|own| own.share())
-    };
-    let caption = format!(
-        "The share of right answers of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
-        count(study.answers(), "answer"),
-        symbols(study)
-    );
-    estimates(
-        "shares",
-        &people_and_mean(study),
-        &by_person(study, Some([0.0, 1.0]), value),
-        ("Right answers", "Share of right answers", caption),
-    )
+    let names = ("shares", "Correct answers", "Proportion of correct answers");
+    let what = ["The proportion of correct answers", "answer"];
+    by_person(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), names, what)
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let value = |condition: usize, person: usize| {
-        let mut all = results.detection.iter();
-        let own = all.find(|answers| answers.condition == condition && answers.person == person)?;
-        Some(own.detection()?.d_prime)
-    };
-    let series: Vec<_> =
-        by_person(study, None, value).into_iter().filter(|(_, all)| all.iter().any(Option::is_some)).collect();
-    let caption = format!(
-        "d′ of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
-        count(study.answers(), "answer"),
-        symbols(study)
-    );
-    estimates("detection", &people_and_mean(study), &series, ("Sensitivity", "d′", caption))
+    let value = |own: &Option<Detection>| Some((*own)?.d_prime);
+    by_person(study, &results.sensitivity, None, value, ("detection", "Sensitivity", "d′"), ["d′", "answer"])
 }
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let comparisons = results.comparisons.as_ref()?;
-    let mut order: Vec<usize> = (0..comparisons.scales[0].values.len()).collect();
-    order.sort_by(|a, b| comparisons.scales[0].values[*a].total_cmp(&comparisons.scales[0].values[*b]));
+    let order: Vec<usize> = comparisons.order().into_iter().rev().collect();
     let interval = |item: usize| comparisons.intervals.as_ref().map(|intervals| intervals[item]);
     let values = order.iter().map(|item| Some((comparisons.scales[0].values[*item], interval(*item)))).collect();
-    let places: Vec<String> = order.iter().map(|item| study.item(*item)).collect();
+    let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
     let caption = format!(
-        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over people; {}, {}.",
+        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over participants; {}, {}.",
         count(study.people.len() as u64, "participant"),
         count(study.trials.len() as u64, "comparison")
     );
@@ -181,21 +174,11 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let dial = study.asked.dial.as_ref()?;
-    let value = |condition: usize, person: usize| {
-        let mut all = results.settings.iter();
-        all.find(|own| own.condition == condition && own.person == person).map(|own| own.settings.mean)
+    let axis = dial.parameter.as_ref().map_or_else(|| "Rating".to_owned(), |name| study.asked.axis(name, dial.log));
+    let (title, what) = match study.asked.is_slider() {
+        true => ("Ratings", ["The mean rating", "rating"]),
+        false => ("Settings", ["The mean setting", "setting"]),
     };
-    let name = dial.parameter.clone().unwrap_or_else(|| "rating".to_owned());
-    let axis = if dial.log { format!("log10 {name}") } else { name };
-    let caption = format!(
-        "The mean setting of each participant, and the mean of people with its 95\u{a0}% interval; {}.{}",
-        count(study.trials.len() as u64, "setting"),
-        symbols(study)
-    );
-    estimates(
-        "settings",
-        &people_and_mean(study),
-        &by_person(study, Some(scaled_ends(dial)), value),
-        ("Settings", &axis, caption),
-    )
+    let ends = Some(scaled_ends(dial));
+    by_person(study, &results.settings, ends, |own| Some(own.mean), ("settings", title, &axis), what)
 }

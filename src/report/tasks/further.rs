@@ -1,33 +1,53 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    results::{Comparisons, PersonAnswers, PersonSettings, PersonShare, TaskResults},
+    results::{Comparisons, OfPerson, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::means::Mean,
+    analysis::{
+        comparisons::{Scale, Triads},
+        detection::{Answers, Detection},
+        settings::Settings,
+        tasks::means::Mean,
+    },
     experiment::task::Dial,
     report::{
         document::{
             Section, Shown,
-            numbers::{count, fixed, list, range, unit, whole},
+            numbers::{count, fixed, range, unit, whole, with_interval},
         },
         figures::Figure,
     },
-    statistics::Interval,
 };
 
 /// Returns the sentences of the summary.
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
-    let conditions = || 0..study.asked.conditions.len();
-    let mut all: Vec<String> = conditions().filter_map(|condition| right(study, results, condition)).collect();
-    all.extend(conditions().filter_map(|condition| sensitivity(study, results, condition)));
+    let (two, guess) = (|value: f64| fixed(value, 2), unit(study.asked.guess));
+    let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), unit);
+    let of_share = |(at, mean)| {
+        format!("The proportion of correct answers{at} is {mean} on average over participants; guessing gives {guess}.")
+    };
+    let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
+    let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), two).into_iter();
+    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d′{at} is {mean} on average over participants.")));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
     if let Some(dial) = study.asked.dial.as_ref() {
-        all.extend(conditions().filter_map(|condition| setting(study, results, dial, condition)));
+        let format = |value| scaled(dial.log, value);
+        let (what, kind) = (set(study, dial), if dial.log { "geometric mean" } else { "mean" });
+        let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
+        let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean} over participants.");
+        all.extend(settings.into_iter().map(of_setting));
         all.extend(direction(results, dial));
     }
     all
+}
+
+/// Formats a level or a setting, which is a logarithm if the method or the dial counts in ratios.
+pub(super) fn scaled(log: bool, value: f64) -> Shown {
+    let value = if log { f64::powf(10.0, value) } else { value };
+    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
+    fixed(value, decimals)
 }
 
 /// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
@@ -35,46 +55,49 @@ pub(super) fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean
     (!values.is_empty()).then(|| ends.map_or_else(|| Mean::new(values), |ends| Mean::bounded(values, ends)))
 }
 
+/// Returns ` at CONDITION` and the mean over people of one value of each, with its interval.
+fn means<T>(
+    study: &TaskStudy,
+    all: &[OfPerson<T>],
+    ends: Option<[f64; 2]>,
+    value: impl Fn(&T) -> Option<f64>,
+    format: impl Fn(f64) -> Shown,
+) -> Vec<(String, String)> {
+    let of_condition = |condition: usize| {
+        let own = all.iter().filter(|own| own.condition == condition);
+        let found = over_people(&own.filter_map(|own| value(&own.found)).collect::<Vec<_>>(), ends)?;
+        let mean = format!("{}{}", format(found.mean), with_interval(found.interval, &format));
+        Some((study.at(condition), mean))
+    };
+    (0..study.asked.conditions.len()).filter_map(of_condition).collect()
+}
+
+/// Returns the proportion of correct answers.
+pub(super) fn proportion([right, all]: &[u32; 2]) -> f64 {
+    f64::from(*right) / f64::from(*all)
+}
+
 /// Returns the ends of a dial, on the scale on which it counts.
 pub(super) fn scaled_ends(dial: &Dial) -> [f64; 2] {
     dial.range.map(|end| if dial.log { end.log10() } else { end })
 }
 
-fn with_interval(value: &Shown, interval: Option<Interval>, format: impl Fn(f64) -> Shown) -> String {
-    let interval = interval.map(|i| format!(" (95\u{a0}% interval {} to {})", format(i.low), format(i.high)));
-    format!("{value}{}", interval.unwrap_or_default())
-}
-
-fn right(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
-    let own = results.shares.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.map(PersonShare::share).collect::<Vec<_>>(), Some([0.0, 1.0]))?;
-    let value = with_interval(&unit(found.mean), found.interval, unit);
-    let guess = unit(study.asked.guess);
-    Some(format!(
-        "The share of right answers{} is {value} on average over people; guessing gives {guess}.",
-        study.at(condition)
-    ))
-}
-
-fn sensitivity(study: &TaskStudy, results: &TaskResults, condition: usize) -> Option<String> {
-    let own = results.detection.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.filter_map(|own| Some(own.detection()?.d_prime)).collect::<Vec<_>>(), None)?;
-    let two = |value: f64| fixed(value, 2);
-    let value = with_interval(&two(found.mean), found.interval, two);
-    Some(format!("The sensitivity d′{} is {value} on average over people.", study.at(condition)))
+/// Names what participants set: `setting of nulling`, or `rating`.
+fn set(study: &TaskStudy, dial: &Dial) -> String {
+    dial.parameter
+        .as_ref()
+        .map_or_else(|| "rating".to_owned(), |name| format!("setting of {}", study.asked.factor(name)))
 }
 
 /// Says which conditions are highest and lowest on the scale, and whether neighbors differ by a JND.
 fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
-    let values = &found.scales[0].values;
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-    let names: Vec<String> = order.iter().map(|item| study.item(*item)).collect();
+    let (values, order) = (&found.scales[0].values, found.order());
+    let names: Vec<String> = order.iter().map(|item| study.name(*item)).collect();
     let span = values[order[0]] - values[order[order.len() - 1]];
     let mut all = vec![format!(
         "From the highest to the lowest on the scale: {}. The ends are {} JND apart; conditions one JND apart are told apart in 75\u{a0}% of \
          comparisons.",
-        list(&names),
+        names.join("; "),
         fixed(span, 1)
     )];
     if found.scales[0].is_limited {
@@ -87,40 +110,25 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     all
 }
 
-/// Formats a setting, which is a logarithm if the dial counts in ratios.
-fn shown(dial: &Dial, value: f64) -> Shown {
-    let value = if dial.log { f64::powf(10.0, value) } else { value };
-    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
-    fixed(value, decimals)
-}
-
-fn setting(study: &TaskStudy, results: &TaskResults, dial: &Dial, condition: usize) -> Option<String> {
-    let own = results.settings.iter().filter(|own| own.condition == condition);
-    let found = over_people(&own.map(|own| own.settings.mean).collect::<Vec<_>>(), Some(scaled_ends(dial)))?;
-    let value = with_interval(&shown(dial, found.mean), found.interval, |end| shown(dial, end));
-    let what = dial.parameter.as_deref().unwrap_or("the rating");
-    let mean = if dial.log { "geometric mean" } else { "mean" };
-    Some(format!("The {mean} of {what}{} is {value} over people.", study.at(condition)))
-}
-
 /// Says whether settings depend on where they began: one value of each person.
 fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
     let people = results.settings.iter().map(|own| own.person).max()? + 1;
     let of_person = |person: usize| {
         let own = results.settings.iter().filter(|own| own.person == person);
-        over_people(&own.filter_map(|own| own.settings.direction).collect::<Vec<_>>(), None).map(|own| own.mean)
+        over_people(&own.filter_map(|own| own.found.direction).collect::<Vec<_>>(), None).map(|own| own.mean)
     };
     let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>(), None)?;
     let interval = found.interval?;
     let format = |value: f64| if dial.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
-    let value = with_interval(&format(found.mean), Some(interval), format);
-    let kind = if dial.log { "are a factor of" } else { "differ by" };
+    let value = format!("{}{}", format(found.mean), with_interval(Some(interval), format));
     let clear = interval.low > 0.0 || interval.high < 0.0;
     let verdict = if clear { "so the start matters" } else { "so it is not clear that the start matters" };
-    let what = if dial.log { "those that began below" } else { "from those that began below" };
+    let that_began = "settings that began in the upper half of the range";
     Some(match dial.log {
-        true => format!("Settings that began above {kind} {value} of {what}, {verdict}."),
-        false => format!("Settings that began above {kind} {value} {what}, {verdict}."),
+        true => format!("The ratio of {that_began} to other settings is {value} on average, {verdict}."),
+        false => {
+            format!("The difference between {that_began} and other settings is {value} on average, {verdict}.")
+        }
     })
 }
 
@@ -134,45 +142,46 @@ pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figu
     answered.into_iter().chain(detected).chain(compared).chain(set).collect()
 }
 
+/// Begins a row with the participant and the condition.
+fn begun<T>(study: &TaskStudy, own: &OfPerson<T>) -> Vec<Shown> {
+    vec![study.people[own.person].as_str().into(), study.name(own.condition).into()]
+}
+
 fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
-    let mut section = Section::new("shares", "Right answers");
+    let mut section = Section::new("shares", "Correct answers");
     section.figures(figures, &["shares"]);
-    let row = |own: &PersonShare| {
-        let [right, all] = own.right.map(|count| whole(count.into()));
-        vec![study.people[own.person].as_str().into(), study.name(own.condition).into(), all, right, unit(own.share())]
+    let row = |own: &OfPerson<[u32; 2]>| {
+        let [right, all] = own.found.map(|count| whole(count.into()));
+        [begun(study, own), vec![all, right, unit(proportion(&own.found))]].concat()
     };
     let rows = results.shares.iter().map(row).collect();
-    section.table("Right answers of each person", &["Participant", "Condition"], &["Trials", "Right", "Share"], rows);
+    let numbers = ["Trials", "Correct", "Proportion"];
+    section.table("Correct answers of each participant", &["Participant", "Condition"], &numbers, rows);
     section
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
     let mut section = Section::new("detection", "Detection");
-    section.text(if results.detection.iter().any(|own| own.varied) {
+    section.text(if study.asked.levels.is_some() {
         "The levels of the targets differ, so there is no d′ and no criterion over all of them: they would describe how the levels were \
          chosen, and no stimulus. The false alarms are those of catch trials."
     } else {
-        "d′ is the distance between targets and catch trials in standard deviations of the noise, c the criterion: above 0 if yes is said \
-         less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that shares of 0 and 1 stay finite; \
-         with few trials, this pulls d′ toward 0."
+        "d′ is the distance between targets and catch trials in standard deviations of the noise; c is the criterion, above 0 if yes is said \
+         less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
+         finite; with few trials, this pulls d′ toward 0."
     });
     section.figures(figures, &["detection"]);
-    let row = |own: &PersonAnswers| {
-        let found = own.detection();
-        let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
-        let mut row = vec![study.people[own.person].as_str().into(), study.name(own.condition).into()];
-        row.extend(counts.map(|count| whole(count.into())));
-        row.extend(
-            [found.map(|found| found.d_prime), found.map(|found| found.d_prime_se)].map(|value| fixed(value, 2)),
-        );
-        row.extend(
-            [found.map(|found| found.criterion), found.map(|found| found.criterion_se)].map(|value| fixed(value, 2)),
-        );
-        row
+    let row = |(own, OfPerson { found, .. }): (&OfPerson<Answers>, &OfPerson<Option<Detection>>)| {
+        let counts = own.found.counts().map(|count| whole(count.into()));
+        begun(study, own)
+            .into_iter()
+            .chain(counts)
+            .chain(Detection::numbers(*found).map(|value| fixed(value, 2)))
+            .collect()
     };
-    let numbers = ["Hits", "Misses", "False alarms", "Correct rejections", "d′", "SE", "c", "SE"];
-    let rows = results.detection.iter().map(row).collect();
-    section.table("Detection by each person", &["Participant", "Condition"], &numbers, rows);
+    let numbers = ["Hits", "Misses", "False alarms", "Correct rejections", "d′", "SE of d′", "c", "SE of c"];
+    let rows = results.detection.iter().zip(&results.sensitivity).map(row).collect();
+    section.table("Detection by each participant", &["Participant", "Condition"], &numbers, rows);
     section
 }
 
@@ -180,13 +189,11 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     let mut section = Section::new("comparisons", "Comparisons");
     section.figures(figures, &["scale"]);
     let [thurstone, bradley_terry] = &found.scales;
-    let mut order: Vec<usize> = (0..thurstone.values.len()).collect();
-    order.sort_by(|a, b| thurstone.values[*b].total_cmp(&thurstone.values[*a]));
     let row = |item: &usize| {
         let won: f64 = found.people.iter().map(|wins| wins.row(*item).sum()).sum();
         let all: f64 = won + found.people.iter().map(|wins| wins.column(*item).sum()).sum::<f64>();
         vec![
-            study.item(*item).as_str().into(),
+            study.name(*item).as_str().into(),
             whole(all as u64),
             whole(won as u64),
             fixed(thurstone.values[*item], 2),
@@ -195,17 +202,20 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         ]
     };
     let numbers = ["Comparisons", "Chosen", "Thurstone", "95 % interval", "Bradley–Terry"];
-    section.table("Scale values in JND, highest first", &["Condition"], &numbers, order.iter().map(row).collect());
+    section.table(
+        "Scale values in JND, highest first",
+        &["Condition"],
+        &numbers,
+        found.order().iter().map(row).collect(),
+    );
     section.text(format!(
         "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. Intervals are those of the mean of people \
          like these: the standard error of 1,000 studies whose people are drawn with replacement, and the t distribution.",
         fixed(thurstone.log_likelihood, 1),
         fixed(bradley_terry.log_likelihood, 1)
     ));
-    let row = |((triads, own), person): ((&_, &Option<_>), &String)| {
-        let triads: &crate::analysis::comparisons::Triads = triads;
-        let own: Option<&crate::analysis::comparisons::Scale> = own.as_ref();
-        let span = own.map(|own| {
+    let row = |((triads, own), person): ((&Triads, &Option<Scale>), &String)| {
+        let span = own.as_ref().map(|own| {
             let ends = own.values.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
             ends.1 - ends.0
         });
@@ -213,36 +223,38 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     };
     let rows = found.triads.iter().zip(&found.own).zip(&study.people).map(row).collect();
     let numbers = ["Circular triads", "Decided triads", "Span of the own scale (JND)"];
-    section.table("Contradictions of each person", &["Participant"], &numbers, rows);
+    section.table("Contradictions of each participant", &["Participant"], &numbers, rows);
     section.note(
-        "A triad is circular if a is chosen over b, b over c, and c over a. One in four is by chance; adaptive pairs leave many triads \
+        "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \
          undecided.",
     );
     section
 }
 
 fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Figure]) -> Section {
-    let mut section = Section::new("settings", "Settings");
+    let is_rating = study.asked.is_slider();
+    let (heading, of_each) = if is_rating { ("Ratings", "ratings") } else { ("Settings", "settings") };
+    let mut section = Section::new("settings", heading);
     section.figures(figures, &["settings"]);
-    let spread = |value: f64| fixed(value, 3);
-    let row = |own: &PersonSettings| {
-        vec![
-            study.people[own.person].as_str().into(),
-            study.name(own.condition).into(),
-            whole(own.settings.n as u64),
-            shown(dial, own.settings.mean),
-            spread(own.settings.sd),
-            own.settings.direction.map_or_else(|| fixed(None, 0), spread),
-        ]
+    let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
+    let row = |own: &OfPerson<Settings>| {
+        let Settings { n, mean, sd, direction } = own.found;
+        let start = has_start.then(|| fixed(direction, 3));
+        let numbers = [whole(n as u64), scaled(dial.log, mean), fixed(sd, 3)];
+        begun(study, own).into_iter().chain(numbers).chain(start).collect()
     };
-    let numbers = ["Settings", "Mean", "SD", "Above − below"];
+    let numbers = [heading, "Mean", "SD", "Effect of the start"];
+    let numbers = if has_start { &numbers[..] } else { &numbers[..3] };
     let rows = results.settings.iter().map(row).collect();
-    section.table("The settings of each person", &["Participant", "Condition"], &numbers, rows);
+    section.table(format!("The {of_each} of each participant"), &["Participant", "Condition"], numbers, rows);
+    if has_start {
+        section.note("The effect of the start is the mean of settings that began in the upper half of the range minus that of the others.");
+    }
     if dial.log {
         section
             .note("Means are geometric; the standard deviation and the effect of the start are in decadic logarithms.");
     }
-    let all = count(study.trials.len() as u64, "setting");
-    section.note(format!("{all}. Each person counts once in the means over people."));
+    let all = count(study.trials.len() as u64, if is_rating { "rating" } else { "setting" });
+    section.note(format!("There are {all}. Each participant counts once in the means over participants."));
     section
 }

@@ -40,66 +40,28 @@ pub struct TaskResults {
     pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions that the same people saw.
     pub differences: Vec<([usize; 2], Mean)>,
-    /// The answers of each person and condition, if no levels were varied.
-    pub shares: Vec<PersonShare>,
+    /// The number of correct answers of each person and condition, and of all, if no levels were varied.
+    pub shares: Vec<OfPerson<[u32; 2]>>,
     /// Hits and false alarms of each person and condition.
-    pub detection: Vec<PersonAnswers>,
+    pub detection: Vec<OfPerson<Answers>>,
+    /// Sensitivity and criterion of each of these; `None` without targets or catch trials, and over different levels, where both
+    /// would describe how the levels were chosen and no stimulus.
+    pub sensitivity: Vec<OfPerson<Option<Detection>>>,
     /// The scale of comparisons.
     pub comparisons: Option<Comparisons>,
     /// The settings of each person and condition, on the scale of the dial.
-    pub settings: Vec<PersonSettings>,
+    pub settings: Vec<OfPerson<Settings>>,
 }
 
-/// How often a person was right in a condition.
-#[derive(Clone, Copy, Debug)]
-pub struct PersonShare {
-    /// Index into [`TaskStudy::people`].
-    pub person: usize,
-    /// Index into the conditions.
-    pub condition: usize,
-    /// Number of right answers, and of all.
-    pub right: [u32; 2],
-}
-
-impl PersonShare {
-    /// Returns the share of right answers.
-    #[must_use]
-    pub fn share(&self) -> f64 {
-        f64::from(self.right[0]) / f64::from(self.right[1])
-    }
-}
-
-/// The answers of a person to targets and catch trials in a condition.
-#[derive(Clone, Copy, Debug)]
-pub struct PersonAnswers {
-    /// Index into [`TaskStudy::people`].
-    pub person: usize,
-    /// Index into the conditions.
-    pub condition: usize,
-    /// The answers.
-    pub answers: Answers,
-    /// Whether the targets had different levels.
-    pub varied: bool,
-}
-
-impl PersonAnswers {
-    /// Returns sensitivity and criterion; `None` without targets or catch trials, and over different levels, where both
-    /// would describe how the levels were chosen and no stimulus.
-    #[must_use]
-    pub fn detection(&self) -> Option<Detection> {
-        self.answers.detection().filter(|_| !self.varied)
-    }
-}
-
-/// The settings of a person in a condition.
+/// What follows from the answers of a person in a condition.
 #[derive(Clone, Debug)]
-pub struct PersonSettings {
+pub struct OfPerson<T> {
     /// Index into [`TaskStudy::people`].
     pub person: usize,
     /// Index into the conditions.
     pub condition: usize,
-    /// The settings.
-    pub settings: Settings,
+    /// What follows.
+    pub found: T,
 }
 
 /// The scale of comparisons.
@@ -115,6 +77,17 @@ pub struct Comparisons {
     pub own: Vec<Option<Scale>>,
     /// Each person's contradictions.
     pub triads: Vec<Triads>,
+}
+
+impl Comparisons {
+    /// Returns the conditions from the highest to the lowest on the scale.
+    #[must_use]
+    pub fn order(&self) -> Vec<usize> {
+        let values = &self.scales[0].values;
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        order
+    }
 }
 
 impl PersonFunction {
@@ -180,10 +153,17 @@ impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     #[must_use]
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
+        let detection = detection(study);
+        let sensitivity = |&OfPerson { person, condition, ref found }: &OfPerson<Answers>| OfPerson {
+            person,
+            condition,
+            found: found.detection().filter(|_| study.asked.levels.is_none()),
+        };
         let mut results = Self {
             seed,
             shares: shares(study),
-            detection: detection(study),
+            sensitivity: detection.iter().map(sensitivity).collect(),
+            detection,
             comparisons: comparisons(study, seed),
             settings: settings(study),
             ..Self::default()
@@ -206,37 +186,50 @@ impl TaskResults {
     }
 }
 
-fn shares(study: &TaskStudy) -> Vec<PersonShare> {
+/// Gathers the answers of each person in each condition, in this order of both, for which `one` returns something.
+fn by_person<T: Default, A>(
+    study: &TaskStudy,
+    one: impl Fn(&TaskAnswered) -> Option<A>,
+    add: impl Fn(&mut T, A),
+) -> Vec<OfPerson<T>> {
+    let mut all: BTreeMap<(usize, usize), T> = BTreeMap::new();
+    for trial in &study.trials {
+        if let Some(answer) = one(&trial.answer) {
+            add(all.entry((trial.condition, trial.person)).or_default(), answer);
+        }
+    }
+    all.into_iter().map(|((condition, person), found)| OfPerson { person, condition, found }).collect()
+}
+
+/// Returns whether a trial had a target, and whether it was seen or chosen.
+fn seen(answer: &TaskAnswered) -> Option<(bool, bool)> {
+    match *answer {
+        TaskAnswered::Seen { is_target, seen, .. } => Some((is_target, seen)),
+        _ => None,
+    }
+}
+
+fn shares(study: &TaskStudy) -> Vec<OfPerson<[u32; 2]>> {
     if study.asked.measures != Measures::Proportions || study.asked.levels.is_some() {
         return Vec::new();
     }
-    let mut all: BTreeMap<(usize, usize), [u32; 2]> = BTreeMap::new();
-    for trial in &study.trials {
-        let TaskAnswered::Seen { seen, .. } = trial.answer else { continue };
-        let [right, total] = all.entry((trial.condition, trial.person)).or_default();
-        (*right, *total) = (*right + u32::from(seen), *total + 1);
-    }
-    all.into_iter().map(|((condition, person), right)| PersonShare { person, condition, right }).collect()
+    by_person(study, seen, |[right, all]: &mut [u32; 2], (_, seen)| {
+        (*right, *all) = (*right + u32::from(seen), *all + 1);
+    })
 }
 
-fn detection(study: &TaskStudy) -> Vec<PersonAnswers> {
+fn detection(study: &TaskStudy) -> Vec<OfPerson<Answers>> {
     if study.asked.measures != Measures::Detection {
         return Vec::new();
     }
-    let mut all: BTreeMap<(usize, usize), Answers> = BTreeMap::new();
-    for trial in &study.trials {
-        let TaskAnswered::Seen { is_target, seen, .. } = trial.answer else { continue };
-        let answers = all.entry((trial.condition, trial.person)).or_default();
-        *match (is_target, seen) {
+    by_person(study, seen, |answers: &mut Answers, answer| {
+        *match answer {
             (true, true) => &mut answers.hits,
             (true, false) => &mut answers.misses,
             (false, true) => &mut answers.false_alarms,
             (false, false) => &mut answers.correct_rejections,
         } += 1;
-    }
-    let varied = study.asked.levels.is_some();
-    let one = |((condition, person), answers)| PersonAnswers { person, condition, answers, varied };
-    all.into_iter().map(one).collect()
+    })
 }
 
 fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
@@ -255,42 +248,35 @@ fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
     Some(Comparisons { people, scales, intervals, own, triads })
 }
 
-/// Settings, each with whether it began above.
-type Values = Vec<(f64, Option<bool>)>;
-
-fn settings(study: &TaskStudy) -> Vec<PersonSettings> {
+fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
     let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
-    let mut all: BTreeMap<(usize, usize), Values> = BTreeMap::new();
-    for trial in &study.trials {
-        let TaskAnswered::Set { value, from_above } = trial.answer else { continue };
-        let value = if log { value.log10() } else { value };
-        all.entry((trial.condition, trial.person)).or_default().push((value, from_above));
-    }
-    let one = |((condition, person), values): ((usize, usize), Values)| {
-        Some(PersonSettings { person, condition, settings: Settings::of(&values)? })
+    let set = |answer: &TaskAnswered| match *answer {
+        TaskAnswered::Set { value, from_above } => Some((if log { value.log10() } else { value }, from_above)),
+        _ => None,
+    };
+    let all = by_person(study, set, |values: &mut Vec<(f64, Option<bool>)>, value| values.push(value));
+    let one = |OfPerson { person, condition, found }: OfPerson<Vec<_>>| {
+        Some(OfPerson { person, condition, found: Settings::of(&found)? })
     };
     all.into_iter().filter_map(one).collect()
 }
 
 /// Returns the answers at each level of each person and condition.
-fn points(study: &TaskStudy, common: &Common) -> BTreeMap<(usize, usize), Vec<Point>> {
-    let mut all: BTreeMap<(usize, usize), Vec<Point>> = BTreeMap::new();
-    for trial in &study.trials {
-        let (level, seen, total) = match trial.answer {
-            TaskAnswered::Seen { level: Some(level), is_target: true, seen } => (level, u32::from(seen), 1),
-            TaskAnswered::Counted { level, seen, total } => (level, seen, total),
-            _ => continue,
-        };
-        let points = all.entry((trial.condition, trial.person)).or_default();
+fn points(study: &TaskStudy, common: &Common) -> Vec<OfPerson<Vec<Point>>> {
+    let counted = |answer: &TaskAnswered| match *answer {
+        TaskAnswered::Seen { level: Some(level), is_target: true, seen } => Some((level, u32::from(seen), 1)),
+        TaskAnswered::Counted { level, seen, total } => Some((level, seen, total)),
+        _ => None,
+    };
+    let mut all = by_person(study, counted, |points, (level, seen, total)| {
         Point::add(points, common.scaled(level), seen, total);
-    }
-    all.values_mut().for_each(|points| points.sort_by(|a, b| a.x.total_cmp(&b.x)));
+    });
+    all.iter_mut().for_each(|own| own.found.sort_by(|a: &Point, b| a.x.total_cmp(&b.x)));
     all
 }
 
 fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Vec<PersonFunction> {
-    let all: Vec<_> = points(study, common).into_iter().collect();
-    let function = |(index, ((condition, person), points)): (usize, ((usize, usize), Vec<Point>))| {
+    let function = |(index, OfPerson { person, condition, found: points }): (usize, OfPerson<Vec<Point>>)| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64);
         let fit = psychometric::fit(&points, model);
@@ -299,7 +285,7 @@ fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Ve
         let misfit = misfit(&points, model);
         PersonFunction { person, condition, points, fit, goodness, beyond, misfit }
     };
-    all.into_par_iter().enumerate().map(function).collect()
+    points(study, common).into_par_iter().enumerate().map(function).collect()
 }
 
 /// Fits the people of each condition that several people saw.

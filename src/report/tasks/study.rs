@@ -261,13 +261,10 @@ impl TaskStudy {
     #[must_use]
     pub fn name(&self, condition: usize) -> String {
         let named = self.asked.factors.iter().zip(self.levels(condition));
-        named.map(|(factor, level)| format!("{} {level}", factor.name)).collect::<Vec<_>>().join(", ")
-    }
-
-    /// Returns the name of a condition that was compared with others: its levels, with a slash between several.
-    #[must_use]
-    pub fn item(&self, condition: usize) -> String {
-        self.levels(condition).join("/")
+        named
+            .map(|(factor, level)| format!("{} {level}", self.asked.factor(&factor.name)))
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// Returns ` at CONDITION`, or nothing if there is only one.
@@ -286,8 +283,8 @@ impl TaskStudy {
     /// Returns a condition's level of each factor.
     #[must_use]
     pub fn levels(&self, condition: usize) -> Vec<String> {
-        let levels = &self.asked.conditions[condition];
-        self.asked.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].to_string()).collect()
+        let levels = self.asked.factors.iter().zip(&self.asked.conditions[condition]);
+        levels.map(|(factor, level)| self.asked.level(&factor.name, &factor.levels[*level].to_string())).collect()
     }
 }
 

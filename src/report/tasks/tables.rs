@@ -2,11 +2,11 @@
 
 use super::{
     asked::Levels,
-    results::{Comparisons, TaskResults},
+    results::{Comparisons, OfPerson, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::tasks::psychometric::Fit,
+    analysis::{detection::Detection, settings::Settings, tasks::psychometric::Fit},
     experiment::task::Common,
     statistics::Interval,
     text::{Cell, Column, Table},
@@ -50,7 +50,7 @@ const PERSON: (&str, &str) = ("subject_id", "Participant.");
 fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     let last = [
         ("level", "", "Level of the adapted parameter."),
-        ("correct", "", "Number of right answers, or of answers yes."),
+        ("correct", "", "Number of correct answers, or of answers yes."),
         ("total", "", "Number of trials with a target."),
     ];
     let rows = results.functions.iter().flat_map(|function| {
@@ -91,7 +91,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
             "1 if the threshold lies beyond the levels that could be shown, where only the prior places it.",
         ),
         ("deviance", "", "Deviance of the best function."),
-        ("p", "", "Share of simulated studies with at least this deviance."),
+        ("p", "", "Proportion of simulated studies with at least this deviance."),
     ];
     let rows = results.functions.iter().map(|function| {
         let fit = function.fit.as_ref().ok();
@@ -134,12 +134,18 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     Table::new(columns(study, &[], &last), rows)
 }
 
+/// Begins a row with the participant and the levels of the condition.
+fn begun<T>(study: &TaskStudy, own: &OfPerson<T>) -> Vec<Cell> {
+    let person = std::iter::once(Cell::from(study.people[own.person].as_str()));
+    person.chain(study.cells(own.condition)).collect()
+}
+
 fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
-    let last = [("correct", "", "Number of right answers."), ("total", "", "Number of trials.")];
-    let rows = results.shares.iter().map(|own| {
-        let person = std::iter::once(Cell::from(study.people[own.person].as_str()));
-        person.chain(study.cells(own.condition)).chain(own.right.map(|count| Cell::from(u64::from(count)))).collect()
-    });
+    let last = [("correct", "", "Number of correct answers."), ("total", "", "Number of trials.")];
+    let rows = results
+        .shares
+        .iter()
+        .map(|own| begun(study, own).into_iter().chain(own.found.map(|count| Cell::from(u64::from(count)))).collect());
     Table::new(columns(study, &[PERSON], &last), rows)
 }
 
@@ -154,15 +160,9 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
         ("criterion", "", "Criterion c."),
         ("criterion_se", "", "Its standard error."),
     ];
-    let rows = results.detection.iter().map(|own| {
-        let mut row = vec![Cell::from(study.people[own.person].as_str())];
-        row.extend(study.cells(own.condition));
-        let counts = [own.answers.hits, own.answers.misses, own.answers.false_alarms, own.answers.correct_rejections];
-        row.extend(counts.map(|count| Cell::from(u64::from(count))));
-        let found = own.detection();
-        row.extend([found.map(|f| f.d_prime), found.map(|f| f.d_prime_se)].map(Cell::from));
-        row.extend([found.map(|f| f.criterion), found.map(|f| f.criterion_se)].map(Cell::from));
-        row
+    let rows = results.detection.iter().zip(&results.sensitivity).map(|(own, OfPerson { found, .. })| {
+        let counts = own.found.counts().map(|count| Cell::from(u64::from(count)));
+        begun(study, own).into_iter().chain(counts).chain(Detection::numbers(*found).map(Cell::from)).collect()
     });
     Table::new(columns(study, &[PERSON], &last), rows)
 }
@@ -176,7 +176,11 @@ fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
         let pairs = (0..wins.nrows()).flat_map(|i| (0..wins.ncols()).map(move |j| (i, j)));
         let compared = pairs.filter(|place| wins[*place] > 0.0);
         compared.map(|(i, j)| {
-            let [winner, loser] = [i, j].map(|item| Cell::from(study.levels(item).join(", ").as_str()));
+            let [winner, loser] = [i, j].map(|item| {
+                let levels = study.asked.factors.iter().zip(&study.asked.conditions[item]);
+                let levels = levels.map(|(factor, level)| factor.levels[*level].to_string());
+                Cell::from(levels.collect::<Vec<_>>().join(", "))
+            });
             vec![Cell::from(person.as_str()), winner, loser, (wins[(i, j)] as u64).into()]
         })
     });
@@ -212,11 +216,9 @@ fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
         ("direction", unit, "Mean of those that began above minus that of those that began below."),
     ];
     let rows = results.settings.iter().map(|own| {
-        let mut row = vec![Cell::from(study.people[own.person].as_str())];
-        row.extend(study.cells(own.condition));
-        row.push((own.settings.n as u64).into());
-        row.extend([Cell::from(own.settings.mean), own.settings.sd.into(), own.settings.direction.into()]);
-        row
+        let Settings { n, mean, sd, direction, .. } = own.found;
+        let numbers = [(n as u64).into(), Cell::from(mean), sd.into(), direction.into()];
+        begun(study, own).into_iter().chain(numbers).collect()
     });
     Table::new(columns(study, &[PERSON], &last), rows)
 }

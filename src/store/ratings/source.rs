@@ -8,6 +8,7 @@ use std::{
 
 use crate::{
     experiment::Protocol,
+    stimulus::{MachBand, Parameter},
     store::{FileError, sidecar::Sidecar},
 };
 
@@ -145,6 +146,13 @@ pub struct Source {
 }
 
 impl Source {
+    /// Returns the parameters of the stimulus that was rated; `None` for a table from elsewhere. Without a definition, result
+    /// files have the columns of a Mach band.
+    pub fn parameters(&self) -> Option<&'static [Parameter]> {
+        let known = self.protocol.as_ref().map(|protocol| protocol.stimulus.parameters());
+        known.or((!self.sessions.is_empty()).then_some(MachBand::PARAMETERS))
+    }
+
     /// Returns how many rows were left out for a reason, and how many participants have such rows.
     pub fn left_out(&self, reason: Reason) -> (u64, usize) {
         let of_reason = || self.files.iter().filter_map(|file| file.left_out.get(&reason)).flatten();

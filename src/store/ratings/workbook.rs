@@ -1,6 +1,6 @@
 //! Excel workbooks (`.xlsx`).
 
-use std::io::Cursor;
+use std::{collections::BTreeSet, io::Cursor};
 
 use calamine::{Data, Reader as _, Xlsx};
 use zip::ZipArchive;
@@ -31,6 +31,10 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
     let names = workbook.sheet_names();
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
+    let formulas = workbook.worksheet_formula(name).map_err(|error| unreadable(&error))?;
+    let (first_row, first_column) = formulas.start().unwrap_or_default();
+    let place = |(row, column, _): (usize, usize, &String)| (first_row + row as u32, first_column + column as u32);
+    let mut without_value: BTreeSet<(u32, u32)> = formulas.used_cells().map(place).collect();
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
     let mut end_row = |row: &mut Vec<String>| {
@@ -49,6 +53,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         if text.is_empty() {
             continue;
         }
+        without_value.remove(&(found, column));
         if found < at || found == at && (column as usize) < row.len() {
             return Err(unreadable(&"its cells are not in order"));
         }
@@ -58,6 +63,15 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         row.push(text);
     }
     end_row(&mut row)?;
+    if let Some((row, column)) = without_value.first() {
+        return Err(format!(
+            "has no value of {} of its formulas, such as that in row {} and column {}; expected values, which a spreadsheet \
+             program stores when it saves the workbook",
+            without_value.len(),
+            row + 1,
+            column + 1
+        ));
+    }
     let note = (names.len() > 1).then(|| {
         let others = names[1..].join(", ");
         format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")

@@ -1,0 +1,78 @@
+//! Names of factors and levels in words. A factor that is a parameter of the stimulus has the parameter's words and unit; any
+//! other one is called as in the definition or the table.
+
+use super::document::Shown;
+use crate::{
+    analysis::{counts::MISSING, number_of, terms::Terms},
+    stimulus::{MachBand, Parameter},
+    text::Cell,
+};
+
+/// The parameters of the stimulus that was shown; `None` for a table from elsewhere, whose columns may mean anything.
+pub(crate) type Known = Option<&'static [Parameter]>;
+
+/// A number is shown with at most this many significant digits, so that binary rounding noise does not appear.
+const DIGITS: usize = 12;
+
+fn parameter(known: Known, factor: &str) -> Option<&'static Parameter> {
+    known?.iter().find(|parameter| parameter.name == factor)
+}
+
+fn is_degrees(parameter: &Parameter) -> bool {
+    parameter.unit == "°"
+}
+
+/// Returns the name of a factor in a sentence, such as `orientation`, whose levels are shown with their unit.
+pub(crate) fn factor(known: Known, factor: &str) -> String {
+    parameter(known, factor).map_or_else(|| factor.to_owned(), |parameter| parameter.option().replace('-', " "))
+}
+
+/// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
+pub(crate) fn term(known: Known, text: &str) -> String {
+    let terms = Terms::parse(text).unwrap_or_default();
+    let variables = terms.iter().flat_map(|term| &term.variables).map(|variable| factor(known, variable.name()));
+    variables.collect::<Vec<_>>().join(" × ")
+}
+
+/// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
+pub(crate) fn level(known: Known, factor: &str, level: &str) -> Shown {
+    let number = number_of(level);
+    let text = match level {
+        "" | MISSING => "(none)".to_owned(),
+        "inf" => "∞".to_owned(),
+        _ => {
+            let digits = level.chars().filter(char::is_ascii_digit).count();
+            let rounded =
+                number.filter(|number| digits > DIGITS && number.fract() != 0.0 && number.is_finite()).and_then(
+                    |number| format!("{number:.*e}", DIGITS - 1).parse().ok().map(|number: f64| number.to_string()),
+                );
+            let unit = if number.is_some() && parameter(known, factor).is_some_and(is_degrees) { "°" } else { "" };
+            format!("{}{unit}", rounded.as_deref().unwrap_or(level))
+        }
+    };
+    Shown::new(number.map_or_else(|| Cell::from(level), Cell::Number), text)
+}
+
+/// Returns the name of a factor as the title of an axis, with its unit.
+pub(crate) fn axis(known: Known, factor: &str) -> String {
+    match parameter(known, factor).filter(|parameter| MachBand::PARAMETERS.contains(parameter)) {
+        Some(Parameter { name: "width", .. }) => "Ramp width (proportion of the window)".to_owned(),
+        Some(Parameter { name: "depth", .. }) => "Continuity depth n".to_owned(),
+        _ => heading(known, factor),
+    }
+}
+
+/// Returns the name of a factor as the heading of a legend, with its unit.
+pub(crate) fn heading(known: Known, name: &str) -> String {
+    match parameter(known, name) {
+        Some(parameter) if is_degrees(parameter) => format!("{} (°)", capitalized(&factor(known, name))),
+        Some(_) => capitalized(&factor(known, name)),
+        None => name.to_owned(),
+    }
+}
+
+/// Begins a sentence with a capital letter.
+pub(crate) fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
