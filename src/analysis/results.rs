@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Prediction, Random,
-    Resampling, Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction,
+    Random, Resampling, Slopes,
     agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
-    counts::{Counts, Factor, MAX_LEVELS, Measured, Quartiles},
+    counts::{Counts, MAX_LEVELS, Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
     summary::{Group, by_cell, by_factor, by_subject},
@@ -218,7 +218,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let covariates = covariates(&measured.counts, options);
     // The model needs them, and describes the same ratings as the rest.
     let measured = measured.complete(&covariates);
-    let spec = model_spec(&measured, &covariates, options);
+    let (spec, nested) = model_spec(&measured, &covariates, options);
     let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
@@ -250,7 +250,12 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let Options { resampling, max_minutes, checks, .. } = *options;
     let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) = rayon::join(
-        || fit_calibrated(modeled, &spec, &calibration),
+        || {
+            fit_calibrated(modeled, &spec, &calibration).map(|mut report| {
+                report.model.notes.splice(0..0, nested);
+                report
+            })
+        },
         || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
     );
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
@@ -307,27 +312,39 @@ fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
     (0..counts.factors.len()).filter(is_covariate).collect()
 }
 
-fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> ModelSpec {
+/// Returns the model, and notes about factors that it has not. By default, every factor that varies is a term, except those
+/// that determine another one, and of two that determine each other the later one.
+fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (ModelSpec, Vec<Note>) {
     let counts = &measured.counts;
-    let main = |(index, factor): (usize, &Factor)| {
-        let name = factor.name.clone();
-        let variable = if covariates.contains(&index) { Variable::Number(name) } else { Variable::Factor(name) };
-        (factor.levels.len() > 1 && options.items.as_ref() != Some(&factor.name))
-            .then(|| Term { variables: vec![variable] })
+    let name = |factor: usize| counts.factors[factor].name.clone();
+    let is_varied = |factor: &usize| counts.factors[*factor].levels.len() > 1 && options.items != Some(name(*factor));
+    let varied: Vec<usize> = (0..counts.factors.len()).filter(is_varied).collect();
+    let determined = |own: usize| {
+        let is_other =
+            |other: &usize| counts.determines(own, *other) && !(own < *other && counts.determines(*other, own));
+        varied.iter().copied().find(is_other).filter(|_| !covariates.contains(&own))
     };
-    let all = || Terms::new(counts.factors.iter().enumerate().filter_map(main));
+    let nested = |own: &usize| determined(*own).map(|other| Note::Nested { factor: name(*own), other: name(other) });
+    let main = |own: usize| {
+        let variable =
+            if covariates.contains(&own) { Variable::Number(name(own)) } else { Variable::Factor(name(own)) };
+        determined(own).is_none().then(|| Term { variables: vec![variable] })
+    };
+    let all = || Terms::new(varied.iter().copied().filter_map(main));
     // A covariate that was asked for is in the model, whatever the other terms are.
     let named =
         options.covariates.iter().flatten().map(|name| Term { variables: vec![Variable::Number(name.clone())] });
     let asked = options.terms.as_ref().map(|terms| Terms::new(terms.iter().cloned().chain(named)));
-    ModelSpec {
+    let notes = if asked.is_none() { varied.iter().filter_map(nested).collect() } else { Vec::new() };
+    let spec = ModelSpec {
         link: options.link,
         random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         items: options.items.clone(),
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(asked.unwrap_or_else(all))
-    }
+    };
+    (spec, notes)
 }
 
 /// Describes one factor, given by index, and tests it by ranks.

@@ -1,11 +1,6 @@
 //! The analysis of ratings.
 
-use std::{
-    collections::{HashMap, HashSet},
-    fmt,
-    path::Path,
-    str::FromStr,
-};
+use std::{collections::HashSet, fmt, path::Path, str::FromStr};
 
 use serde::Serialize;
 
@@ -326,19 +321,13 @@ impl Analyze {
 fn determined(counts: &Counts, names: [Vec<String>; 2]) -> Option<String> {
     let [factors, numbers] =
         names.map(|names| names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect::<Vec<usize>>());
-    let determines = |own: usize, other: usize| {
-        let mut found = HashMap::new();
-        let is_varied = |factor: usize| counts.factors[factor].levels.len() > 1;
-        let mut all = counts.conditions.iter().map(|levels| (levels[own], levels[other]));
-        own != other && is_varied(other) && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
-    };
     let mut pairs = factors.iter().flat_map(|own| factors.iter().chain(&numbers).map(move |other| (*own, *other)));
-    let (own, other) = pairs.find(|(own, other)| determines(*own, *other))?;
+    let (own, other) = pairs.find(|(own, other)| counts.determines(*own, *other))?;
     let [one, two] = [own, other].map(|factor| &counts.factors[factor].name);
     Some(format!(
         "{one} determines {two}: each level of {one} occurs with one level of {two}{}, so their effects cannot be told apart; \
          expected only one of them",
-        if determines(other, own) { ", and the reverse" } else { "" }
+        if counts.determines(other, own) { ", and the reverse" } else { "" }
     ))
 }
 

@@ -93,6 +93,19 @@ fn main_effects_in_an_interaction_are_means() {
     assert!(tests[0].p.unwrap() < 0.05 && tests[1].p.unwrap() > 0.05, "{tests:?}");
 }
 
+/// Each picture has one level of detail, so the effect of the pictures cannot be told apart from that of the detail.
+#[test]
+fn a_factor_that_determines_another_is_no_term() {
+    let rows: [&[&str]; 4] = [&["a", "low"], &["b", "low"], &["c", "high"], &["d", "high"]];
+    let latent = |_: usize, row: usize| Some([-0.2, 0.2, 1.8, 2.2][row]);
+    let results = analyze(study(&["picture", "detail"], &rows, (8, 6, 4), latent), &options(None));
+    let tests = &results.model.as_ref().unwrap().terms;
+    assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
+    let Summary { findings, cautions, .. } = said(&results);
+    let is_said = cautions.iter().any(|text| text.contains("picture is not in the model, because each of its levels"));
+    assert!(is_said && findings.iter().any(|text| text.contains("higher with detail")), "{findings:#?} {cautions:#?}");
+}
+
 /// Half of the people rate levels 1 and 2, and half rate 2 and 3; the second half rates everything higher. Within people,
 /// ratings fall with the level, and the raw means rise.
 #[test]

@@ -176,7 +176,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     // The prediction of the vision model is computed only when its section is opened.
     click(&mut window, "What the vision model predicts");
     wait_for(&mut window, "the rank correlation between the prediction and the mean rating");
-    assert_has(&window, "Predicted mean rating by ramp width");
+    assert_has(&window, "Predicted mean rating by width");
 
     // Another link function gives another model.
     choose(&mut window, "Link", "probit");
@@ -254,7 +254,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     click(&mut window, "Save");
     assert_has(&window, "end the name in .svg or .png");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(report.contains("The participant S002 (18 ratings) was left out on request"));
+    assert!(report.contains("Participant S002 (18 ratings) was left out on request"));
     // The command that repeats it gives the same files; only the report says when it was made, and into which folder.
     click(&mut window, "Copy as command");
     let shown = texts(&window);
@@ -446,7 +446,7 @@ fn a_figure_tells_its_values() {
     let (_, results) = read(&data_set);
     let figure = &figures::all(&results)[0];
     let value =
-        figure.values.iter().find(|value| value.text.starts_with("ramp width 0.4, continuity depth ∞: ")).unwrap();
+        figure.values.iter().find(|value| value.text.starts_with("width 0.4, depth ∞: ")).unwrap();
     let is_image = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Image;
     let place = |window: &Window| window.query_all_by_label_contains(&figure.title).find(is_image).unwrap().rect();
     let mut window = pane([1280.0, 1400.0]);

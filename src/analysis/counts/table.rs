@@ -2,7 +2,7 @@
 
 use std::{
     cmp::Ordering,
-    collections::{BTreeMap, BTreeSet},
+    collections::{BTreeMap, BTreeSet, HashMap},
 };
 
 use serde::Serialize;
@@ -186,6 +186,16 @@ impl Counts {
     /// Returns whether most participants rated at least two levels of a factor.
     pub fn is_within(&self, factor: usize) -> bool {
         varies_within(self, &self.rows, factor)
+    }
+
+    /// Returns whether each level of a factor occurs with one level of another one, which has several. The effects of both
+    /// cannot be told apart.
+    pub fn determines(&self, own: usize, other: usize) -> bool {
+        let mut found = HashMap::new();
+        let mut all = self.conditions.iter().map(|levels| (levels[own], levels[other]));
+        own != other
+            && self.factors[other].levels.len() > 1
+            && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
     }
 
     /// Returns whether a factor describes the participants and not what they saw: numbers that are the same in all ratings of

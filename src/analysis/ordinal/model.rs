@@ -260,6 +260,11 @@ pub enum Note {
     /// A term has no remaining columns.
     #[error("the term {term} has one level, or adds nothing to the preceding terms, and is dropped")]
     AliasedTerm { term: String },
+    /// A factor is no term, because it determines another one.
+    #[error(
+        "{factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
+    )]
+    Nested { factor: String, other: String },
     /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
     #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]

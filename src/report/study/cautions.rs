@@ -174,6 +174,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
             | Note::NotConverged { .. }
             | Note::Flat
             | Note::AliasedTerm { .. }
+            | Note::Nested { .. }
             | Note::MissingValues { .. }
             | Note::EmptyCategory { .. }
             | Note::Rebased { .. }
