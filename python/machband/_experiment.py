@@ -153,7 +153,7 @@ def simulate(
     *,
     participants: int = 1,
     seed: Seed = 1,
-    observer: Literal["paper", "random", "vision"] = "paper",
+    observer: Literal["paper", "random", "vision"] | None = None,
     observer_file: str | PathLike[str] | None = None,
     resume: bool = False,
     results: str | PathLike[str] | None = None,
@@ -169,7 +169,7 @@ def simulate(
     seed
         Seed of the trial order and of the observers.
     observer
-        Simulated observer.
+        Simulated observer [default: paper for ratings, vision for other tasks].
     observer_file
         Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     resume

@@ -445,8 +445,7 @@ fn a_figure_tells_its_values() {
     let (_folder, data_set) = study(3);
     let (_, results) = read(&data_set);
     let figure = &figures::all(&results)[0];
-    let value =
-        figure.values.iter().find(|value| value.text.starts_with("width 0.4, depth ∞: ")).unwrap();
+    let value = figure.values.iter().find(|value| value.text.starts_with("width 0.4, depth ∞: ")).unwrap();
     let is_image = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Image;
     let place = |window: &Window| window.query_all_by_label_contains(&figure.title).find(is_image).unwrap().rect();
     let mut window = pane([1280.0, 1400.0]);

@@ -545,7 +545,8 @@ fn a_second_level_is_recorded_and_analyzed() {
 #[test]
 fn a_threshold_beyond_the_levels_is_no_number() {
     let folder = tempfile::tempdir().unwrap();
-    succeeds(folder.path(), &["simulate", "threshold-width", "--participants", "8", "--results", "results"]);
+    let simulate = "simulate threshold-width --participants 8 --observer paper";
+    succeeds(folder.path(), &simulate.split(' ').collect::<Vec<_>>());
     let printed = succeeds(folder.path(), &["analyze", "results/threshold-width", "--out", "analysis"]);
     assert_eq!(printed.matches("was not measured").count(), 2, "{printed}");
     assert!(printed.contains("lies below the lowest level, 0.005"), "{printed}");
