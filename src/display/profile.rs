@@ -131,7 +131,9 @@ impl DisplayProfile {
         };
         let luminance = self.luminance.map_or_else(String::new, |range| format!(", {}", range.sentence()));
         let Some(measured) = &self.measured else {
-            return format!("{} ({transfer}{luminance}), assumed: this screen was not measured", self.name);
+            let what = format!("{transfer}{luminance}");
+            let what = if self.name.eq_ignore_ascii_case(&what) { String::new() } else { format!(" ({what})") };
+            return format!("{}{what}, assumed: this screen was not measured", self.name);
         };
         let part =
             |word: &str, value: Option<String>| value.map_or_else(String::new, |value| format!(" {word}{value}"));

@@ -93,7 +93,7 @@ fn sentence(found: &verify::Verified) -> String {
     let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
     let mut parts = vec![
         format!(
-            "{}, {rated} of {planned} trials rated, {} rendered again",
+            "{}, {rated} of {planned} trials answered, {} rendered again",
             count(*rows as u64, "row"),
             count(*pictures as u64, "picture")
         ),

@@ -137,7 +137,7 @@ fn the_preflight_detects_an_old_profile_and_another_screen_and_records_confirmat
 fn the_measured_size_of_the_screen_is_used_on_home() {
     let mut harness = home(SIZE, STEP_S);
     click(&mut harness, "Display");
-    harness.get_by_label_contains("sRGB (srgb), assumed");
+    harness.get_by_label_contains("sRGB, assumed: this screen");
     harness.get_by_label("Size and distance").click();
     harness.run_steps(2);
     for (field, text) in [

@@ -393,7 +393,7 @@ fn a_late_resumption_repeats_the_practice() {
     ];
     assert_eq!(seen, expected);
     let told = common::succeeds(folder.path(), &["verify", "."]);
-    assert!(told.contains("5 of 5 trials rated"), "{told}");
+    assert!(told.contains("5 of 5 trials answered"), "{told}");
 }
 
 /// Two windows on one results folder do not begin the same session.
