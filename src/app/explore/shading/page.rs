@@ -414,7 +414,7 @@ impl ShadingPage {
             return format!("Difference from the smooth surface: {status}");
         };
         let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
-        format!("{a} differs from the smooth surface by {left:.1} times the threshold; {b} by {right:.1}.")
+        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
