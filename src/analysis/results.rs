@@ -230,8 +230,17 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let modeled = whole.as_ref().map_or(counts, |whole| &whole.counts);
     let trials = &whole.as_ref().unwrap_or(&measured).trials;
     let people = counts.subjects.len();
-    let factors: Vec<FactorResults> =
-        (0..counts.factors.len()).into_par_iter().map(|factor| factor_results(&measured, factor)).collect();
+    let described = |factor: usize| {
+        // Conditions differ only in factors that can vary on their own.
+        let is_tied = |other: &usize| counts.determines(*other, factor) || counts.determines(factor, *other);
+        let tied: Vec<usize> = (0..counts.factors.len()).filter(is_tied).collect();
+        if tied.is_empty() {
+            return factor_results(&measured, factor);
+        }
+        let place = factor - tied.iter().filter(|other| **other < factor).count();
+        factor_results(&measured.without_factors(&tied), place)
+    };
+    let factors: Vec<FactorResults> = (0..counts.factors.len()).into_par_iter().map(described).collect();
     let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
         let of_factor = |(index, factor): (usize, &FactorResults)| {
             let level = |place: usize| {
