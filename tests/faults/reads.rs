@@ -187,7 +187,7 @@ fn prepare(folder: &Path) {
     for results in ["results", "harmed", "linked"] {
         machband(&format!("simulate twice.toml --results {results}"));
     }
-    machband("simulate adaptive.toml --participants 2 --results answers");
+    machband("simulate adaptive.toml --participants 2 --observer paper --results answers");
     let rows = fs::read_to_string(csv("harmed")).unwrap();
     fs::write(csv("harmed"), rows.trim_end().rsplit_once('\n').unwrap().0.to_owned() + "\n").unwrap();
     let rows = fs::read_to_string(csv("broken")).unwrap();

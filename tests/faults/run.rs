@@ -75,10 +75,11 @@ pub fn ended(command: &mut Command) -> ProgramResult {
     ProgramResult { status: output.status, stdout: text(output.stdout), stderr: text(output.stderr) }
 }
 
-/// `machband simulate` with [`SEED`], so that the order of the trials is known.
+/// `machband simulate` with [`SEED`], so that the order of the trials is known, and with an observer that answers at once.
 pub fn binary(definition: &Path, results: &Path, resume: bool) -> Command {
     let mut command = Command::new(MACHBAND);
-    command.arg("simulate").arg(definition).args(["--seed", &SEED.to_string(), "--results"]).arg(results);
+    command.args(["simulate", "--observer", "paper", "--seed", &SEED.to_string()]);
+    command.arg(definition).arg("--results").arg(results);
     if resume {
         command.arg("--resume");
     }
