@@ -13,6 +13,7 @@ use crate::{
         session::{Changes, SessionStore},
     },
     system::{check_clock, found},
+    text::number::whole,
     work::RequestError,
 };
 
@@ -29,7 +30,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "ID", default_value = "1", value_parser = Identity::check_session)]
     session: String,
     /// Seed of the trial order [default: a new random seed].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
     seed: Option<u64>,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]

@@ -4,6 +4,7 @@
 
 mod cell;
 pub(crate) mod names;
+pub(crate) mod number;
 mod table;
 
 pub use cell::{Cell, inert, is_formula};

@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{
-    Encoded, Encoding, Luminances, RequestError, Watcher,
-    request::{paths, positive},
-};
+use super::{Encoded, Encoding, Luminances, RequestError, Watcher, request::paths};
 use crate::{
     light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, Transfers},
     report::terminal::printable,
@@ -19,6 +16,7 @@ use crate::{
         image::{MAX_PIXELS, Origin, Picture},
     },
     system::{checkpoint, entries, found},
+    text::number::positive,
     vision::{Place, VisionError, unrounded},
 };
 

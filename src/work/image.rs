@@ -4,10 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use super::{
-    RequestError, Watcher, named,
-    request::{paths, within},
-};
+use super::{RequestError, Watcher, named, request::paths};
 use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Transfer, Transfers},
@@ -17,6 +14,7 @@ use crate::{
     },
     store,
     system::now,
+    text::number::{whole, within},
 };
 
 /// How the display converts codes to light.
@@ -111,20 +109,11 @@ pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
 
-/// Returns a parser for the side of a picture, in pixels.
-pub(super) fn side(least: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync {
-    move |text| match text.parse::<u32>() {
-        Ok(side) if (least..=MAX_SIZE).contains(&side) => Ok(side),
-        Ok(_) => Err(format!("outside {least}…{MAX_SIZE}; expected pixels in this range")),
-        Err(_) => Err(format!("not a whole number; expected pixels, {least} to {MAX_SIZE}")),
-    }
-}
-
 /// How many pixels an image has, and which codes they can have.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Pixels {
     /// Side of the image in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = side(1))]
+    #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = whole(1..=MAX_SIZE))]
     pub size: u32,
     #[command(flatten)]
     #[serde(flatten)]
@@ -145,7 +134,7 @@ pub struct Image {
     #[arg(long, default_value = "none")]
     pub dither: Dither,
     /// Seed of the random dither.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 

@@ -17,6 +17,7 @@ use crate::{
     text::{
         Cell, Column, Table,
         names::{expected_one_of, serde_as_text},
+        number::whole,
     },
 };
 
@@ -27,7 +28,7 @@ pub struct Plan {
     #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants per study; give several numbers to compare them.
-    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = whole(1..=10_000))]
     pub participants: Vec<u32>,
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE", value_parser = effect)]
@@ -36,7 +37,7 @@ pub struct Plan {
     #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
     pub deviations: Vec<Assignment>,
     /// Number of studies to simulate for each number of participants.
-    #[arg(long, value_name = "N", default_value_t = Sampling::default().studies, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().studies, value_parser = whole(1..=100_000))]
     pub studies: u32,
     /// Significance level: an effect is found if p is below it.
     #[arg(long, value_name = "P", default_value_t = Sampling::default().alpha, value_parser = proportion)]
@@ -46,10 +47,10 @@ pub struct Plan {
     pub target: f64,
     /// Number of trials of each condition of a task with an adaptive method; give several numbers to compare them. Without it,
     /// that of the definition.
-    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole(1..=10_000))]
     pub trials: Vec<u32>,
     /// Seed of the simulated ratings.
-    #[arg(long, value_name = "N", default_value_t = Sampling::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().seed, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]

@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::{
-    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained,
-    image::side,
-    request::{paths, positive},
+    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained, request::paths,
 };
 use crate::{
     experiment::{Condition, Protocol, judged},
@@ -15,9 +13,12 @@ use crate::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
     },
-    stimulus::{Parameter, Stimulus, ViewingConditions, Visible},
+    stimulus::{Parameter, Stimulus, ViewingConditions, Visible, recipe::MAX_SIZE},
     store::{definition, observer, ratings::Source},
-    text::{Cell, Column, Table},
+    text::{
+        Cell, Column, Table,
+        number::{positive, whole},
+    },
     vision::{Criterion, VisionError},
 };
 
@@ -42,7 +43,7 @@ pub struct Predict {
     #[serde(flatten)]
     pub encoding: Encoding,
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
-    #[arg(long, value_name = "PX", value_parser = side(16))]
+    #[arg(long, value_name = "PX", value_parser = whole(16..=MAX_SIZE))]
     pub size: Option<u32>,
     /// Width of the stimulus in degrees of visual angle [default: the width in the rated sessions, otherwise
     /// in the definition, otherwise 10].

@@ -4,10 +4,7 @@ use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
-use super::{
-    RequestError,
-    request::{paths, positive},
-};
+use super::{RequestError, request::paths};
 use crate::{
     analysis::{
         counts::{ExclusionError, Exclusions},
@@ -19,7 +16,7 @@ use crate::{
         ratings::ReadOptions,
         table::{List, list, split_list},
     },
-    text::names::serde_as_text,
+    text::{names::serde_as_text, number::positive},
 };
 
 /// Where to find the ratings.

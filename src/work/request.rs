@@ -117,21 +117,6 @@ where
     PossibleValuesParser::new(names).try_map(|name| name.parse())
 }
 
-/// Returns a parser that accepts only numbers from `least` to `most`.
-pub(super) fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {
-    move |text| match text.parse() {
-        Ok(number) if (least..=most).contains(&number) => Ok(number),
-        Ok(_) => Err(format!("outside {least}…{most}; expected a number in this range")),
-        Err(_) => Err(format!("not a number; expected one from {least} to {most}")),
-    }
-}
-
-/// Parses a number above 0.
-pub(super) fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".to_owned())
-}
-
 /// Makes a request from named values. Missing fields and `null` have their defaults; a list is a list of names.
 ///
 /// # Errors

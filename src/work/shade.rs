@@ -11,10 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{
-    Image, Luminances, RequestError, Watcher, named,
-    request::{paths, within},
-};
+use super::{Image, Luminances, RequestError, Watcher, named, request::paths};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -29,6 +26,7 @@ use crate::{
     },
     store::{self, scene::SceneFile},
     system::{checkpoint, found},
+    text::number::{whole, within},
     vision::VisionError,
 };
 
@@ -57,7 +55,7 @@ pub struct OneMesh {
     #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
-    #[arg(long, value_name = "N", default_value_t = 313)]
+    #[arg(long, value_name = "N", default_value_t = 313, value_parser = whole(1..=usize::MAX))]
     pub vertices: usize,
     /// Angle in degrees above which the edge between two faces of a file is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]

@@ -27,6 +27,7 @@ use crate::{
         sitting::{Pictures, SimulatedObserver, Sitting},
     },
     system::{after, before, check_clock, now, threads},
+    text::number::whole,
 };
 
 /// Number of sessions that run at the same time. A session spends most of its time waiting for the disk (every row is
@@ -42,10 +43,10 @@ pub struct Simulate {
     #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=1_000_000))]
     pub participants: u32,
     /// Seed of the trial order and of the observers.
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]

@@ -86,7 +86,7 @@ fn a_crossed_interaction_leads() {
 #[test]
 fn main_effects_in_an_interaction_are_means() {
     let shifted = |_: usize, row: usize| Some([2.0, 0.8, 0.0, 1.2][row]);
-    let results = analyze(study(&["a", "b"], &CROSSED, (10, 12, 8), shifted), &options(Some("a*b")));
+    let results = analyze(study(&["a", "b"], &CROSSED, (8, 8, 8), shifted), &options(Some("a*b")));
     let tests = &results.model.as_ref().unwrap().terms;
     let names: Vec<&str> = tests.iter().map(|test| test.term.as_str()).collect();
     assert_eq!(names, ["a", "b", "a:b"]);

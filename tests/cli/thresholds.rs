@@ -79,7 +79,7 @@ fn studies_of_thresholds_are_planned() {
         succeeds(folder.path(), &[&["plan", "threshold-width", "--out=plan.csv", "--force"], words].concat());
         folder.path().join("plan.csv")
     };
-    let none = plan(&["--participants=5", "--studies=200"]);
+    let none = plan(&["--participants=5", "--studies=100"]);
     let false_alarms = numbers(&none, "false_alarms")[2];
     assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
 

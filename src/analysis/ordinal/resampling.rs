@@ -26,7 +26,10 @@ use super::{
     search::MixedFit,
     terms::Term,
 };
-use crate::analysis::{counts::CountRow, frame::Frame};
+use crate::{
+    analysis::{counts::CountRow, frame::Frame},
+    text::number::whole,
+};
 
 /// Settings of the parametric bootstrap. The same settings give the same results on every machine.
 // With 99, 199, … studies, a test at the level 0.05 is exact if the distribution of the ratio does not depend on the
@@ -36,10 +39,10 @@ pub struct Resampling {
     /// Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier when
     /// more studies would not change a conclusion.
     #[arg(long, value_name = "N", default_value_t = Self::default().draws,
-          value_parser = clap::value_parser!(u32).range(99..=1_000_000))]
+          value_parser = whole(99..=1_000_000))]
     pub draws: u32,
     /// Seed of the simulated studies.
-    #[arg(long, value_name = "N", default_value_t = Self::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = Self::default().seed, value_parser = whole(0..=u64::MAX))]
     pub seed: u64,
 }
 

@@ -106,7 +106,6 @@ impl Shown {
     fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) {
         let error = error.filter(|error| error.field.as_deref() == Some(self.argument.get_id().as_str()));
         let error = error.map(|error| error.told(|_| String::new())).unwrap_or_default();
-        let error = error.replace("invalid digit found in string", "expected a whole number");
         let error = error.trim_start_matches([' ', ':']);
         let about = self.argument.get_help().map(ToString::to_string).unwrap_or_default();
         let choices = self.argument.get_possible_values();
