@@ -88,21 +88,21 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
 
 /// Returns the full path of the folder to write; an error if it is not empty or is inside the data.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
-    let error = |message: &str| FileErrors::whole(to, message);
+    let error = |what: &str| StoreError::Protected { path: to.to_owned(), what: what.to_owned() };
     let refused = |error| io(to, "read")(error);
     if let Some(metadata) = found(to).map_err(refused)? {
         if !metadata.is_dir() {
-            return Err(error("is a file; expected a new or empty folder").into());
+            return Err(error("is a file; expected a new or empty folder"));
         }
         if !entries(to).map_err(refused)?.is_empty() {
-            return Err(error("is not empty; expected a new or empty folder").into());
+            return Err(error("is not empty; expected a new or empty folder"));
         }
     }
     let full = full_path(to).map_err(refused)?;
     for folder in files.iter().filter_map(|csv| dataset::of(csv)).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("is inside {}; expected a folder outside the data", folder.display());
-            return Err(error(&message).into());
+            return Err(error(&message));
         }
     }
     Ok(full)
