@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, SIMULATED, is_mark, is_missing},
+    ratings::{Header, Layout, SIMULATED, checked, is_mark, is_missing},
     table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
@@ -62,13 +62,17 @@ pub fn read(path: &Path, columns: &AnswerColumns) -> Result<AnswersRead, StoreEr
     let header = Header::read(path)?;
     let name = path.display().to_string();
     let places = Places::new(&name, &header, columns)?;
+    let used = places.all().collect();
     let (mut rows, mut errors, mut is_header) = (Vec::new(), RowErrors::default(), true);
     let outcome = rows_from(header.content(path), header.separator, header.start.as_ref(), |row| {
         if !std::mem::take(&mut is_header) {
             let text = |cell: usize| row.record.get(cell).map(decoded).unwrap_or_default().trim().to_owned();
-            match places.row(text, header.separator) {
+            let found = checked(row, &used, header.names.len(), Layout::Long);
+            let found = found
+                .and_then(|()| places.row(text, header.separator).map_err(|(cell, message)| (Some(cell), message)));
+            match found {
                 Ok(row) => rows.push(row),
-                Err((cell, message)) => errors.add(&name, Some(cell), message, || row.place(cell)),
+                Err((cell, message)) => errors.add(&name, cell, message, || row.place(cell.unwrap_or(0))),
             }
         }
         rows.len() <= MAX_ROWS
@@ -145,6 +149,11 @@ impl Places {
             factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
             simulated: header.position(SIMULATED),
         })
+    }
+
+    fn all(&self) -> impl Iterator<Item = usize> {
+        let further = [self.total, self.subject, self.simulated].into_iter().flatten();
+        [self.level, self.correct].into_iter().chain(further).chain(self.factors.iter().copied())
     }
 
     /// Reads a row; `None` if it has no level or no answer. An error has its cell.

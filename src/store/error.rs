@@ -43,7 +43,8 @@ impl std::fmt::Display for FileError {
 impl FileError {
     /// Creates an error at a line and column, counted from 1.
     pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
-        Self { position: Some(position), ..Self::whole(file, message) }
+        // Some parsers count the end of a line as column 0 of the next one.
+        Self { position: Some((position.0.max(1), position.1.max(1))), ..Self::whole(file, message) }
     }
 
     /// Creates an error about a whole file.

@@ -81,7 +81,7 @@ impl<'a> Manifest<'a> {
         let header: Vec<String> = header.map(str::to_owned).collect();
         let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
         let own = (index - 1..rows.len()).step_by(shards);
-        let mut foreign = foreign_lists(&whole, &list, &header, &rows)?;
+        let mut foreign = foreign_lists(&whole, &list, &header, (&rows, recipes))?;
         // A killed run may have made an image without listing it, so an image of the same recipe may stay.
         let mut ours = HashSet::new();
         for i in own.clone() {
@@ -168,6 +168,14 @@ impl<'a> Manifest<'a> {
         lines.sort_unstable();
         let (path, header) = (self.folder.join(MANIFEST), table::line(&self.header));
         if is_whole(&lines, &self.rows, self.recipes) {
+            // The runs of other shards may have had another definition or other options.
+            for ((file, _), recipe) in self.rows.iter().zip(self.recipes) {
+                let path = self.folder.join(file);
+                if image::recipe_text(&path).map_err(io(&path, "read"))? != Some(image::describe(recipe)) {
+                    let message = "is another image than this command makes; expected every shard to be made with the same definition and options";
+                    return Err(FileErrors::whole(path, message).into());
+                }
+            }
             self.writer.replacing().write(&path, &[header, lines.concat().into_bytes()].concat())?;
         } else {
             // Another shard may have joined the lists, this one's too, and removed them.
@@ -214,14 +222,19 @@ fn foreign_lists(
     whole: &Path,
     list: &Path,
     header: &[String],
-    rows: &[(String, Vec<String>)],
+    (rows, recipes): (&[(String, Vec<String>)], &[Recipe]),
 ) -> Result<Vec<PathBuf>, StoreError> {
     let header = String::from_utf8_lossy(&table::line(header)).into_owned();
-    let files: HashSet<&str> = rows.iter().map(|(file, _)| file.as_str()).collect();
-    let is_ours = |line: &str| line.split(',').next().is_some_and(|name| files.contains(name));
+    let images: HashMap<&str, _> = rows.iter().zip(recipes).map(|image| (&*image.0.0, image)).collect();
+    // A line that someone changed is not one of ours.
+    let is_ours = |text: &str| {
+        let mut cells = text.split(',');
+        let found = cells.next().and_then(|name| images.get(name)).zip(cells.next());
+        found.is_some_and(|((row, recipe), hash)| line(row, hash, recipe) == text.as_bytes())
+    };
     // The last line of a killed run can be incomplete.
     let lists_ours = |text: &str| text.split_inclusive('\n').all(|line| !line.ends_with('\n') || is_ours(line));
-    let whole = (whole, text_of(whole)?.is_none_or(|text| text.starts_with(&header)));
+    let whole = (whole, text_of(whole)?.is_none_or(|text| text.strip_prefix(&header).is_some_and(lists_ours)));
     let list = (list, text_of(list)?.is_none_or(|text| lists_ours(&text)));
     let foreign = [whole, list].into_iter().filter(|(_, is_ours)| !is_ours);
     Ok(foreign.map(|(path, _)| path.to_owned()).collect())

@@ -258,7 +258,8 @@ impl Analyze {
         let mut study = TaskStudy::of_answers(path, &rows, &factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
         if missing > 0 {
-            let message = format!("{missing} of {all} rows have no level or no answer, and were left out");
+            let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
+            let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");
             study.warnings.push(FileError::whole(path, message));
         }
         Ok(study)

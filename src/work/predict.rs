@@ -155,9 +155,12 @@ impl Predict {
         let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let detections = viewing.detections(&stimuli).map_err(wrong)?;
         let known = protocol.stimulus.parameters();
-        let named = |name: &str| known.iter().find(|parameter| parameter.name == name).map(column);
+        let named = |name: &str| {
+            let parameter = known.iter().find(|parameter| parameter.name == name);
+            parameter.map_or_else(|| Column::new(name, "", "Level of the picture."), column)
+        };
         let asked = Asked { rating: criterion.is_some(), surface: !protocol.stimulus.is_line() };
-        let columns = protocol.factors.iter().filter_map(|factor| named(&factor.name)).chain(asked.columns()).collect();
+        let columns = protocol.factors.iter().map(|factor| named(&factor.name)).chain(asked.columns()).collect();
         let row = |((condition, visible), detection): ((&Condition, &Visible), f64)| {
             let levels = protocol.factors.iter().zip(&condition.levels);
             let levels = levels.map(|(factor, level)| Cell::from(factor.levels[*level].clone()));

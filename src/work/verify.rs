@@ -1,7 +1,7 @@
 //! Whether recorded sessions are correct and unchanged.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeSet, HashMap},
     path::{Path, PathBuf},
 };
 
@@ -50,6 +50,13 @@ impl Verify {
         let mut errors = [listed.errors.clone(), listed.unexpected(&listed.datasets)].concat();
         if listed.files.is_empty() && errors.is_empty() {
             return Err(listed.nothing(&self.folder).into());
+        }
+        let mut names = HashMap::new();
+        for csv in &listed.files {
+            if let Some(other) = names.insert(csv.file_name(), csv) {
+                let message = format!("is the same session as {}; expected each session once", other.display());
+                watcher.warn(&FileError::whole(csv, message).to_string());
+            }
         }
         let (mut found, mut renderer, mut further) = (Found::default(), Renderer::default(), 0);
         for (csv, done) in listed.files.iter().zip(1..) {

@@ -10,7 +10,7 @@ use machband::{
 };
 
 use crate::{
-    common::{command, everything, fails, pixels, split, succeeds, text},
+    common::{command, edit, everything, fails, machband, pixels, split, succeeds, text},
     transfers,
 };
 
@@ -283,4 +283,23 @@ fn an_unreadable_list_of_images_is_an_error() {
         let said = fails(folder.path(), &options, 1);
         assert!(said.contains("manifest-2-of-2.csv: is a folder; expected a file"), "{said}");
     }
+}
+
+#[test]
+fn a_manifest_lists_only_images_of_one_definition_and_one_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let shard = |shard: &str, size: &str| {
+        machband(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", shard, "--size", size])
+    };
+    assert!(shard("1/2", "16").status.success());
+    let other = shard("2/2", "32");
+    let said = String::from_utf8(other.stderr).unwrap();
+    assert!(said.contains("is another image than this command makes"), "{said}");
+    assert!(!other.status.success() && !folder.path().join("x/manifest.csv").exists());
+    // A note in the list is not ours to remove.
+    succeeds(folder.path(), &["stimuli", "quick", "--out", "y", "--size", "8"]);
+    let list = folder.path().join("y/manifest.csv");
+    edit(&list, |text| text.to_owned() + "shown to the pilot group\n");
+    let said = fails(folder.path(), &["stimuli", "quick", "--out", "y", "--size", "8"], 2);
+    assert!(said.contains("manifest.csv: already exists"), "{said}");
 }

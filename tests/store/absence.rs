@@ -16,7 +16,7 @@ use machband::{
 };
 
 use crate::{
-    common::{command, everything, fails, machband, rows, session_csv, skip, text},
+    common::{command, everything, fails, machband, rows, session_csv, skip, succeeds, text},
     recording::{self, SEED, sitting, small},
 };
 
@@ -273,5 +273,61 @@ fn answers_survive_edits_by_hand() {
             let row = table.lines().find(|line| line.starts_with(subject)).unwrap();
             assert!(row.split('\t').any(|cell| cell == age), "{table}");
         }
+    }
+}
+
+/// A row that an interrupted write left without its end is not shown as recorded by any command, whatever it still says.
+#[test]
+fn a_last_row_without_its_end_is_no_rating() {
+    let scratch = tempfile::tempdir().unwrap();
+    let definition = "name = \"torn\"\ntitle = \"Torn\"\n[stimulus]\nkind = \"mach-band\"\ndepth = \"inf\"\n[factors]\n\
+                      tanh_k = [5, 7.5]\n[design]\nrepetitions = 8\n[practice]\ntrials = 0\n";
+    fs::write(scratch.path().join("torn.toml"), definition).unwrap();
+    succeeds(scratch.path(), &["simulate", "torn.toml", "--observer", "paper", "--results", "results"]);
+    let csv = session_csv(&scratch.path().join("results"), "torn", "S001");
+    let whole = fs::read_to_string(&csv).unwrap();
+    let complete = whole.lines().position(|line| line.ends_with(",7.5")).unwrap();
+    let begun = whole.split_inclusive('\n').take(complete + 1).collect::<String>();
+    for cut in 1..4 {
+        fs::write(&csv, &begun[..begun.len() - cut]).unwrap();
+        let output = machband(scratch.path(), &["counts", csv.to_str().unwrap(), "--out", "c.csv", "--force"]);
+        let (said, found) = (text(&output.stderr), fs::read_to_string(scratch.path().join("c.csv")));
+        assert!(said.contains("the last row is cut off, as after an interrupted write"), "{cut}: {said}");
+        if complete > 1 {
+            let levels: Vec<String> =
+                found.unwrap().lines().skip(1).map(|row| row.split(',').nth(1).unwrap().into()).collect();
+            assert!(levels.iter().all(|level| level == "5" || level == "7.5"), "{levels:?}");
+        }
+    }
+}
+
+/// The data of a study are the same from whatever folder they are read, and so is what is missing.
+#[test]
+fn a_data_folder_is_one_under_any_path() {
+    let scratch = tempfile::tempdir().unwrap();
+    let results = scratch.path().join("results");
+    for subject in ["S001", "S002"] {
+        record(&results, subject, usize::MAX);
+    }
+    let study = results.join("small-one");
+    fs::write(study.join("LICENSE"), "ours").unwrap();
+    let mut places = vec![(study.clone(), "data"), (study.join("data"), ".")];
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(study.join("data"), scratch.path().join("rows")).unwrap();
+        places.push((scratch.path().to_owned(), "rows"));
+    }
+    for (i, (folder, name)) in places.iter().enumerate() {
+        let out = scratch.path().join(format!("out{i}"));
+        let said = machband(folder, &["export", name, "--format", "psych-ds", "--out", out.to_str().unwrap()]);
+        assert!(said.status.success(), "{name}: {}", text(&said.stderr));
+        assert_eq!(fs::read_to_string(out.join("small-one/LICENSE")).unwrap(), "ours", "{name}");
+        let counts = scratch.path().join(format!("counts{i}.csv"));
+        succeeds(folder, &["counts", name, "--out", counts.to_str().unwrap()]);
+    }
+    fs::remove_file(csv(&results, "S001")).unwrap();
+    for (folder, name) in places {
+        let said = text(&machband(&folder, &["verify", name]).stderr);
+        assert!(said.contains("has no data file next to it"), "{name}: {said}");
     }
 }

@@ -406,3 +406,59 @@ fn links_in_the_data_are_refused_by_name() {
     std::os::unix::fs::symlink(&results, scratch.path().join("link")).unwrap();
     written(&scratch.path().join("link"), &scratch.path().join("out"), Format::Bids);
 }
+
+#[test]
+fn data_sets_that_mean_different_things_are_not_joined() {
+    let (scratch, results) = simulated(&["quick"]);
+    let [first, second] = ["first", "second"].map(|lab| results.join(lab));
+    fs::create_dir(&first).unwrap();
+    fs::rename(results.join("quick"), first.join("quick")).unwrap();
+    succeeds(scratch.path(), &["simulate", "quick", "--participants", "2", "--results", "results/second"]);
+    for end in ["data.csv", "data.json"] {
+        fs::remove_file(second.join(format!("quick/data/subject-S001_session-1_task-quick_{end}"))).unwrap();
+    }
+    for (lab, subject, age, unit) in [(&first, "S001", "27", "years"), (&second, "S002", "324", "months")] {
+        fs::write(lab.join("quick/participants.tsv"), format!("participant_id\tage\nsub-{subject}\t{age}\n")).unwrap();
+        fs::write(lab.join("quick/participants.json"), json!({ "age": { "Units": unit } }).to_string()).unwrap();
+    }
+    let export = |format: &str, status: i32| {
+        fails(scratch.path(), &["export", "results", "--format", format, "--out", format], status)
+    };
+    for format in ["bids", "psych-ds"] {
+        let said = export(format, 1);
+        assert!(said.contains("participants.json: describes other units or levels of \"age\""), "{said}");
+    }
+    let units = |unit: &str| json!({ "age": { "Units": unit, "Description": "Own words." } }).to_string();
+    fs::write(second.join("quick/participants.json"), units("years")).unwrap();
+    // Columns of both are described; one column has one description.
+    let description = second.join("quick/dataset_description.json");
+    edit_json(&description, |all| {
+        all["variableMeasured"].as_array_mut().unwrap().push(json!({ "name": "lux", "description": "Of the room." }));
+    });
+    succeeds(scratch.path(), &["export", "results", "--format", "psych-ds", "--out", "joined"]);
+    let joined = fs::read_to_string(scratch.path().join("joined/quick/dataset_description.json")).unwrap();
+    assert!(joined.contains("Of the room.") && joined.contains("row_id"), "{joined}");
+    edit_json(&first.join("quick/dataset_description.json"), |all| {
+        all["variableMeasured"].as_array_mut().unwrap().push(json!({ "name": "lux", "description": "Of the screen." }));
+    });
+    assert!(export("psych-ds", 1).contains("dataset_description.json: differs from"));
+    let torn = &fs::read_to_string(&description).unwrap()[..100];
+    fs::write(&description, torn).unwrap();
+    for format in ["bids", "psych-ds"] {
+        assert!(export(format, 1).contains("is not the description of a data set: EOF"), "{format}");
+    }
+
+    // In BIDS, names of tasks lose their hyphens.
+    let definition = fs::read_to_string("experiments/quick.toml").unwrap();
+    for (name, subject) in [("my-study", "1"), ("mystudy", "2")] {
+        fs::write(scratch.path().join("one.toml"), definition.replace("\"quick\"", &format!("\"{name}\""))).unwrap();
+        succeeds(scratch.path(), &["simulate", "one.toml", "--participants", subject, "--results", "twins"]);
+    }
+    for end in ["data.csv", "data.json"] {
+        fs::remove_file(scratch.path().join(format!("twins/mystudy/data/subject-S001_session-1_task-mystudy_{end}")))
+            .unwrap();
+    }
+    let said = fails(scratch.path(), &["export", "twins", "--format", "bids", "--out", "twins-bids"], 1);
+    assert!(said.contains("my-study and mystudy have the same task name in BIDS, mystudy"), "{said}");
+    succeeds(scratch.path(), &["export", "twins", "--format", "psych-ds", "--out", "twins-psych-ds"]);
+}

@@ -109,7 +109,9 @@ impl Study {
         let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
         let (unreadable, rows) = (sum(|file| file.erroneous - file.repeated), sum(|file| file.rows));
         let (nobodys, _) = source.left_out(Reason::NoParticipant);
-        let file = source.files.first().map_or(Path::new("."), |file| &file.path);
+        let is_affected =
+            |file: &&FileRead| file.erroneous > file.repeated || file.left_out.contains_key(&Reason::NoParticipant);
+        let file = source.files.iter().find(is_affected).map_or(Path::new("."), |file| &file.path);
         if UNREADABLE * (unreadable + nobodys) > rows {
             let share = 100 / UNREADABLE;
             let what = match (unreadable, nobodys) {

@@ -162,7 +162,11 @@ impl TaskStudy {
             }
             study.add(session, exclude);
         }
-        let folders = sessions.iter().filter_map(|session| Some((&*session.csv, dataset::of(&session.csv)?)));
+        let mut folders = Vec::new();
+        for session in &sessions {
+            let folder = dataset::of(&session.csv).map_err(|error| FileErrors(error.errors(&session.csv)))?;
+            folders.extend(folder.map(|folder| (&*session.csv, folder)));
+        }
         warnings.extend(dataset::links_out(folders)?);
         study.warnings = warnings;
         let unknown = exclude.iter().find(|id| !study.excluded.contains(id));

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     experiment::{Column, Protocol, columns},
     store::{
-        StoreError,
+        FileErrors, StoreError,
         dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
         file::{make_folder, parse_json, write_file, write_json},
         participants::{Collected, MISSING, collect},
@@ -43,6 +43,18 @@ const STIM_FILE: &str = "stim_file";
 
 /// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
+    let mut tasks = BTreeMap::new();
+    for experiment in experiments {
+        // A task has one description, and some file systems ignore case.
+        let task = experiment.sessions[0].protocol.file_task();
+        if let Some(other) = tasks.insert(task.to_ascii_lowercase(), &experiment.name) {
+            let message = format!(
+                "the experiments {other} and {} have the same task name in BIDS, {task}; expected names that differ in more than hyphens and case",
+                experiment.name
+            );
+            return Err(FileErrors::whole(&experiment.sessions[0].csv, message).into());
+        }
+    }
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
@@ -349,8 +361,9 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
     for session in experiments.iter().flat_map(|experiment| &experiment.sessions) {
         participants.entry(session.identity.subject()).or_default().push(session);
     }
-    let datasets = experiments.iter().flat_map(Experiment::datasets);
-    let Collected { participants: answered, descriptions, notes: differences } = collect(datasets)?;
+    let datasets: Vec<_> = experiments.iter().map(Experiment::datasets).collect::<Result<_, _>>()?;
+    let Collected { participants: answered, descriptions, notes: differences } =
+        collect(datasets.into_iter().flatten())?;
     notes.extend(differences);
     let mut described = json!({
         "participant_id": { "Description": "Participant." },
@@ -362,7 +375,11 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
         "complete_sessions": { "Description": "Sessions in which every planned trial was rated." },
     });
     // A column that someone added by hand may have one of these names.
-    let columns: Vec<&String> = answered.columns().iter().filter(|column| described.get(column).is_none()).collect();
+    let (own, columns): (Vec<&String>, _) =
+        answered.columns().iter().partition(|column| described.get(column).is_some());
+    notes.extend(own.iter().map(|column| {
+        format!("{PARTICIPANTS}: the export's own column {column} takes the place of the one in the data")
+    }));
     let heads = columns.iter().map(|column| format!("\t{column}")).collect::<String>();
     let mut text = format!("participant_id\tobserver\tsessions\tcomplete_sessions{heads}\n");
     for (subject, sessions) in participants {

@@ -13,9 +13,11 @@ use crate::{
     experiment::columns,
     store::{
         FileErrors, StoreError,
-        dataset::{DATA_FILE, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe},
+        dataset::{
+            DATA_FILE, DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe,
+        },
         error::io,
-        file::{make_folder, read_existing, write_file, write_json},
+        file::{make_folder, parse_json, read_existing, write_file, write_json},
         frames,
         open::open_regular,
         participants::{Collected, collect},
@@ -90,7 +92,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
             write_file(&folder.join(name), &content)?;
         }
     }
-    let Collected { participants, descriptions, notes: found } = collect(experiment.datasets())?;
+    let Collected { participants, descriptions, notes: found } = collect(experiment.datasets()?)?;
     notes.extend(found);
     if !participants.is_empty() {
         write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
@@ -113,32 +115,53 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
 /// Two data sets have different files, because each may belong to another author with another license; I/O errors.
 pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(PathBuf, Vec<u8>)>, StoreError> {
     let mut known: Option<(PathBuf, Vec<u8>)> = None;
-    for dataset in experiment.datasets().keys() {
+    for dataset in experiment.datasets()?.keys() {
         let path = dataset.join(name);
-        let content = read_existing(&path, MAX_DESCRIPTION)?;
-        match (&known, content) {
-            (Some((first, other)), Some(content)) if !is_same(other, &content) => {
-                let message = format!(
-                    "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
-                    first.display()
-                );
-                return Err(FileErrors::whole(path, message).into());
-            }
-            (None, Some(content)) => known = Some((path, content)),
-            _ => {}
+        let Some(content) = read_existing(&path, MAX_DESCRIPTION)? else { continue };
+        if name == DESCRIPTION {
+            parse_json::<Map<String, Value>>(&path, &content, "the description of a data set")?;
         }
+        known = Some(match known {
+            None => (path, content),
+            Some((first, other)) => match joined(&other, &content) {
+                Some(all) => (first, all),
+                None => {
+                    let message = format!(
+                        "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
+                        first.display()
+                    );
+                    return Err(FileErrors::whole(path, message).into());
+                }
+            },
+        });
     }
     Ok(known)
 }
 
-/// True if two files say the same about their data sets. The columns that a description lists do not matter.
-fn is_same(one: &[u8], other: &[u8]) -> bool {
-    let said = |content: &[u8]| {
-        let mut said: Map<String, Value> = serde_json::from_slice(content).ok()?;
-        said.remove("variableMeasured");
-        Some(said)
-    };
-    one == other || said(one).is_some_and(|one| Some(one) == said(other))
+/// Joins two files that say the same about their data sets; `None` if they do not. Each description may list columns that
+/// the other does not have.
+fn joined(one: &[u8], other: &[u8]) -> Option<Vec<u8>> {
+    const COLUMNS: &str = "variableMeasured";
+    if one == other {
+        return Some(one.to_owned());
+    }
+    let [mut all, mut further] = [one, other].map(|content| serde_json::from_slice::<Map<String, Value>>(content).ok());
+    let (all, further) = (all.as_mut()?, further.as_mut()?);
+    let [known, also] = [&mut *all, further].map(|said| said.remove(COLUMNS).unwrap_or_default());
+    if all != further {
+        return None;
+    }
+    let name = |column: &Value| column.as_str().or_else(|| column.get("name")?.as_str()).map(str::to_owned);
+    let mut columns = known.as_array().cloned().unwrap_or_default();
+    for column in also.as_array().into_iter().flatten() {
+        match columns.iter().find(|known| name(known) == name(column)) {
+            None => columns.push(column.clone()),
+            Some(known) if known != column => return None,
+            Some(_) => {}
+        }
+    }
+    all.insert(COLUMNS.to_owned(), columns.into());
+    serde_json::to_vec_pretty(&all).ok()
 }
 
 /// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.

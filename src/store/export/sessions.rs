@@ -47,14 +47,17 @@ impl Experiment {
     }
 
     /// Returns the data sets of the sessions, each with the IDs of its participants.
-    pub fn datasets(&self) -> BTreeMap<&Path, BTreeSet<&str>> {
+    ///
+    /// # Errors
+    /// A folder cannot be accessed.
+    pub fn datasets(&self) -> Result<BTreeMap<PathBuf, BTreeSet<&str>>, StoreError> {
         let mut datasets = BTreeMap::<_, BTreeSet<_>>::new();
         for session in &self.sessions {
-            if let Some(dataset) = dataset::of(&session.csv) {
+            if let Some(dataset) = dataset::of(&session.csv)? {
                 datasets.entry(dataset).or_default().insert(session.identity.subject());
             }
         }
-        datasets
+        Ok(datasets)
     }
 
     /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.
@@ -84,7 +87,8 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
         let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
         paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}"))));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
-        paths.extend(dataset::of(csv).into_iter().flat_map(|dataset| names.clone().map(|name| dataset.join(name))));
+        let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
+        paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
     }
     let mut errors = Vec::new();
     for path in paths {

@@ -99,7 +99,8 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
         }
     }
     let full = full_path(to).map_err(refused)?;
-    for folder in files.iter().filter_map(|csv| dataset::of(csv)).chain([from]) {
+    let datasets: Vec<_> = files.iter().map(|csv| dataset::of(csv)).collect::<Result<_, _>>()?;
+    for folder in datasets.iter().flatten().map(|folder| &**folder).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("is inside {}; expected a folder outside the data", folder.display());
             return Err(error(&message));

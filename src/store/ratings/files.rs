@@ -132,10 +132,19 @@ impl Listed {
     #[must_use]
     pub fn unexpected(&self, also: &[PathBuf]) -> Vec<FileError> {
         let sessions = self.files.iter().filter(|csv| dataset::identity(csv).is_ok());
-        let datasets: BTreeSet<&Path> =
-            sessions.filter_map(|csv| dataset::of(csv)).chain(also.iter().map(AsRef::as_ref)).collect();
-        let is_listed = |dataset: &&Path| !self.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
-        datasets.into_iter().filter(is_listed).flat_map(dataset::unexpected_files).collect()
+        let mut datasets: BTreeSet<PathBuf> = also.iter().cloned().collect();
+        let mut errors = Vec::new();
+        for csv in sessions {
+            match dataset::of(csv) {
+                Ok(dataset) => datasets.extend(dataset),
+                Err(error) => errors.extend(error.errors(csv)),
+            }
+        }
+        let is_listed =
+            |dataset: &PathBuf| !self.errors.iter().any(|error| Path::new(&error.file).starts_with(dataset));
+        let unexpected =
+            datasets.iter().filter(|dataset| is_listed(dataset)).flat_map(|one| dataset::unexpected_files(one));
+        errors.into_iter().chain(unexpected).collect()
     }
 
     /// Lists the tables in a folder.

@@ -19,6 +19,7 @@ pub(super) use files::Header;
 pub use files::{Listed, column_names, files, with_files};
 pub(super) use reader::is_mark;
 pub use reader::{read, read_columns};
+pub(super) use rows::checked;
 pub use selection::SIMULATED;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
 pub(super) use values::is_missing;

@@ -137,7 +137,7 @@ fn read_inputs<T>(
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     let mut known = HashMap::new();
-    warnings.extend(reports.iter().filter(|report| report.layout == Layout::Long).filter_map(|report| {
+    warnings.extend(reports.iter().filter(|report| report.layout != Layout::Results).filter_map(|report| {
         let other = known.insert(report.sha256.clone()?, report.path.display())?;
         Some(FileError::whole(&report.path, format!("has the same content as {other}; expected each rating once")))
     }));

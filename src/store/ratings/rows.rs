@@ -115,7 +115,12 @@ impl Rows {
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
         let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
-            if !std::mem::take(&mut is_header) {
+            let incomplete = interrupted(row).filter(|_| input.layout == Layout::Results);
+            if std::mem::take(&mut is_header) {
+            } else if let Some(what) = incomplete {
+                // Resuming the session shows its trial again.
+                rows.errors.add(&input.name, None, left_behind(what), || row.place(0));
+            } else {
                 let index = rows.status.len();
                 if index.is_multiple_of(MARK) {
                     rows.marks.push(row.position());
@@ -248,7 +253,12 @@ impl RowError {
 /// # Errors
 /// A quote is not closed, or the number of cells differs from the header's; a cell that is used contains a zero byte, or
 /// is not UTF-8 although this program wrote the file.
-fn checked(row: &Row<'_>, used: &BTreeSet<usize>, width: usize, layout: Layout) -> Result<(), (Option<usize>, String)> {
+pub(in crate::store) fn checked(
+    row: &Row<'_>,
+    used: &BTreeSet<usize>,
+    width: usize,
+    layout: Layout,
+) -> Result<(), (Option<usize>, String)> {
     let found = row.record.len();
     if row.is_open() {
         return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
@@ -272,21 +282,24 @@ fn checked(row: &Row<'_>, used: &BTreeSet<usize>, width: usize, layout: Layout) 
     Ok(())
 }
 
-/// Says that a row with an error in this cell was left behind by an interrupted write: the last row, if it either has no
-/// line end and an error in its last cell or its number of cells, or contains zero bytes because the file was enlarged
-/// but not filled.
+/// Says that a row with an error in this cell was left behind by an interrupted write. In a table from elsewhere, the last
+/// row may lack a line end, so there the error must be in its last cell or its number of cells.
 fn partial(row: &Row<'_>, cell: Option<usize>) -> Option<String> {
-    if !row.last {
-        return None;
-    }
+    let is_last = |cell| cell + 1 == row.record.len();
+    interrupted(row).filter(|what| *what == ZEROS || cell.is_none_or(is_last)).map(left_behind)
+}
+
+/// How a file looks that was enlarged but not filled.
+const ZEROS: &str = "contains zero bytes";
+
+/// Returns what looks like an interrupted write, if this is the last row.
+fn interrupted(row: &Row<'_>) -> Option<&'static str> {
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    let what = if raw.contains(&0) {
-        "contains zero bytes"
-    } else if !is_ended && cell.is_none_or(|cell| cell + 1 == row.record.len()) {
-        "is cut off"
-    } else {
-        return None;
-    };
-    Some(format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)"))
+    let what = if raw.contains(&0) { Some(ZEROS) } else { (!is_ended).then_some("is cut off") };
+    what.filter(|_| row.last)
+}
+
+fn left_behind(what: &str) -> String {
+    format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)")
 }

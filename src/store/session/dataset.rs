@@ -15,7 +15,7 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         error::io,
-        file::{ABANDONED, exists, make_folder, remove_temporary, write_json, write_missing},
+        file::{ABANDONED, exists, folder_of, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
     system::{entries, found, link_target, unless_missing},
@@ -113,18 +113,27 @@ pub(crate) fn refuse_link(path: &Path) -> Result<(), StoreError> {
     Err(FileErrors::whole(path, format!("is a link to {}; {expected}", target.display())).into())
 }
 
-/// Returns the data set of a data file: the folder that contains its `data` folder.
-pub(crate) fn of(csv: &Path) -> Option<&Path> {
-    let data = csv.parent()?;
-    (data.file_name()? == "data").then(|| data.parent())?
+/// Returns the data set of a data file: the folder that contains its `data` folder, whatever the path calls that folder.
+///
+/// # Errors
+/// The folder cannot be accessed.
+pub(crate) fn of(csv: &Path) -> Result<Option<PathBuf>, StoreError> {
+    let folder = folder_of(csv);
+    if folder.file_name().is_some_and(|name| name == "data") {
+        return Ok(Some(folder_of(folder).to_owned()));
+    }
+    // The folder may be called `.`, or be a link.
+    let full = unless_missing(folder.canonicalize()).map_err(io(folder, "access"))?;
+    let is_data = full.as_deref().and_then(Path::file_name).is_some_and(|name| name == "data");
+    Ok(is_data.then(|| folder.join("..")))
 }
 
 /// Returns the data set of a data file; `None` if its folder has no description of a data set.
 ///
 /// # Errors
 /// I/O errors.
-pub(crate) fn described(csv: &Path) -> Result<Option<&Path>, StoreError> {
-    let Some(folder) = of(csv) else { return Ok(None) };
+pub(crate) fn described(csv: &Path) -> Result<Option<PathBuf>, StoreError> {
+    let Some(folder) = of(csv)? else { return Ok(None) };
     Ok(exists(&folder.join(DESCRIPTION))?.then_some(folder))
 }
 
@@ -134,10 +143,10 @@ pub(crate) fn described(csv: &Path) -> Result<Option<&Path>, StoreError> {
 /// # Errors
 /// A file or folder cannot be accessed.
 pub(crate) fn links_out<'a>(
-    files: impl IntoIterator<Item = (&'a Path, &'a Path)>,
+    files: impl IntoIterator<Item = (&'a Path, PathBuf)>,
 ) -> Result<Vec<FileError>, FileErrors> {
     // One warning for each data set, because a version control system may replace every file with a link.
-    let mut links: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
+    let mut links: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
     for (csv, folder) in files {
         let outside = || -> std::io::Result<Vec<PathBuf>> {
             let (inside, mut outside) = (folder.canonicalize()?, Vec::new());
@@ -148,10 +157,10 @@ pub(crate) fn links_out<'a>(
             }
             Ok(outside)
         };
-        let outside = outside().map_err(|error| FileErrors(io(folder, "access")(error).errors(folder)))?;
+        let outside = outside().map_err(|error| FileErrors(io(&folder, "access")(error).errors(&folder)))?;
         links.entry(folder).or_default().extend(outside);
     }
-    let warning = |(folder, paths): (&Path, Vec<PathBuf>)| {
+    let warning = |(folder, paths): (PathBuf, Vec<PathBuf>)| {
         let (first, all) = (paths.first()?.display(), paths.len());
         let message = format!(
             "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
@@ -177,7 +186,7 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 
 /// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
 /// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
-/// /// A folder that exists but cannot be read is an error too.
+/// A folder that exists but cannot be read is an error too.
 #[must_use]
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let data = dataset.join("data");
@@ -249,7 +258,10 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
         return write_json(&path, &description(protocol)).map(|()| None);
     }
     let found = read_regular(&path, MAX_DESCRIPTION).map_err(io(&path, "read"))?;
-    let mut described: Value = serde_json::from_slice(&found).unwrap_or_default();
+    // The session is worth more than its description.
+    let Ok(mut described) = serde_json::from_slice::<Value>(&found) else {
+        return Ok(Some(format!("{DESCRIPTION} is not JSON; it was not changed")));
+    };
     match add_columns(&mut described, &columns(protocol)) {
         Some(true) => write_json(&path, &described).map(|()| None),
         Some(false) => Ok(None),

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{
-    dataset::{self, SessionPaths, identity},
+    dataset::{SessionPaths, identity},
     lock, results,
     sidecar::Sidecar,
 };
@@ -81,7 +81,7 @@ impl SessionState {
         if !results::read(&self.csv, &columns(&protocol))?.is_empty() {
             return refuse("contains ratings; expected a session without any");
         }
-        let results = dataset::of(&self.csv).and_then(Path::parent).unwrap_or(Path::new(""));
+        let results = self.csv.ancestors().nth(3).unwrap_or(Path::new(""));
         let paths = SessionPaths::new(results, &protocol, &self.identity);
         // The rows go last: without them, nobody would find the others.
         for path in [paths.frames, paths.sidecar, paths.csv] {
@@ -145,7 +145,9 @@ impl Overview {
         let listed = Listed::sessions(results);
         overview.errors.extend(listed.errors.iter().chain(&listed.warnings).map(ToString::to_string));
         // A session is resumed in the results folder, so not in a folder further down.
-        let is_own = |csv: &PathBuf| dataset::of(csv).and_then(Path::parent) == Some(results);
+        let is_own = |csv: &PathBuf| {
+            csv.ancestors().nth(3) == Some(results) && csv.parent().is_some_and(|data| data.ends_with("data"))
+        };
         for csv in listed.files.into_iter().filter(is_own) {
             match SessionState::read(csv) {
                 Ok(session) => overview.sessions.push(session),

@@ -1,7 +1,10 @@
 //! The participants of a data set, `participants.tsv` and its description `participants.json`, as in BIDS: one row for
 //! each participant with their latest answers. The sidecar of each session has the answers of that session.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use serde_json::{Map, Value, json};
 
@@ -10,7 +13,7 @@ use crate::{
     experiment::{Answers, FieldKind, ParticipantFields},
     store::{
         FileError, FileErrors, StoreError,
-        file::{in_turn, parse_json, read_existing, write_json, write_whole},
+        file::{exists, in_turn, parse_json, read_existing, write_json, write_whole},
     },
     text::is_formula,
 };
@@ -47,6 +50,10 @@ impl Participants {
         let columns = lines.next().map_or_else(|| vec![ID.to_owned()], |(_, line)| cells(line));
         if columns[0] != ID {
             let message = format!("the first column is {:?}; expected {ID}", columns[0]);
+            return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
+        }
+        if let Some(twice) = columns.iter().find(|name| columns.iter().filter(|other| other == name).count() > 1) {
+            let message = format!("the column {twice:?} appears more than once; expected each column once");
             return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
         }
         let (mut rows, mut errors) = (Vec::new(), Vec::new());
@@ -106,7 +113,7 @@ impl Participants {
                 let known = self.get(subject, column);
                 if known.is_some_and(|known| known != value && value != MISSING) {
                     notes.push(format!(
-                        "{PARTICIPANTS}: {column} of {subject} differs between experiments; the first value is used"
+                        "{PARTICIPANTS}: {column} of {subject} has more than one value; the first one is used"
                     ));
                 }
                 values.push((column.as_str(), Some(value.clone()).filter(|_| known.is_none())));
@@ -183,14 +190,15 @@ pub(in crate::store) struct Collected {
 /// Collects what several data sets say about these participants of theirs.
 ///
 /// # Errors
-/// The files cannot be read; or a spreadsheet would interpret a cell as a formula.
+/// The files cannot be read; a spreadsheet would interpret a cell as a formula; or data sets describe a column with
+/// different units or levels.
 pub(in crate::store) fn collect<'a>(
-    datasets: impl IntoIterator<Item = (&'a Path, BTreeSet<&'a str>)>,
+    datasets: impl IntoIterator<Item = (PathBuf, BTreeSet<&'a str>)>,
 ) -> Result<Collected, StoreError> {
     let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
     let (mut descriptions, mut notes) = (Map::new(), Vec::new());
     for (dataset, subjects) in datasets {
-        let table = Participants::read(dataset)?;
+        let table = Participants::read(&dataset)?;
         let cells = || table.rows.iter().zip(2..).flat_map(|(row, line)| row.iter().map(move |cell| (line, cell)));
         let errors = cells().filter(|(_, cell)| is_formula(cell)).map(|(line, cell)| {
             let expected = "expected text that begins with another character";
@@ -201,12 +209,20 @@ pub(in crate::store) fn collect<'a>(
         notes.extend(participants.add(&table, &subjects));
         let missing: Vec<&str> =
             subjects.iter().filter(|subject| !table.rows.iter().any(|row| is_of(row, subject))).copied().collect();
-        if !table.is_empty() && !missing.is_empty() {
-            let path = dataset.join(PARTICIPANTS);
+        let path = dataset.join(PARTICIPANTS);
+        if !missing.is_empty() && exists(&path)? {
             notes.push(format!("{}: has no row for {}", path.display(), missing.join(", ")));
         }
-        for (column, description) in described(dataset)? {
-            descriptions.entry(column).or_insert(description);
+        let path = dataset.join(PARTICIPANTS_DESCRIBED);
+        for (column, description) in described(&dataset)? {
+            let known = descriptions.entry(column.clone()).or_insert_with(|| description.clone());
+            // Other words may mean the same, but the same value in another unit or of other levels does not.
+            if ["Units", "Levels"].iter().any(|key| known.get(key) != description.get(key)) {
+                let message = format!(
+                    "describes other units or levels of {column:?} than another data set does; expected the same, or one export for each folder"
+                );
+                return Err(FileErrors::whole(path, message).into());
+            }
         }
     }
     Ok(Collected { participants, descriptions, notes })

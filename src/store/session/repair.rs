@@ -47,7 +47,8 @@ pub struct Repaired {
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
     let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
-    [csv, &sidecar_path].into_iter().chain(dataset::of(csv)).chain(csv.parent()).try_for_each(refuse_link)?;
+    let dataset = dataset::of(csv)?;
+    [csv, &sidecar_path].into_iter().chain(dataset.as_deref()).chain(csv.parent()).try_for_each(refuse_link)?;
     let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
     let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
     let columns = columns(&protocol);

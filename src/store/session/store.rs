@@ -406,6 +406,13 @@ impl Found {
     ) -> Result<Self, StoreError> {
         let paths = SessionPaths::new(results, protocol, identity);
         if !exists(&paths.csv)? {
+            for other in [&paths.sidecar, &paths.frames] {
+                if exists(other)? {
+                    let message =
+                        format!("is missing, but {} is there; expected the rows of this session", other.display());
+                    return Err(FileErrors::whole(paths.csv, message).into());
+                }
+            }
             return Err(StoreError::NothingToResume(paths.csv));
         }
         paths.refuse_links()?;
