@@ -22,7 +22,7 @@ use crate::{
 #[command(after_help = "Example: machband timing --frames 1800 --fullscreen --out intervals.csv --plot intervals.svg")]
 pub(super) struct Arguments {
     /// Number of frames to measure.
-    #[arg(long, value_name = "N", default_value_t = 600, value_parser = whole(2..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 600, value_parser = whole::<u32>(2..=10_000_000))]
     frames: u32,
     /// Use the full screen.
     #[arg(long, conflicts_with = "windowed")]
@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "patch")]
     scene: Scene,
     /// Side of the patch in pixels.
-    #[arg(long, value_name = "PX", default_value_t = Patch::default().size_px, value_parser = whole(1..=8192))]
+    #[arg(long, value_name = "PX", default_value_t = Patch::default().size_px, value_parser = whole::<u32>(1..=8192))]
     size: u32,
     /// Position of the patch.
     #[arg(long, default_value = "corner")]

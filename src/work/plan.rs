@@ -28,7 +28,7 @@ pub struct Plan {
     #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants per study; give several numbers to compare them.
-    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = whole(1..=10_000))]
+    #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
     pub participants: Vec<u32>,
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE", value_parser = effect)]
@@ -37,7 +37,7 @@ pub struct Plan {
     #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
     pub deviations: Vec<Assignment>,
     /// Number of studies to simulate for each number of participants.
-    #[arg(long, value_name = "N", default_value_t = Sampling::default().studies, value_parser = whole(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = Sampling::default().studies, value_parser = whole::<u32>(1..=100_000))]
     pub studies: u32,
     /// Significance level: an effect is found if p is below it.
     #[arg(long, value_name = "P", default_value_t = Sampling::default().alpha, value_parser = proportion)]
@@ -47,7 +47,7 @@ pub struct Plan {
     pub target: f64,
     /// Number of trials of each condition of a task with an adaptive method; give several numbers to compare them. Without it,
     /// that of the definition.
-    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole(1..=10_000))]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
     pub trials: Vec<u32>,
     /// Seed of the simulated ratings.
     #[arg(long, value_name = "N", default_value_t = Sampling::default().seed, value_parser = whole(0..=u64::MAX))]

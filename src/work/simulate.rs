@@ -43,7 +43,7 @@ pub struct Simulate {
     #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=1_000_000))]
     pub participants: u32,
     /// Seed of the trial order and of the observers.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]

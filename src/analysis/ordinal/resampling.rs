@@ -39,7 +39,7 @@ pub struct Resampling {
     /// Maximum number of simulated studies that calibrate tests and intervals, 99 to 1,000,000. Simulation ends earlier when
     /// more studies would not change a conclusion.
     #[arg(long, value_name = "N", default_value_t = Self::default().draws,
-          value_parser = whole(99..=1_000_000))]
+          value_parser = whole::<u32>(99..=1_000_000))]
     pub draws: u32,
     /// Seed of the simulated studies.
     #[arg(long, value_name = "N", default_value_t = Self::default().seed, value_parser = whole(0..=u64::MAX))]
