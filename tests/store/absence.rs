@@ -2,38 +2,22 @@
 
 use std::{
     fs,
-    path::{Path, PathBuf},
+    path::Path,
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use machband::{
-    experiment::Identity,
-    store::{
-        export::{Choice, Exported, Format, export},
-        ratings::Listed,
-        session::{SessionStore, repair},
-    },
+use machband::store::{
+    export::{Choice, Exported, Format, export},
+    ratings::Listed,
+    session::repair,
 };
 
 use crate::{
     common::{command, everything, fails, machband, rows, session_csv, skip, succeeds, text},
-    recording::{self, SEED, sitting, small},
+    recording::{paths, record, small},
 };
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
-
-/// Records up to `limit` trials of a participant.
-fn record(results: &Path, subject: &str, limit: usize) -> SessionStore {
-    let (protocol, identity) = (small(), Identity::new(subject, "1").unwrap());
-    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
-    recording::rate(&mut store, (&protocol, &identity), None, limit, false).unwrap();
-    store
-}
-
-fn csv(results: &Path, subject: &str) -> PathBuf {
-    session_csv(results, "small-one", subject)
-        .with_file_name(format!("subject-{subject}_session-1_task-smallone_data.csv"))
-}
 
 #[test]
 fn nothing_is_verified_only_if_nothing_is_there() {
@@ -190,8 +174,7 @@ fn the_descriptions_of_two_labs_are_not_mixed_up() {
 #[test]
 fn repair_leaves_a_file_that_another_program_saved_as_it_is() {
     let scratch = tempfile::tempdir().unwrap();
-    record(scratch.path(), "S001", usize::MAX);
-    let csv = csv(scratch.path(), "S001");
+    let csv = record(scratch.path(), "S001", usize::MAX).csv().to_owned();
     let whole = fs::read_to_string(&csv).unwrap();
     let utf_16: Vec<u8> = whole.encode_utf16().flat_map(u16::to_le_bytes).collect();
     for (saved, cause) in [
@@ -213,8 +196,7 @@ fn repair_leaves_a_file_that_another_program_saved_as_it_is() {
 fn repair_does_not_leave_the_folder_through_a_link() {
     let scratch = tempfile::tempdir().unwrap();
     let [inside, outside] = ["inside", "outside"].map(|name| scratch.path().join(name));
-    record(&outside, "S001", usize::MAX);
-    let damaged = csv(&outside, "S001");
+    let damaged = record(&outside, "S001", usize::MAX).csv().to_owned();
     fs::write(&damaged, fs::read_to_string(&damaged).unwrap() + "damaged\n").unwrap();
     let before = everything(&outside);
     for (place, target) in [("small-one", outside.join("small-one")), ("elsewhere", outside.clone())] {
@@ -225,32 +207,6 @@ fn repair_does_not_leave_the_folder_through_a_link() {
         fs::remove_dir_all(&inside).unwrap();
     }
     assert_eq!(everything(&outside), before);
-}
-
-/// A row lost a part in its middle: the error of resuming names the command that helps.
-#[test]
-fn resuming_a_damaged_session_names_repair() {
-    let scratch = tempfile::tempdir().unwrap();
-    drop(record(scratch.path(), "S001", 4));
-    let csv = csv(scratch.path(), "S001");
-    fs::write(&csv, fs::read_to_string(&csv).unwrap().replacen("mach-band,", "", 1)).unwrap();
-    let error = recording::resume(scratch.path()).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("machband repair moves such lines"), "{error}");
-    repair(&csv).unwrap();
-    assert_eq!(recording::resume(scratch.path()).unwrap().1.resumed.done.len(), 3);
-}
-
-#[test]
-fn levels_with_a_zero_byte_are_errors() {
-    let scratch = tempfile::tempdir().unwrap();
-    let rows: String = (0..80).map(|row| format!("S{},{},{}\n", row % 4, ["a", "b"][row / 2 % 2], row % 3)).collect();
-    let table = format!("subject_id,width,rating\n{rows}").replacen("S1,a", "S1,a\0", 1);
-    fs::write(scratch.path().join("nul.csv"), table).unwrap();
-    let arguments = ["analyze", "nul.csv", "--factors", "width", "--out", "out"];
-    let said = text(&machband(scratch.path(), &arguments).stderr);
-    assert!(said.contains("nul.csv:3:4: the cell contains a zero byte; expected text"), "{said}");
-    let script = fs::read(scratch.path().join("out/analysis.R")).unwrap();
-    assert!(!script.contains(&0));
 }
 
 /// What people do to the table by hand: no `sub-`, lower case, the line ends of an old spreadsheet. An export has the
@@ -325,7 +281,7 @@ fn a_data_folder_is_one_under_any_path() {
         let counts = scratch.path().join(format!("counts{i}.csv"));
         succeeds(folder, &["counts", name, "--out", counts.to_str().unwrap()]);
     }
-    fs::remove_file(csv(&results, "S001")).unwrap();
+    fs::remove_file(paths(&results).csv).unwrap();
     for (folder, name) in places {
         let said = text(&machband(&folder, &["verify", name]).stderr);
         assert!(said.contains("has no data file next to it"), "{name}: {said}");
