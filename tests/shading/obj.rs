@@ -140,15 +140,6 @@ fn normals_from_the_file_take_precedence() {
 }
 
 #[test]
-fn positions_are_merged_only_within_rounding() {
-    let seam = |y: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv -0 0 0\nv 0 {y} 0\nv -1 0 0\nf 4 5 6\n");
-    let smooth = |text: &str| Edges::of(&mesh(text)).edges.iter().filter(|e| e.kind == EdgeKind::Smooth).count();
-    assert_eq!(smooth(&seam("1.0")), 1);
-    assert_eq!(smooth(&seam("1.0000001")), 1);
-    assert_eq!(smooth(&seam("1.01")), 0);
-}
-
-#[test]
 fn errors_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, expected) in [
