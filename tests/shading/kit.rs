@@ -1,7 +1,7 @@
 //! The files in `shaders/` that programmers copy: they are valid, they are up to date, and they give the library's
 //! results.
 
-use std::{f64::consts::TAU, fs, path::Path};
+use std::{fs, path::Path};
 
 use bytemuck::cast_slice;
 use glam::{DMat3, DVec2, DVec3};
@@ -172,20 +172,6 @@ impl Subject {
 
 const SIDE: u32 = 256;
 
-/// A surface around the z axis through these points, each with the angle of its normal from the equator; 24 sides.
-fn turned(profile: &[(f64, f64, f64)]) -> Mesh {
-    let point = |s: usize, &(radius, z, angle): &(f64, f64, f64)| {
-        let turn = DVec3::new((s as f64 * TAU / 24.0).cos(), (s as f64 * TAU / 24.0).sin(), 0.0);
-        (turn * radius + DVec3::Z * z, turn * angle.cos() + DVec3::Z * angle.sin())
-    };
-    let quads = (0..24).flat_map(|s| {
-        profile
-            .windows(2)
-            .map(move |ends| [point(s, &ends[0]), point(s + 1, &ends[0]), point(s + 1, &ends[1]), point(s, &ends[1])])
-    });
-    welded(quads)
-}
-
 /// A box with rounded edges: each face is flat between roundings of four steps.
 fn rounded_box(half: DVec3, radius: f64) -> Mesh {
     let angles = [-45.0, -22.5, 0.0, 0.0, 22.5, 45.0].map(f64::to_radians);
@@ -224,24 +210,10 @@ fn welded(quads: impl Iterator<Item = [(DVec3, DVec3); 4]>) -> Mesh {
     Mesh { vertices, triangles, smooth: None, paint: None }
 }
 
-/// A quarter of a circle in steps, around (radius, z).
-fn quarter(center: (f64, f64), radius: f64, steps: u32) -> impl Iterator<Item = (f64, f64, f64)> {
-    (0..=steps).map(move |i| {
-        let angle = f64::from(i) / f64::from(steps) * TAU / 4.0;
-        (center.0 + radius * angle.cos(), center.1 + radius * angle.sin(), angle)
-    })
-}
-
 fn subjects() -> Vec<Subject> {
     let mut meshes: Vec<(String, Mesh)> =
         Shape::ALL.iter().map(|shape| (shape.to_string(), shapes::mesh(*shape, 320).unwrap())).collect();
-    let mirrored = |upper: Vec<(f64, f64, f64)>| -> Vec<_> {
-        upper.iter().rev().map(|(radius, z, angle)| (*radius, -z, -angle)).chain(upper.iter().copied()).collect()
-    };
     meshes.push(("rounded box".to_owned(), rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1)));
-    meshes.push(("capsule".to_owned(), turned(&mirrored(quarter((0.0, 0.6), 0.5, 5).collect()))));
-    let rim = quarter((0.7, 0.4), 0.1, 3).chain([(0.4, 0.5, TAU / 4.0), (0.0, 0.5, TAU / 4.0)]);
-    meshes.push(("lathe with bevels".to_owned(), turned(&mirrored(rim.collect()))));
     let of = |(name, mesh): &(String, Mesh)| [f64::INFINITY, 3.0].map(|distance| Subject::new(name, mesh, distance));
     meshes.iter().flat_map(of).collect()
 }
