@@ -1,6 +1,6 @@
 //! The crease metric, and how much of Gouraud's creases the shaders leave.
 
-use crate::{frame, grid, random, slopes::at_vertices};
+use crate::{frame, grid, random, shades, slopes::at_vertices};
 use glam::{DVec2, DVec3};
 use machband::shading::{
     Across, Correction, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface,
@@ -106,6 +106,20 @@ fn every_shared_edge_is_measured_once() {
         let edges = Creases::of_gouraud(&frame).edges;
         assert_eq!(2 * edges.len(), shared, "{name}");
         assert!(edges.len() > 300 && edges.iter().all(|e| e.jump.is_finite() && e.length > 0.0), "{name}");
+    }
+}
+
+/// As printed, the regions of vertex shading overlap for widths above ¼, and the light jumps.
+#[test]
+fn both_sides_of_an_edge_have_the_same_light() {
+    use Correction::{Off, Printed, Repaired};
+    for (name, frame) in &scenes()[4..6] {
+        for shade in shades(&[(1, 0.1), (3, 0.25), (0, 0.2)]).into_iter().filter(|shade| shade.shader != Shader::Flat) {
+            for (vertex, reweight) in [(Off, Off), (Off, Printed), (Printed, Repaired), (Repaired, Off)] {
+                let creases = Creases::of(frame, &Shade { vertex, reweight, ..shade });
+                assert!(creases.step_rms < 1e-10, "{name}, {shade:?}, {vertex}, {reweight}: {}", creases.step_rms);
+            }
+        }
     }
 }
 

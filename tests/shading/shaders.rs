@@ -5,7 +5,6 @@ use machband::light::Depth;
 use machband::shading::{
     Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
-use proptest::prelude::*;
 
 use crate::{
     common::{golden_path, json},
@@ -130,63 +129,6 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
         let along = (0..=1000).map(|i| f64::from(i) / 1000.0);
         let darkest = along.map(|s| reference.light(0, [1.0 - s, s, 0.0]).x).fold(1.0, f64::min);
         assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
-    }
-}
-
-// ---- edges ----
-
-/// A position on the grid of 1/256 pixel within these ranges, which keep the corners apart.
-fn place(x: std::ops::Range<f64>, y: std::ops::Range<f64>) -> impl Strategy<Value = DVec2> {
-    (x, y).prop_map(|(x, y)| (DVec2::new(x, y) * 256.0).round() / 256.0)
-}
-
-fn light() -> impl Strategy<Value = DVec3> {
-    [0.0..1.0, 0.0..1.0, 0.0..1.0].prop_map(DVec3::from_array)
-}
-
-fn normal() -> impl Strategy<Value = DVec3> {
-    [-1.0..1.0, -1.0..1.0, 0.2..1.0].prop_map(|n| DVec3::from_array(n).normalize())
-}
-
-prop_compose! {
-    /// Two triangles of any shape at an edge: A above, D below, B left, C right. The apexes may lie beyond the edge's
-    /// ends.
-    fn pair()(
-        a in place(10.0..190.0, 10.0..70.0),
-        b in place(20.0..80.0, 95.0..105.0),
-        c in place(120.0..180.0, 95.0..105.0),
-        d in place(10.0..190.0, 130.0..190.0),
-        lights in [light(), light(), light(), light()],
-        normals in [normal(), normal(), normal(), normal()],
-    ) -> Frame {
-        let places = [a, b, c, d];
-        let vertices = (0..4).map(|i| FrameVertex { normal: normals[i], ..vertex(places[i], lights[i]) });
-        frame(vertices.collect(), &[[0, 1, 2], [2, 1, 3]], lighting(DVec3::new(0.36, 0.48, 0.8)))
-    }
-}
-
-fn any_depth() -> impl Strategy<Value = Depth> {
-    prop_oneof![(1u8..=8).prop_map(Depth::Finite), Just(Depth::Infinite)]
-}
-
-fn any_correction() -> impl Strategy<Value = Correction> {
-    prop::sample::select(&CORRECTIONS)
-}
-
-proptest! {
-    #[test]
-    fn both_sides_of_an_edge_have_the_same_light(
-        pair in pair(), s in 0.0..=1.0f64, depth in any_depth(), b in 0.0..0.5f64,
-        vertex in any_correction(), reweight in any_correction(),
-    ) {
-        // As printed, the regions of vertex shading overlap for b > ¼, and the light jumps.
-        let b = if vertex == Correction::Printed { b.min(0.25) } else { b };
-        for &shader in Shader::ALL.iter().filter(|s| **s != Shader::Flat) {
-            let reference = Reference::new(&pair, &Shade { vertex, reweight, ..shade(shader, depth, b) });
-            let ours = reference.light(0, [0.0, s, 1.0 - s]);
-            let theirs = reference.light(1, [1.0 - s, s, 0.0]);
-            prop_assert!((ours - theirs).abs().max_element() < 1e-10, "{shader} {s}: {ours} {theirs}");
-        }
     }
 }
 
