@@ -172,48 +172,9 @@ impl Subject {
 
 const SIDE: u32 = 256;
 
-/// A box with rounded edges: each face is flat between roundings of four steps.
-fn rounded_box(half: DVec3, radius: f64) -> Mesh {
-    let angles = [-45.0, -22.5, 0.0, 0.0, 22.5, 45.0].map(f64::to_radians);
-    let point = |axis: usize, side: f64, i: usize, j: usize| {
-        let mut normal = DVec3::ZERO;
-        (normal[axis], normal[(axis + 1) % 3], normal[(axis + 2) % 3]) =
-            (side, side * angles[i].tan(), angles[j].tan());
-        let normal = normal.normalize();
-        let mut core = half - radius;
-        core[axis] *= side;
-        core[(axis + 1) % 3] *= side * if i < 3 { -1.0 } else { 1.0 };
-        core[(axis + 2) % 3] *= if j < 3 { -1.0 } else { 1.0 };
-        (core + normal * radius, normal)
-    };
-    let cells = (0..6)
-        .flat_map(|face| (0..25).map(move |cell| (face % 3, if face < 3 { 1.0 } else { -1.0 }, cell / 5, cell % 5)));
-    let corners = [(0, 0), (1, 0), (1, 1), (0, 1)];
-    welded(cells.map(|(axis, side, i, j)| corners.map(|(a, b)| point(axis, side, i + a, j + b))))
-}
-
-/// Joins the corners of quads that lie in the same place.
-fn welded(quads: impl Iterator<Item = [(DVec3, DVec3); 4]>) -> Mesh {
-    let mut vertices: Vec<Vertex> = Vec::new();
-    let mut triangles = Vec::new();
-    for quad in quads {
-        let [a, b, c, d] = quad.map(|(position, normal)| {
-            let known = vertices.iter().position(|v| v.position.distance(position) < 1e-9);
-            known.unwrap_or_else(|| {
-                vertices.push(Vertex { position, normal, site: vertices.len() as u32 });
-                vertices.len() - 1
-            }) as u32
-        });
-        let parts = [[a, b, c], [a, c, d]];
-        triangles.extend(parts.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
-    }
-    Mesh { vertices, triangles, smooth: None, paint: None }
-}
-
 fn subjects() -> Vec<Subject> {
-    let mut meshes: Vec<(String, Mesh)> =
+    let meshes: Vec<(String, Mesh)> =
         Shape::ALL.iter().map(|shape| (shape.to_string(), shapes::mesh(*shape, 320).unwrap())).collect();
-    meshes.push(("rounded box".to_owned(), rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1)));
     let of = |(name, mesh): &(String, Mesh)| [f64::INFINITY, 3.0].map(|distance| Subject::new(name, mesh, distance));
     meshes.iter().flat_map(of).collect()
 }
@@ -242,10 +203,10 @@ fn plain_rust_gives_the_librarys_coefficients() {
     }
 }
 
-/// The flat faces of a rounded box stay flat, and between them and the roundings the curvature jumps.
+/// The flat faces of a rounded cylinder stay flat, and between them and the roundings the curvature jumps.
 #[test]
-fn a_rounded_boxs_faces_stay_flat() {
-    let mesh = rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1);
+fn a_rounded_cylinders_faces_stay_flat() {
+    let mesh = shapes::mesh(Shape::FilletedCylinder, 320).unwrap();
     let frame = Frame::new(
         &Surface::new(mesh.clone()),
         &View::square(SIDE).rotated([25.0, -35.0, 0.0]),
@@ -263,7 +224,7 @@ fn a_rounded_boxs_faces_stay_flat() {
             flat += 1;
         }
     }
-    assert_eq!(flat, 6);
+    assert!(flat > 10, "{flat}");
 }
 
 fn floats(numbers: &[f64]) -> Vec<f32> {
