@@ -1,6 +1,7 @@
 //! Interpolation, transfer functions and the conversion of light to codes, compared with other implementations and with
 //! their defining properties.
 
+use machband::light::interpolation::coefficients;
 use machband::light::quantize::reference_code;
 use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
 use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, TransferTable, Transfers};
@@ -68,6 +69,14 @@ proptest! {
             prop_assert!(i.value(a + step) >= i.value(a));
         }
     }
+}
+
+#[test]
+fn coefficients_are_exact() {
+    assert_eq!(coefficients::<1>(), [1.0]);
+    assert_eq!(coefficients::<4>(), [35.0, -84.0, 70.0, -20.0]);
+    const AT_COMPILE_TIME: [f64; 5] = coefficients::<5>();
+    assert_eq!(AT_COMPILE_TIME, [126.0, -420.0, 540.0, -315.0, 70.0]);
 }
 
 #[test]
