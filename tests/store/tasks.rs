@@ -402,7 +402,8 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
     for (name, body) in tasks() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
-        succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "3", "--results", "results"]);
+        let simulate = ["simulate", "tasks.toml", "--observer", "paper", "--participants", "3", "--results", "results"];
+        succeeds(folder.path(), &simulate);
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
         assert!(printed.contains("Simulated: a program answered"), "{name}: {printed}");
