@@ -236,8 +236,8 @@ fn answers_survive_edits_by_hand() {
 #[test]
 fn a_last_row_without_its_end_is_no_rating() {
     let scratch = tempfile::tempdir().unwrap();
-    let definition = "name = \"torn\"\ntitle = \"Torn\"\n[stimulus]\nkind = \"mach-band\"\ndepth = \"inf\"\n[factors]\n\
-                      tanh_k = [5, 7.5]\n[design]\nrepetitions = 8\n[practice]\ntrials = 0\n";
+    let definition = "schema = 1\nname = \"torn\"\n[stimulus]\nkind = \"mach-band\"\ndepth = \"inf\"\n[factors]\n\
+                      tanh_k = [5, 7.5]\n[design]\nrepetitions = 8\n";
     fs::write(scratch.path().join("torn.toml"), definition).unwrap();
     succeeds(scratch.path(), &["simulate", "torn.toml", "--observer", "paper", "--results", "results"]);
     let csv = session_csv(&scratch.path().join("results"), "torn", "S001");
