@@ -155,14 +155,21 @@ pub fn edit(path: &Path, change: impl FnOnce(&str) -> String) {
     fs::write(path, after).unwrap();
 }
 
-/// Changes the rating in line 10 of a session's file.
+/// Replaces the cell in a line, counted from 1, under a column name.
+pub fn set_cell(csv: &Path, line: usize, column: &str, cell: &str) {
+    let (header, rows) = table(csv);
+    let mut rows = [vec![header], rows].concat();
+    let index = rows[0].iter().position(|name| name == column).unwrap();
+    cell.clone_into(&mut rows[line - 1][index]);
+    let mut writer = csv::Writer::from_path(csv).unwrap();
+    rows.iter().for_each(|row| writer.write_record(row).unwrap());
+}
+
+/// Changes the first rating in a session's file.
 pub fn change_rating(csv: &Path) {
-    let text = fs::read_to_string(csv).unwrap();
-    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-    let mut cells: Vec<&str> = lines[9].split(',').collect();
-    cells[16] = if cells[16] == "0" { "3" } else { "0" };
-    lines[9] = cells.join(",");
-    fs::write(csv, lines.join("\n") + "\n").unwrap();
+    let (header, rows) = table(csv);
+    let rating = header.iter().position(|name| name == "rating").unwrap();
+    set_cell(csv, 2, "rating", if rows[0][rating] == "0" { "3" } else { "0" });
 }
 
 /// The rows of a session's file.

@@ -57,6 +57,12 @@ pub fn lines(csv: &Path) -> Vec<String> {
     whole.lines().map(str::to_owned).collect()
 }
 
+/// The rows among these that are not in a result file.
+pub fn lost(csv: &Path, rows: &[String]) -> Vec<String> {
+    let kept = lines(csv);
+    rows.iter().filter(|row| !kept.contains(row)).map(|row| format!("lost: {row}")).collect()
+}
+
 /// The unfinished temporary files that a program left.
 pub fn temporary_files(folder: &Path) -> Vec<PathBuf> {
     files(folder, ".tmp").into_iter().map(|(path, _)| path).collect()

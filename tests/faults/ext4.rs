@@ -121,30 +121,19 @@ fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Tab
     file_system.unmount()?;
     file_system.mount()?;
     let report = Report::read(&said);
-    let csv = disk::paths(&results, DEFINITION).csv;
-    let kept = if csv.exists() { disk::lines(&csv) } else { Vec::new() };
-    let lost = report.rows.iter().filter(|row| !kept.contains(row)).count();
-    let mut wrong = disk::unparsable(&file_system.root(), DEFINITION);
-    let unreadable = wrong.len();
-    if lost > 0 {
-        wrong.push(format!("after {cut:?}: {lost} of {} reported rows are lost", report.rows.len()));
-    }
-    let ended = run::ended(&mut run::binary(&sweep.definition(DEFINITION), &results, csv.exists()));
-    if !ended.status.success() {
-        wrong.push(format!("after {cut:?}: {ended:?}"));
-    }
-    let faults = disk::faults_of_ended(&results, DEFINITION, sweep.planned(DEFINITION));
-    let resumed = usize::from(ended.status.success() && faults.is_empty());
-    wrong.extend(faults.into_iter().map(|fault| format!("after {cut:?}: {fault}")));
+    let lost = disk::lost(&disk::paths(&results, DEFINITION).csv, &report.rows);
+    let unreadable = disk::unparsable(&file_system.root(), DEFINITION);
+    let after = sweep.recovered(DEFINITION, &results, &report.rows);
     let counts = vec![
         ("injected", 1),
         ("took effect", 1),
         ("sessions", 1),
         ("rows saved", report.rows.len()),
-        ("rows lost", lost),
-        ("unreadable files", unreadable),
-        ("resumed", resumed),
+        ("rows lost", lost.len()),
+        ("unreadable files", unreadable.len()),
+        ("resumed", usize::from(after.is_empty())),
     ];
     table.line("the power fails: rows, sidecars on ext4", counts);
-    Ok(wrong)
+    let wrong = [lost, unreadable, after].concat();
+    Ok(wrong.into_iter().map(|what| format!("after {cut:?}: {what}")).collect())
 }

@@ -57,8 +57,7 @@ fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
     withstood("sessions with faults in system calls, also while they recover", cases, &ALL);
 }
 
-/// The disk is permanently full or read-only, the folder is removed, a second program opens the session, the clock is
-/// turned back, the program is killed from outside, or the file is cut at any byte.
+/// The folder is removed, or a second program opens the session, with and without locks.
 #[test]
 fn no_row_is_lost_when_something_happens_around_a_session() {
     if shim::library().is_none() {

@@ -19,9 +19,7 @@ use rayon::prelude::*;
 
 use crate::{
     common::{self, MACHBAND, everything},
-    disk,
-    run::{self, Report},
-    shim,
+    disk, run, shim,
     sweep::{self, Sweep},
     table::Table,
 };
@@ -341,26 +339,16 @@ fn session_after(
 ) -> (String, usize, Vec<String>) {
     let (folder, count) = recorded.cut(rng);
     let results = folder.path().join("first");
-    let csv = disk::paths(&results, definition).csv;
     let said = |change: &Change| if let Change::Say(row) = change { Some(row.clone()) } else { None };
-    let report = Report { rows: recorded.changes[..count].iter().filter_map(said).collect(), ..Report::default() };
-    let lost = |when: &str| -> Vec<String> {
-        let kept = disk::lines(&csv);
-        report.rows.iter().filter(|row| !kept.contains(row)).map(|row| format!("lost {when}: {row}")).collect()
-    };
-    let mut wrong = [lost("by the cut"), disk::unparsable(folder.path(), definition)].concat();
-    disk::age_temporary_files(folder.path());
-    let resumed = run::ended(&mut run::binary(&sweep.definition(definition), &results, true));
-    if !resumed.status.success() {
-        wrong.push(format!("resuming failed after {count} changes: {}", resumed.stderr));
-    }
-    wrong.extend(disk::faults_of_ended(&results, definition, sweep.planned(definition)));
-    wrong.extend(lost("by resume"));
+    let rows: Vec<String> = recorded.changes[..count].iter().filter_map(said).collect();
+    let lost = disk::lost(&disk::paths(&results, definition).csv, &rows);
+    let mut wrong = [lost, disk::unparsable(folder.path(), definition)].concat();
+    wrong.extend(sweep.recovered(definition, &results, &rows));
     let verified = run::ended(Command::new(MACHBAND).arg("verify").arg(results.join(&run::protocol(definition).name)));
     if !verified.status.success() {
         wrong.push(format!("verify after {count} changes: {}{}", verified.stdout, verified.stderr));
     }
-    (recorded.name.clone(), report.rows.len(), wrong)
+    (recorded.name.clone(), rows.len(), wrong)
 }
 
 /// Commands whose files are checked. IN is a folder with a study, OUT the folder for the files.

@@ -11,13 +11,13 @@ use jiff::Timestamp;
 use machband::{
     display::frames::Refresh,
     experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Phase, Protocol, Resumed, RowContext, Schedule, Session,
-        SessionOptions, Shown, TrialRecord, simulate,
+        Course, FrameCount, Identity, OrderedLogit, Phase, Protocol, RowContext, Schedule, Session, SessionOptions,
+        Shown, TrialRecord, simulate,
     },
     store::{
         StoreError, definition,
         frames::FrameRow,
-        session::{Changes, SessionStore},
+        session::{Changes, Interrupted, SessionStore},
         sitting::Sitting,
     },
 };
@@ -132,41 +132,28 @@ fn print_line(line: &str) {
     stdout.flush().unwrap();
 }
 
-/// A session whose files have been created or opened.
-struct Begun {
-    store: SessionStore,
-    course: Course,
-    resumed: Resumed,
-    elapsed: Duration,
-    sitting: u32,
-}
-
-fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<Begun, StoreError> {
+/// Creates the files of a session, or opens them.
+fn begin(protocol: &Protocol, results: &Path, resume: bool) -> Result<(SessionStore, Interrupted), StoreError> {
     if resume {
-        let (store, found) =
-            SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse)?;
-        let (resumed, elapsed) = (found.resumed, Duration::from_secs_f64(found.elapsed_s));
-        return Ok(Begun { store, course: found.course, resumed, elapsed, sitting: found.sitting });
+        return SessionStore::resume(results, protocol, &identity(), Some(SEED), sitting(), Changes::Refuse);
     }
     let store = SessionStore::create(results, protocol, &identity(), SEED, sitting())?;
     let schedule = Schedule::new(protocol, &identity(), SEED).unwrap();
-    let course = Course::new(protocol.clone(), schedule);
-    Ok(Begun { store, course, resumed: Resumed::default(), elapsed: Duration::ZERO, sitting: 1 })
+    Ok((store, Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule))))
 }
 
 /// Rates every remaining trial, until `record` returns an error. Returns the store and whether the session was
 /// completed.
 fn rate(
     protocol: &Protocol,
-    begun: Begun,
+    (mut store, found): (SessionStore, Interrupted),
     mut record: impl FnMut(&mut SessionStore, &TrialRecord) -> Result<(), ()>,
 ) -> (SessionStore, bool) {
-    let Begun { mut store, course, resumed, elapsed, sitting } = begun;
-    let schedule = course.schedule().clone();
+    let (schedule, elapsed) = (found.course.schedule().clone(), Duration::from_secs_f64(found.elapsed_s));
     let (identity, origin) = (identity(), Timestamp::now() - elapsed);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(course, &resumed, options);
-    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
+    let mut session = Session::new(found.course, &found.resumed, options);
+    let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: found.sitting };
     let rated = simulate(&mut session, &OrderedLogit::default(), &identity, elapsed, |response| {
         record(&mut store, &TrialRecord::new(&context, response, origin + response.onset))
     });

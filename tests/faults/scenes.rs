@@ -8,10 +8,6 @@ use std::{
     time::Duration,
 };
 
-use rand_chacha::{
-    ChaCha8Rng,
-    rand_core::{Rng as _, SeedableRng as _},
-};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::{
@@ -74,16 +70,9 @@ impl<'a> Scene<'a> {
     /// Checks that every reported row is on disk and that the resumed session is complete; returns the counts for the
     /// table.
     fn assert_kept(&self, report: &Report, results: &Path) -> Counts {
-        let recorded = || disk::lines(&disk::paths(results, DEFINITION).csv);
-        let lost = |rows: &[String]| report.rows.iter().filter(|row| !rows.contains(row)).count();
-        assert_eq!(lost(&recorded()), 0, "{report:?}");
-        let unparsable = disk::unparsable(self.folder.path(), DEFINITION);
-        assert_eq!(unparsable, Vec::<String>::new());
-        let resumed = self.resume(results);
-        assert!(resumed.status.success(), "{resumed:?}");
-        assert_eq!(lost(&recorded()), 0, "{report:?}");
-        let faults = disk::faults_of_ended(results, DEFINITION, self.sweep.planned(DEFINITION));
-        assert_eq!(faults, Vec::<String>::new());
+        let lost = disk::lost(&disk::paths(results, DEFINITION).csv, &report.rows);
+        let wrong = [lost, disk::unparsable(self.folder.path(), DEFINITION)].concat();
+        assert_eq!([wrong, self.sweep.recovered(DEFINITION, results, &report.rows)].concat(), [""; 0]);
         let mut counts = ["injected", "took effect", "sessions", "resumed"].map(|column| (column, 1)).to_vec();
         counts.push(("reported an error", usize::from(!report.errors.is_empty())));
         counts.push(("rows saved", report.rows.len()));
@@ -114,17 +103,7 @@ pub fn play(sweep: &Sweep, table: &mut Table) {
         table.line("two programs open the same session", two_at_once(sweep, rows));
         table.line("two programs open the same session, without locks", without_locks(sweep, rows));
         table.line("a second program resumes a session before its file is locked", resumed_at_once(sweep, rows));
-        table.line("the clock is turned back between sittings", clock_back(sweep, rows));
-        for (name, what) in [("the disk becomes full", "ENOSPC"), ("the folder becomes read-only", "EROFS")] {
-            table.line(name, lasting(sweep, rows, what));
-        }
     }
-    let mut rng = ChaCha8Rng::seed_from_u64(11);
-    for _ in 0..40 {
-        let (rows, wait) = (1 + rng.next_u64() as usize % 7, Duration::from_micros(rng.next_u64() % 3000));
-        table.line("the program is killed at a random moment", killed(sweep, rows, wait));
-    }
-    cut(sweep, table);
 }
 
 /// The folder is removed while the program waits for the next answer. The program reports an error and writes all rows
@@ -219,71 +198,4 @@ fn without_locks(sweep: &Sweep, rows: usize) -> Counts {
     let sidecar = fs::read_to_string(disk::paths(&scene.first(), DEFINITION).sidecar).unwrap();
     assert!(sidecar.contains("does not support locks"), "{sidecar}");
     [scene.assert_kept(&report, &scene.first()), vec![("reported an error", 1)]].concat()
-}
-
-/// In the second sitting, the wall clock is an hour behind. The session's own time does not go back.
-fn clock_back(sweep: &Sweep, rows: usize) -> Counts {
-    let scene = Scene::new(sweep);
-    let lines = run::interrupted(DEFINITION, &scene.first(), rows);
-    let fault = Fault { op: "clock", n: 1, what: "back", repeated: false };
-    let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
-    let (ended, log) = shim::run_with(&mut command, &[fault], scene.folder.path(), &scene.folder.path().join("log"));
-    assert!(ended.status.success() && log.hits.len() == 1, "{ended:?}");
-    let report = Report { rows: lines, done: true, ..Report::default() };
-    let found = disk::rows(&scene.csv(), DEFINITION).unwrap();
-    assert!(found[rows].started_at < found[rows - 1].started_at, "the clock was not turned back");
-    scene.assert_kept(&report, &scene.first())
-}
-
-/// From one write on, every write fails. The program reports the error, tries again, and moves the session to another
-/// folder.
-fn lasting(sweep: &Sweep, rows: usize, what: &'static str) -> Counts {
-    let scene = Scene::new(sweep);
-    // The rows are the last writes, except for the end of the sidecar.
-    let writes = sweep.calls(DEFINITION, None, false).iter().find(|(op, _)| op == "write").map_or(0, |(_, n)| *n);
-    let before = writes - 1 - sweep.planned(DEFINITION).len() as u64;
-    let fault = Fault { op: "write", n: before + rows as u64, what, repeated: true };
-    let mut command = run::child(DEFINITION, &scene.first(), &scene.second(), false);
-    let (ended, log) = shim::run_with(&mut command, &[fault], &scene.first(), &scene.folder.path().join("log"));
-    let report = Report::read(&ended.stdout);
-    assert!(report.done && !log.hits.is_empty() && report.errors.len() == 3, "{report:?} {log:?}");
-    assert_eq!(report.moved, Some(scene.second()));
-    // The rows that were saved before also stay in the first folder.
-    assert_eq!(disk::lines(&scene.csv())[1..], report.rows[..rows - 1]);
-    scene.assert_kept(&report, &scene.second())
-}
-
-/// The program is killed from outside (SIGKILL) shortly after a row.
-fn killed(sweep: &Sweep, rows: usize, wait: Duration) -> Counts {
-    let scene = Scene::new(sweep);
-    let mut waiting = scene.waiting(rows);
-    waiting.child.stdin.take().unwrap().write_all(b"\n").unwrap();
-    std::thread::sleep(wait);
-    waiting.child.kill().unwrap();
-    waiting.stdout.read_to_string(&mut waiting.output).unwrap();
-    waiting.child.wait().unwrap();
-    let report = Report::read(&waiting.output);
-    assert!(report.rows.len() >= rows, "{report:?}");
-    scene.assert_kept(&report, &scene.first())
-}
-
-/// The file is cut at each byte of its last two rows. Complete rows stay; an incomplete row is reported, and its trial
-/// is shown again.
-fn cut(sweep: &Sweep, table: &mut Table) {
-    let scene = Scene::new(sweep);
-    run::interrupted(DEFINITION, &scene.first(), 5);
-    let sidecar = disk::paths(&scene.first(), DEFINITION).sidecar;
-    let [whole, saved] = [&scene.csv(), &sidecar].map(|path| fs::read(path).unwrap());
-    let ends: Vec<usize> = (0..whole.len()).filter(|i| whole[*i] == b'\n').map(|i| i + 1).collect();
-    for length in ends[ends.len() - 3]..whole.len() {
-        fs::write(scene.csv(), &whole[..length]).unwrap();
-        fs::write(&sidecar, &saved).unwrap();
-        let kept = disk::lines(&scene.csv()).split_off(1);
-        let resumed = scene.resume(&scene.first());
-        let torn = !ends.contains(&length);
-        assert_eq!(resumed.stderr.contains("an incomplete last row was removed"), torn, "{length}: {resumed:?}");
-        let errors = if torn { vec![resumed.stderr] } else { Vec::new() };
-        let report = Report { rows: kept, errors, ..Report::default() };
-        table.line("the file is cut within its last two rows", scene.assert_kept(&report, &scene.first()));
-    }
 }

@@ -225,6 +225,17 @@ impl Sweep {
         shim::run_with(&mut command, &case.faults, under, &folder.join("log"))
     }
 
+    /// Resumes a session an hour later, without faults; returns what is wrong then. `rows` were reported as saved.
+    pub fn recovered(&self, definition: usize, results: &Path, rows: &[String]) -> Vec<String> {
+        let folder = results.parent().unwrap();
+        disk::age_temporary_files(folder);
+        let ended = run::ended(&mut run::binary(&self.definition(definition), results, true));
+        let failed = (!ended.status.success()).then(|| format!("resuming failed: {}", ended.stderr));
+        let faults = disk::faults_of_ended(results, definition, &self.planned[definition]);
+        let lost = disk::lost(&disk::paths(results, definition).csv, rows);
+        failed.into_iter().chain(faults).chain(lost).chain(disk::unparsable(folder, definition)).collect()
+    }
+
     /// Tries to resume, with new faults; returns every failure. The rows and the clean resume are checked afterward.
     fn disturbed_again(&self, case: &Case, results: &Path, folder: &Path) -> Vec<String> {
         if case.again.is_empty() {
@@ -259,28 +270,14 @@ impl Sweep {
             wrong.extend(faults.into_iter().map(|fault| format!("reported as complete, but {fault}")));
         }
         let silent = wrong.len();
-        let lost = |when: &str| -> Vec<String> {
-            let kept = disk::lines(&csv);
-            recorded.iter().filter(|row| !kept.contains(row)).map(|row| format!("lost {when}: {row}")).collect()
-        };
         let unparsable = disk::unparsable(folder.path(), case.definition);
-        let gone = lost("by the fault");
+        let gone = disk::lost(&csv, &recorded);
         let (files, mut rows_lost) = (unparsable.len(), gone.len());
         wrong.extend(unparsable.into_iter().chain(gone));
 
         wrong.extend(self.disturbed_again(&case, &results, folder.path()));
-        // An hour later, without faults.
-        disk::age_temporary_files(folder.path());
-        let resumed = run::ended(&mut run::binary(&self.definition(case.definition), &results, true));
-        let mut faults = Vec::new();
-        if !resumed.status.success() {
-            faults.push(format!("resuming failed: {}", resumed.stderr));
-        }
-        faults.extend(disk::faults_of_ended(&results, case.definition, &self.planned[case.definition]));
-        let gone = lost("by resume");
-        rows_lost += gone.len();
-        faults.extend(gone);
-        faults.extend(disk::unparsable(folder.path(), case.definition));
+        let mut faults = self.recovered(case.definition, &results, &recorded);
+        rows_lost += disk::lost(&csv, &recorded).len();
         let undeletable =
             log.hits.iter().any(|hit| hit.op == "unlink" || hit.op == "list" || hit.path.ends_with(".tmp"))
                 || case.again.iter().any(|f| f.op == "unlink");

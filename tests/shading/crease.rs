@@ -1,9 +1,9 @@
 //! The crease metric, and how much of Gouraud's creases the shaders leave.
 
-use crate::{frame, grid, random, slopes::at_vertices};
+use crate::{frame, grid, random, shades, slopes::at_vertices};
 use glam::{DVec2, DVec3};
 use machband::shading::{
-    Across, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface,
+    Across, Correction, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface,
     shapes::{self, Shape},
 };
 
@@ -109,6 +109,20 @@ fn every_shared_edge_is_measured_once() {
     }
 }
 
+/// As printed, the regions of vertex shading overlap for widths above ¼, and the light jumps.
+#[test]
+fn both_sides_of_an_edge_have_the_same_light() {
+    use Correction::{Off, Printed, Repaired};
+    for (name, frame) in &scenes()[4..6] {
+        for shade in shades(&[(1, 0.1), (3, 0.25), (0, 0.2)]).into_iter().filter(|shade| shade.shader != Shader::Flat) {
+            for (vertex, reweight) in [(Off, Off), (Off, Printed), (Printed, Repaired), (Repaired, Off)] {
+                let creases = Creases::of(frame, &Shade { vertex, reweight, ..shade });
+                assert!(creases.step_rms < 1e-10, "{name}, {shade:?}, {vertex}, {reweight}: {}", creases.step_rms);
+            }
+        }
+    }
+}
+
 #[test]
 fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
     let rms = |frame: &Frame, shade: &Shade| {
@@ -120,8 +134,11 @@ fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
     for (name, frame) in scenes() {
         for &gradients in Gradients::ALL {
             let shade = Shade { gradients, ..Shade::new(Shader::Patch) };
-            let ratio = over_gouraud(&frame, &shade);
-            assert!(ratio <= 1e-3, "{name}, {gradients}: {ratio}");
+            // Repaired vertex shading keeps the slopes continuous.
+            for vertex in [Correction::Off, Correction::Repaired] {
+                let ratio = over_gouraud(&frame, &Shade { vertex, ..shade });
+                assert!(ratio <= 1e-3, "{name}, {gradients}, {vertex}: {ratio}");
+            }
             let spread = rms(&frame, &shade) / rms(&frame, &Shade::new(Shader::Gouraud));
             assert!(spread <= 1e-3, "{name}, {gradients}: spread {spread} at the vertices");
         }

@@ -1,7 +1,7 @@
 //! The files in `shaders/` that programmers copy: they are valid, they are up to date, and they give the library's
 //! results.
 
-use std::{f64::consts::TAU, fs, path::Path};
+use std::{fs, path::Path};
 
 use bytemuck::cast_slice;
 use glam::{DMat3, DVec2, DVec3};
@@ -172,76 +172,9 @@ impl Subject {
 
 const SIDE: u32 = 256;
 
-/// A surface around the z axis through these points, each with the angle of its normal from the equator; 24 sides.
-fn turned(profile: &[(f64, f64, f64)]) -> Mesh {
-    let point = |s: usize, &(radius, z, angle): &(f64, f64, f64)| {
-        let turn = DVec3::new((s as f64 * TAU / 24.0).cos(), (s as f64 * TAU / 24.0).sin(), 0.0);
-        (turn * radius + DVec3::Z * z, turn * angle.cos() + DVec3::Z * angle.sin())
-    };
-    let quads = (0..24).flat_map(|s| {
-        profile
-            .windows(2)
-            .map(move |ends| [point(s, &ends[0]), point(s + 1, &ends[0]), point(s + 1, &ends[1]), point(s, &ends[1])])
-    });
-    welded(quads)
-}
-
-/// A box with rounded edges: each face is flat between roundings of four steps.
-fn rounded_box(half: DVec3, radius: f64) -> Mesh {
-    let angles = [-45.0, -22.5, 0.0, 0.0, 22.5, 45.0].map(f64::to_radians);
-    let point = |axis: usize, side: f64, i: usize, j: usize| {
-        let mut normal = DVec3::ZERO;
-        (normal[axis], normal[(axis + 1) % 3], normal[(axis + 2) % 3]) =
-            (side, side * angles[i].tan(), angles[j].tan());
-        let normal = normal.normalize();
-        let mut core = half - radius;
-        core[axis] *= side;
-        core[(axis + 1) % 3] *= side * if i < 3 { -1.0 } else { 1.0 };
-        core[(axis + 2) % 3] *= if j < 3 { -1.0 } else { 1.0 };
-        (core + normal * radius, normal)
-    };
-    let cells = (0..6)
-        .flat_map(|face| (0..25).map(move |cell| (face % 3, if face < 3 { 1.0 } else { -1.0 }, cell / 5, cell % 5)));
-    let corners = [(0, 0), (1, 0), (1, 1), (0, 1)];
-    welded(cells.map(|(axis, side, i, j)| corners.map(|(a, b)| point(axis, side, i + a, j + b))))
-}
-
-/// Joins the corners of quads that lie in the same place.
-fn welded(quads: impl Iterator<Item = [(DVec3, DVec3); 4]>) -> Mesh {
-    let mut vertices: Vec<Vertex> = Vec::new();
-    let mut triangles = Vec::new();
-    for quad in quads {
-        let [a, b, c, d] = quad.map(|(position, normal)| {
-            let known = vertices.iter().position(|v| v.position.distance(position) < 1e-9);
-            known.unwrap_or_else(|| {
-                vertices.push(Vertex { position, normal, site: vertices.len() as u32 });
-                vertices.len() - 1
-            }) as u32
-        });
-        let parts = [[a, b, c], [a, c, d]];
-        triangles.extend(parts.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
-    }
-    Mesh { vertices, triangles, smooth: None, paint: None }
-}
-
-/// A quarter of a circle in steps, around (radius, z).
-fn quarter(center: (f64, f64), radius: f64, steps: u32) -> impl Iterator<Item = (f64, f64, f64)> {
-    (0..=steps).map(move |i| {
-        let angle = f64::from(i) / f64::from(steps) * TAU / 4.0;
-        (center.0 + radius * angle.cos(), center.1 + radius * angle.sin(), angle)
-    })
-}
-
 fn subjects() -> Vec<Subject> {
-    let mut meshes: Vec<(String, Mesh)> =
+    let meshes: Vec<(String, Mesh)> =
         Shape::ALL.iter().map(|shape| (shape.to_string(), shapes::mesh(*shape, 320).unwrap())).collect();
-    let mirrored = |upper: Vec<(f64, f64, f64)>| -> Vec<_> {
-        upper.iter().rev().map(|(radius, z, angle)| (*radius, -z, -angle)).chain(upper.iter().copied()).collect()
-    };
-    meshes.push(("rounded box".to_owned(), rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1)));
-    meshes.push(("capsule".to_owned(), turned(&mirrored(quarter((0.0, 0.6), 0.5, 5).collect()))));
-    let rim = quarter((0.7, 0.4), 0.1, 3).chain([(0.4, 0.5, TAU / 4.0), (0.0, 0.5, TAU / 4.0)]);
-    meshes.push(("lathe with bevels".to_owned(), turned(&mirrored(rim.collect()))));
     let of = |(name, mesh): &(String, Mesh)| [f64::INFINITY, 3.0].map(|distance| Subject::new(name, mesh, distance));
     meshes.iter().flat_map(of).collect()
 }
@@ -270,10 +203,10 @@ fn plain_rust_gives_the_librarys_coefficients() {
     }
 }
 
-/// The flat faces of a rounded box stay flat, and between them and the roundings the curvature jumps.
+/// The flat faces of a rounded cylinder stay flat, and between them and the roundings the curvature jumps.
 #[test]
-fn a_rounded_boxs_faces_stay_flat() {
-    let mesh = rounded_box(DVec3::new(0.8, 0.6, 0.5), 0.1);
+fn a_rounded_cylinders_faces_stay_flat() {
+    let mesh = shapes::mesh(Shape::FilletedCylinder, 320).unwrap();
     let frame = Frame::new(
         &Surface::new(mesh.clone()),
         &View::square(SIDE).rotated([25.0, -35.0, 0.0]),
@@ -291,7 +224,7 @@ fn a_rounded_boxs_faces_stay_flat() {
             flat += 1;
         }
     }
-    assert_eq!(flat, 6);
+    assert!(flat > 10, "{flat}");
 }
 
 fn floats(numbers: &[f64]) -> Vec<f32> {

@@ -106,6 +106,7 @@ fn transparent_surfaces_combine_as_the_formulas_say() {
             assert!(both.distance(expected) < 1e-5, "{transparency:?}: {both}, not {expected}");
         }
     }
+    assert_eq!(Transparency::Opaque.through(tint, DVec3::ONE), tint);
 }
 
 const BARE: Material = Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Material::standard() };

@@ -5,7 +5,6 @@ use machband::light::Depth;
 use machband::shading::{
     Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
-use proptest::prelude::*;
 
 use crate::{
     common::{golden_path, json},
@@ -133,99 +132,6 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
     }
 }
 
-// ---- edges ----
-
-/// A position on the grid of 1/256 pixel within these ranges, which keep the corners apart.
-fn place(x: std::ops::Range<f64>, y: std::ops::Range<f64>) -> impl Strategy<Value = DVec2> {
-    (x, y).prop_map(|(x, y)| (DVec2::new(x, y) * 256.0).round() / 256.0)
-}
-
-fn light() -> impl Strategy<Value = DVec3> {
-    [0.0..1.0, 0.0..1.0, 0.0..1.0].prop_map(DVec3::from_array)
-}
-
-fn normal() -> impl Strategy<Value = DVec3> {
-    [-1.0..1.0, -1.0..1.0, 0.2..1.0].prop_map(|n| DVec3::from_array(n).normalize())
-}
-
-prop_compose! {
-    /// Two triangles of any shape at an edge: A above, D below, B left, C right. The apexes may lie beyond the edge's
-    /// ends.
-    fn pair()(
-        a in place(10.0..190.0, 10.0..70.0),
-        b in place(20.0..80.0, 95.0..105.0),
-        c in place(120.0..180.0, 95.0..105.0),
-        d in place(10.0..190.0, 130.0..190.0),
-        lights in [light(), light(), light(), light()],
-        normals in [normal(), normal(), normal(), normal()],
-    ) -> Frame {
-        let places = [a, b, c, d];
-        let vertices = (0..4).map(|i| FrameVertex { normal: normals[i], ..vertex(places[i], lights[i]) });
-        frame(vertices.collect(), &[[0, 1, 2], [2, 1, 3]], lighting(DVec3::new(0.36, 0.48, 0.8)))
-    }
-}
-
-fn any_depth() -> impl Strategy<Value = Depth> {
-    prop_oneof![(1u8..=8).prop_map(Depth::Finite), Just(Depth::Infinite)]
-}
-
-fn any_correction() -> impl Strategy<Value = Correction> {
-    prop::sample::select(&CORRECTIONS)
-}
-
-proptest! {
-    #[test]
-    fn both_sides_of_an_edge_have_the_same_light(
-        pair in pair(), s in 0.0..=1.0f64, depth in any_depth(), b in 0.0..0.5f64,
-        vertex in any_correction(), reweight in any_correction(),
-    ) {
-        // As printed, the regions of vertex shading overlap for b > ¼, and the light jumps.
-        let b = if vertex == Correction::Printed { b.min(0.25) } else { b };
-        for &shader in Shader::ALL.iter().filter(|s| **s != Shader::Flat) {
-            let reference = Reference::new(&pair, &Shade { vertex, reweight, ..shade(shader, depth, b) });
-            let ours = reference.light(0, [0.0, s, 1.0 - s]);
-            let theirs = reference.light(1, [1.0 - s, s, 0.0]);
-            prop_assert!((ours - theirs).abs().max_element() < 1e-10, "{shader} {s}: {ours} {theirs}");
-        }
-    }
-
-    /// *patch* is C1; none of the paper's shaders is. Repaired vertex shading keeps this property, even at angles above
-    /// 120°.
-    #[test]
-    fn patch_has_a_continuous_slope_across_an_edge(
-        pair in pair(), depth in any_depth(), b in 0.1..1.0f64, s in 0.05..0.95f64, angle in 0.4..2.7f64,
-    ) {
-        let slope_jump = |shader, vertex| {
-            let shade = Shade { vertex, gradients: Gradients::Ring, ..shade(shader, depth, b) };
-            second_differences(&pair, &shade, s, angle, 1e-5) / 1e-5
-        };
-        let gouraud = slope_jump(Shader::Gouraud, Correction::Off);
-        for vertex in [Correction::Off, Correction::Repaired] {
-            let jump = slope_jump(Shader::Patch, vertex);
-            prop_assert!(jump <= 1e-3 * gouraud + 1e-6, "{vertex}: {jump} of {gouraud}");
-        }
-    }
-}
-
-/// Returns the light of `pair` at `p`.
-fn at(pair: &Frame, reference: &Reference, p: DVec2) -> DVec3 {
-    let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
-    let triangle = usize::from(Frame::area2(p, b, c) < 0.0);
-    reference.light(triangle, pair.weights(triangle, p))
-}
-
-/// Returns the largest second difference with the step `h` along a line at `angle`. The line crosses the edge at the
-/// fraction `s` of the way from B to C; the differences are taken at that point and on either side of it.
-fn second_differences(pair: &Frame, shade: &Shade, s: f64, angle: f64, h: f64) -> f64 {
-    let reference = Reference::new(pair, shade);
-    let (b, c) = (pair.vertices[1].screen, pair.vertices[2].screen);
-    let light = |steps: f64| at(pair, &reference, b.lerp(c, s) + DVec2::from_angle(-angle) * h * steps);
-    [-1.0, 0.0, 1.0]
-        .map(|m: f64| (light(m - 1.0) - 2.0 * light(m) + light(m + 1.0)).abs().max_element())
-        .into_iter()
-        .fold(0.0, f64::max)
-}
-
 // ---- fields and frames ----
 
 /// Returns the position on the screen of the weights `w` of a triangle.
@@ -247,11 +153,6 @@ fn a_linear_field_stays_linear() {
             }
         }
     }
-    // The printed shader does not preserve the field: it flattens the edges.
-    let reference = Reference::new(&grid, &shade(Shader::Fixed, Depth::Finite(3), 0.2));
-    let w = [0.1, 0.45, 0.45];
-    let p = place_of(&grid, 30, w);
-    assert!((reference.light(30, w) - field(p)).abs().max_element() > 1e-3);
 }
 
 #[test]

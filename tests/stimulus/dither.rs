@@ -140,20 +140,6 @@ fn random_thresholds_are_pinned_and_stratified() {
     assert_eq!(orders.len(), 20, "every seed and tile has its own order");
 }
 
-/// All orders of strata over pixels are equally likely, so no pixel of the tile prefers a stratum.
-#[test]
-fn random_thresholds_prefer_no_place() {
-    let mut counts = [[0u32; 16]; 16];
-    for (i, threshold) in thresholds(Dither::Random { seed: 5 }, 256).into_iter().enumerate() {
-        let (x, y) = (i % 256, i / 256);
-        counts[y % 4 * 4 + x % 4][(threshold * 16.0) as usize] += 1;
-    }
-    // With 4096 tiles, 256 are expected, with a standard deviation of 15.5.
-    let chi2: f64 = counts.concat().iter().map(|&count| (f64::from(count) - 256.0).powi(2) / 256.0).sum();
-    // With 15 · 15 degrees of freedom, the mean is 225 and the standard deviation is 21.
-    assert!((140.0..330.0).contains(&chi2), "{chi2}");
-}
-
 // Decisions.
 
 /// The definition, using only public parts: the result is the upper of the two enclosing codes if and only if p > t.
@@ -274,49 +260,6 @@ fn bytes_are_pinned() {
             "b0ee8df1ea60a69d"
         ]
     );
-}
-
-// Requirement 2 of issue 3: the ramp with w = 0.8 and n = 1, 1024² pixels, sRGB, 8 bits.
-
-/// Returns the means over 16 × 16 pixels, computed from sums over rectangles that start at the top left.
-fn means(size: u32, value: impl Fn(u32, u32) -> f64) -> impl Fn(u32, u32) -> f64 {
-    let width = size as usize + 1;
-    let mut sums = vec![0.0; width * width];
-    for y in 0..size {
-        let mut row = 0.0;
-        for x in 0..size {
-            row += value(x, y);
-            let at = (y as usize + 1) * width + x as usize + 1;
-            sums[at] = sums[at - width] + row;
-        }
-    }
-    move |x, y| {
-        let at = |x: u32, y: u32| sums[y as usize * width + x as usize];
-        (at(x + 16, y + 16) - at(x, y + 16) - at(x + 16, y) + at(x, y)) / 256.0
-    }
-}
-
-/// Tests uniform fields, where no gradient helps, with any share of the upper code and in any window.
-#[test]
-fn the_local_mean_of_uniform_fields_is_right() {
-    for (dither, bound) in [
-        (Dither::Ordered(DitherMatrix::Bayer8), 1.0 / 128.0 + 1e-9),
-        (Dither::Ordered(DitherMatrix::Bayer16), 1.0 / 512.0 + 1e-9),
-        (Dither::BlueNoise, 0.06),
-        (Dither::Random { seed: 1 }, 0.09),
-        (Dither::Random { seed: 2 }, 0.09),
-    ] {
-        let size = 256;
-        let thresholds = thresholds(dither, size);
-        let mut largest = 0f64;
-        for share in (1..64).map(|i| (f64::from(i) - 0.37) / 64.0) {
-            let upper = means(size, |x, y| f64::from(u8::from(share > thresholds[(y * size + x) as usize])));
-            for (x, y) in (0..240 * 240).map(|i| (i % 240, i / 240)) {
-                largest = largest.max((upper(x, y) - share).abs());
-            }
-        }
-        assert!(largest <= bound, "{dither}: {largest}");
-    }
 }
 
 // Halftone.

@@ -149,7 +149,7 @@ fn line() -> impl Strategy<Value = Stimulus> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig::with_cases(500))]
 
     #[test]
     fn codes_match_the_light(

@@ -69,20 +69,13 @@ fn a_steady_screen_never_drops_a_frame() {
 }
 
 #[test]
-fn jitter_of_a_fifth_neither_adds_nor_hides_drops() {
-    let mut screen = Screen::new(59.94);
-    for (i, jitter) in noise(7).take(100_001).enumerate() {
-        screen.frame(if i % 1000 == 500 { 2 } else { 1 }, 0.2 * jitter);
-    }
-    assert_eq!(screen.counted(), (100_000, 100, 100));
-}
-
-#[test]
 fn a_stall_is_one_dropped_frame_but_several_missed_refreshes() {
     let mut screen = Screen::new(60.0);
     let stalls = [(100, 2), (200, 3), (201, 3), (500, 61), (999, 10)];
-    for i in 0..1001 {
-        screen.frame(stalls.iter().find(|(at, _)| *at == i).map_or(1, |(_, refreshes)| *refreshes), 0.0);
+    // A jitter of a fifth neither adds nor hides drops; the longest interval is exact.
+    for (i, jitter) in noise(7).take(1001).enumerate() {
+        let refreshes = stalls.iter().find(|(at, _)| *at == i).map_or(1, |(_, refreshes)| *refreshes);
+        screen.frame(refreshes, if (499..501).contains(&i) { 0.0 } else { 0.2 * jitter });
     }
     assert_eq!(screen.counted(), (1000, 5, 1 + 2 + 2 + 60 + 9));
     assert_eq!(screen.times.quantile(1.0), Some(1.016_667));

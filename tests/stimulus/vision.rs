@@ -122,7 +122,7 @@ fn bands_do_not_depend_on_how_a_ramp_is_drawn() {
 #[test]
 fn bands_change_smoothly_with_contrast_and_nulling() {
     let contrasts = scan(0.02, 0.96, 100);
-    for width in [1.0, 2.0, 4.0, 6.5, 9.0] {
+    for width in [1.0, 4.0, 9.0] {
         let found = [1, 2, 3].map(|n| {
             let of = |contrast: &f64| MachBand {
                 low: 0.5 - 0.5 * contrast,

@@ -25,8 +25,11 @@ use machband::{
 use serde_json::Value;
 
 use crate::{
-    common::attacks::{LIES, withstood},
-    common::{assert_documented, edit, everything, json},
+    common::{
+        self, assert_documented,
+        attacks::{LIES, withstood},
+        edit, everything, json, set_cell,
+    },
     recording::{SEED, identity, rate, sitting, small},
 };
 
@@ -130,7 +133,7 @@ fn record(results: &Path, state: State) {
 fn edits(results: &Path, state: State) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (class, file) in [("rows and cells of the data", DATA), ("rows and cells of the frames", FRAMES)] {
-        table(class, file, &fs::read_to_string(results.join(file)).unwrap(), &mut edits);
+        table(class, results, file, &mut edits);
     }
     if state == State::Killed {
         return edits;
@@ -187,11 +190,8 @@ fn whole_file(file: &'static str, edits: &mut Vec<Edit>) {
     }
 }
 
-/// A change of the lines of a file.
-type Change = Box<dyn Fn(&mut Vec<String>)>;
-
 /// Adds edits of the rows and cells of a table.
-fn table(class: &'static str, file: &'static str, text: &str, edits: &mut Vec<Edit>) {
+fn table(class: &'static str, results: &Path, file: &'static str, edits: &mut Vec<Edit>) {
     type Way = fn(&mut Vec<String>);
     let ways: [(&str, Way); 10] = [
         ("first row deleted", |lines| drop(lines.remove(1))),
@@ -205,7 +205,7 @@ fn table(class: &'static str, file: &'static str, text: &str, edits: &mut Vec<Ed
         ("line ends of Windows", |lines| lines.iter_mut().for_each(|line| line.push('\r'))),
         ("a byte order mark", |lines| lines[0].insert(0, '\u{feff}')),
     ];
-    let mut add = |name: String, change: Change| {
+    for (name, change) in ways {
         let make = move |results: &Path| {
             edit(&results.join(file), |text| {
                 let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
@@ -213,23 +213,14 @@ fn table(class: &'static str, file: &'static str, text: &str, edits: &mut Vec<Ed
                 lines.join("\n") + "\n"
             });
         };
-        edits.push(Edit { class, name, make: Box::new(make) });
-    };
-    for (name, change) in ways {
-        add(name.to_owned(), Box::new(change));
+        edits.push(Edit { class, name: name.to_owned(), make: Box::new(make) });
     }
-    for (line, which) in [(1, "first"), (text.lines().count() - 1, "last")] {
-        for (column, name) in text.lines().next().unwrap().split(',').enumerate() {
-            let change = move |lines: &mut Vec<String>| {
-                let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(lines[line].as_bytes());
-                let mut cells: Vec<String> =
-                    reader.records().next().unwrap().unwrap().iter().map(str::to_owned).collect();
-                cells[column] = changed(&cells[column]);
-                let mut writer = csv::Writer::from_writer(Vec::new());
-                writer.write_record(&cells).unwrap();
-                lines[line] = String::from_utf8(writer.into_inner().unwrap()).unwrap().trim_end().to_owned();
-            };
-            add(format!("{name} in the {which} row"), Box::new(change));
+    let (header, rows) = common::table(&results.join(file));
+    for (row, which) in [(0, "first"), (rows.len() - 1, "last")] {
+        for (column, cell) in header.iter().cloned().zip(&rows[row]) {
+            let (name, cell) = (format!("{column} in the {which} row"), changed(cell));
+            let make = move |results: &Path| set_cell(&results.join(file), row + 2, &column, &cell);
+            edits.push(Edit { class, name, make: Box::new(make) });
         }
     }
 }

@@ -216,13 +216,8 @@ fn errors_are_reported_and_nothing_is_written() {
             assert!(error.contains(expected), "{format:?}: {error}");
         }
     };
-    fs::create_dir(at("full")).unwrap();
-    fs::write(at("full/x"), "x").unwrap();
-    refused(&at("full"), "is not empty");
-    refused(&at("full/x"), "is a file");
-    refused(&results.join("out"), "is inside");
-    refused(&results.join("quick/data/../out"), "is inside");
-    assert_eq!(fs::read_dir(at("full")).unwrap().count(), 1);
+    fs::write(at("file"), "x").unwrap();
+    refused(&at("file"), "is a file");
 
     // Every error in every session is reported.
     let files: Vec<_> = ["S001", "S002"].map(|subject| session_csv(&results, "quick", subject)).into();

@@ -54,6 +54,14 @@ pub fn sitting() -> Sitting {
     Sitting { started_at: Timestamp::UNIX_EPOCH.to_string(), ..Sitting::default() }
 }
 
+/// Records up to `limit` trials of a participant.
+pub fn record(results: &Path, subject: &str, limit: usize) -> SessionStore {
+    let identity = Identity::new(subject, "1").unwrap();
+    let mut store = SessionStore::create(results, &small(), &identity, SEED, sitting()).unwrap();
+    rate(&mut store, (&small(), &identity), None, limit, false).unwrap();
+    store
+}
+
 /// Returns the rating at the other end of the paper's scale.
 fn other(answer: &Answer) -> Answer {
     let Answer::Key(rating) = answer else { panic!("{answer:?}") };
@@ -70,15 +78,15 @@ pub fn rate(
     again: bool,
 ) -> Result<(), StoreError> {
     let schedule = Schedule::new(protocol, identity, SEED).unwrap();
-    let resumed = found.map(|found| found.resumed.clone()).unwrap_or_default();
+    let new = Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule.clone()));
+    let found = found.unwrap_or(&new);
     let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-    let mut session = Session::new(Course::new(protocol.clone(), schedule.clone()), &resumed, options);
-    let sitting = found.map_or(1, |found| found.sitting);
-    let start = Duration::from_secs_f64(found.map_or(0.0, |found| found.elapsed_s));
+    let mut session = Session::new(found.course.clone(), &found.resumed, options);
+    let start = Duration::from_secs_f64(found.elapsed_s);
     let mut left = limit;
     let rated = simulate(&mut session, &OrderedLogit::default(), identity, start, |response| {
         left = left.checked_sub(1).ok_or(None)?;
-        let context = RowContext { protocol, schedule: &schedule, identity, sitting };
+        let context = RowContext { protocol, schedule: &schedule, identity, sitting: found.sitting };
         let mut append = |what: &TrialResponse| {
             store.append(&TrialRecord::new(&context, what, Timestamp::UNIX_EPOCH + what.onset)).map_err(Some)
         };

