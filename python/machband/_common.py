@@ -140,7 +140,8 @@ def value(name: str, given: object) -> float | str:
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1:
         return ",".join(text(name, part) for part in given)
     try:
-        return float(given)  # type: ignore[arg-type]
+        # A number of NumPy is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
+        return float(str(given) if isinstance(given, np.floating) else given)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected a number or text") from None
 

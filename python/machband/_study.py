@@ -7,6 +7,7 @@ import json
 import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -107,18 +108,42 @@ def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], re
     return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
 
 
+def _numbers(cells: Cells) -> npt.NDArray[np.float64]:
+    """Return a column as numbers: missing ones are NaN, and texts that are no numbers infinite."""
+    if isinstance(cells, np.ndarray):
+        return cells.astype(np.float64)
+
+    def number(level: str) -> float:
+        known = {"true": 1.0, "false": 0.0, **dict.fromkeys(map(str.lower, MISSING), np.nan)}
+        with suppress(ValueError):
+            return float(level)
+        return known.get(level.strip().lower(), np.inf)
+
+    return np.array([*map(number, cells.levels), np.nan])[cells.codes]
+
+
 def _answered(found: dict[str, Cells], used: list[str], is_dropping: bool) -> tuple[list[str], list[str]]:
     """Keep the rows that have an answer; return what to warn of: rows without one, and rows that are wrong."""
-    given = [found.get(name) for name in used]
-    if not all(isinstance(one, np.ndarray) for one in given):
-        # The library says what is wrong.
+    if not all(name in found for name in used):
+        # The library says what is missing.
         return [], []
-    numbers = np.array(given, np.float64)
+    numbers = np.array([_numbers(found[name]) for name in used])
     right, trials = numbers[1], numbers[2] if len(used) > 2 else np.ones_like(numbers[1])
     is_there = ~np.isnan(numbers).any(axis=0)
-    is_wrong = is_there & ~((right >= 0) & (right <= trials) & (right % 1 == 0))
+    is_whole = np.isfinite(numbers) & (np.nan_to_num(numbers, posinf=0.5, neginf=0.5) % 1 == 0)
+    is_right = is_whole[1] & (right >= 0) & (right <= trials)
+    are_right = [np.isfinite(numbers[0]), *([] if len(used) < 3 else [is_whole[2] & (trials >= 0)]), is_right]
+    is_wrong = is_there & ~np.logical_and.reduce(are_right)
     rows, lost = np.flatnonzero(is_wrong), np.count_nonzero(~is_there)
-    said = [f"{used[1]} is {right[row]:g}; expected 0 to {trials[row]:g}, the number of trials" for row in rows]
+
+    def wrong(row: Any) -> str:
+        place = [0, *range(len(used) - 1, 0, -1)][[bool(one[row]) for one in are_right].index(False)]
+        expected = ["a number", f"0 to {trials[row]:g}, the number of trials", "a number of trials"][place]
+        cells = found[used[place]]
+        given = repr(cells.levels[cells.codes[row]]) if isinstance(cells, Levels) else f"{cells[row]:g}"
+        return f"{used[place]} is {given}; expected {expected}"
+
+    said = [wrong(row) for row in rows]
     if len(rows) and (not is_dropping or 50 * len(rows) > len(right)):
         raise _wrong(rows, said[0])
     keep = is_there & ~is_wrong
@@ -280,6 +305,8 @@ def analyze(
         raise TypeError(f"analyze() got {asked[0]} without level; expected both")
     if level is not None and (lacking := [name for name in ("correct", "guess") if name not in asked]):
         raise TypeError(f"analyze() got level without {' and '.join(lacking)}; expected level, correct and guess")
+    if level is not None and categories is not None:
+        raise Error("categories does not apply to answers at levels; expected ratings, or no categories")
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}

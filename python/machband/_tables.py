@@ -107,6 +107,10 @@ def encoded(name: str, column: Any) -> Cells:
         return np.ascontiguousarray(array, np.int64)
     if is_whole or array.dtype.kind == "f":
         numbers = np.ascontiguousarray(array, np.float64)
+        if array.dtype.kind == "f" and array.dtype.itemsize < 8:
+            # Each is the number that it is written as: 0.2 in 32 bits is not 0.2 in 64.
+            different, codes = np.unique(array, return_inverse=True)
+            numbers = different.astype(str).astype(np.float64)[codes]
         return numbers if masked is None else np.where(masked, np.nan, numbers)
     codes, found = _factorized(name, array)
     if masked is not None:
@@ -132,8 +136,8 @@ def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) ->
 
     With `is_complete`, all that the column has must be there.
     """
-    if isinstance(listed, (str, bytes)) or not isinstance(listed, Iterable):
-        raise TypeError(f"factors[{factor!r}] is {listed!r}; expected a list of levels")
+    if isinstance(listed, (str, bytes, set, frozenset)) or not isinstance(listed, Iterable):
+        raise TypeError(f"factors[{factor!r}] is {listed!r}; expected a list of levels, which has an order")
     array = np.fromiter(listed, object)
     if cells is None:
         return [*array]
@@ -180,9 +184,12 @@ def _of_arrow(name: str, column: Any) -> Any:
             return column.to_numpy()
         column = column.cast(pyarrow.large_string()).dictionary_encode()
     chunks = column.unify_dictionaries().chunks
-    levels = [_text(name, level) for level in chunks[0].dictionary.to_pylist()] if chunks else []
+    found = chunks[0].dictionary.to_pylist() if chunks else []
     codes = [np.asarray(chunk.indices.cast(pyarrow.int64()).fill_null(-1)) for chunk in chunks]
-    return Levels(levels, np.concatenate([np.empty(0, np.int64), *codes]), bool(column.type.ordered))
+    cells = np.concatenate([np.empty(0, np.int64), *codes])
+    # A dictionary may have a missing value among its levels.
+    cells[np.isin(cells, [code for code, level in enumerate(found) if level is None])] = -1
+    return Levels(["" if level is None else _text(name, level) for level in found], cells, bool(column.type.ordered))
 
 
 def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:

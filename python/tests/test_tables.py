@@ -260,3 +260,41 @@ def test_a_million_rows_are_as_fast_as_their_csv(tmp_path):
             machband.analyze(data, slopes="none", **GIVEN)
             seconds[name].append(time.process_time() - start)
     assert min(seconds["frame"]) < 1.1 * min(seconds["csv"])
+
+
+def test_what_cells_mean_does_not_depend_on_their_type():
+    needs("pyarrow")
+    import pyarrow
+
+    frame = study(dose=np.float32([0.1, 0.2] * 24))
+    found = machband.analyze(frame, **GIVEN).tables["cells"]
+    assert found["dose"].tolist() == [0.1, 0.2]
+    assert machband.stimulus(size=8, width=np.float32(0.2)).tolist() == machband.stimulus(size=8, width=0.2).tolist()
+    with pytest.raises(TypeError, match="expected a list of levels, which has an order"):
+        machband.analyze(study(), **{**GIVEN, "factors": {"dose": {"none", "a lot"}}})
+    who = pyarrow.DictionaryArray.from_arrays([0, 1, 2, 0] * 12, ["007", None, "8"])
+    table = pyarrow.table({"who": who, "answer": [1, 2, 3, 1, 3, 3] * 8, "dose": frame.dose})
+    with pytest.raises(machband.DataError, match="12 of 48 rows have no participant"):
+        machband.analyze(table, **GIVEN)
+
+
+def test_wrong_answers_at_levels_have_their_rows():
+    table = {"level": [1.0, 2, 3, 4] * 30, "right": [5, 7, 9, 10] * 30, "n": [10] * 120}
+    given = dict(level="level", correct="right", total="n", guess=0.5)
+    expected = machband.analyze(table, **given).tables["thresholds"]["threshold"]
+    for column, value, message in [
+        ("level", "high", "level is 'high'; expected a number"),
+        ("level", np.inf, "level is inf; expected a number"),
+        ("right", "x", "right is 'x'; expected 0 to 10, the number of trials"),
+        ("n", 10.5, "n is 10.5; expected a number of trials"),
+    ]:
+        changed = {**table, column: [*table[column][:7], value, *table[column][8:]]}
+        changed[column] = np.array(changed[column], object if isinstance(value, str) else None)
+        with pytest.raises(machband.DataError, match=f"row 7 .*{message}") as told:
+            machband.analyze(changed, **given)
+        assert told.value.rows.tolist() == [7]
+        with pytest.warns(machband.DataWarning, match=message):
+            found = machband.analyze(changed, on_error="drop", **given)
+        assert abs(found.tables["thresholds"]["threshold"][0] - expected[0]) < 0.05
+    with pytest.raises(machband.Error, match="categories"):
+        machband.analyze(table, categories=["a", "b"], **given)

@@ -9,17 +9,32 @@ use crate::statistics::{Interval, mean_and_sd, t_quantile};
 /// The scale values of items.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scale {
-    /// The values in units of one JND, the difference that is told apart in 75 % of comparisons; their mean is 0.
+    /// The values in units of one JND, the difference that is told apart in 75 % of comparisons. Their mean is 0 in each
+    /// group; an item that was compared with no other has NaN.
     pub values: Vec<f64>,
+    /// The items that were compared with each other, directly or through others. Values of different groups cannot be
+    /// compared.
+    pub groups: Vec<Vec<usize>>,
     /// The logarithm of the likelihood.
     pub log_likelihood: f64,
-    /// Whether the values are limited by a weak prior, because some items were always or never chosen over all others
-    /// (Ford 1957), so that the most likely values are infinite.
+    /// Whether the values of a group are limited by a weak prior, because some items were always or never chosen over all
+    /// others (Ford 1957), so that the most likely values are infinite.
     pub is_limited: bool,
 }
 
 /// Standard deviation of the weak prior, in JND.
 const WEAK_SD: f64 = 5.0;
+
+impl Scale {
+    /// Returns the difference between the highest and the lowest value of a group.
+    #[must_use]
+    pub fn span(&self, group: &[usize]) -> f64 {
+        let [low, high] =
+            [f64::min, f64::max].map(|end| group.iter().map(|item| self.values[*item]).fold(f64::NAN, end));
+        high - low
+    }
+}
+
 impl Scaling {
     /// Returns one JND on the model's own scale: z(.75), or ln 3.
     #[must_use]
@@ -32,24 +47,27 @@ impl Scaling {
 
     /// Finds the most likely scale values.
     ///
-    /// Returns `None` for fewer than two items, or if nothing was compared.
+    /// Returns `None` if nothing was compared.
     #[must_use]
     pub fn fit(self, wins: &Wins) -> Option<Scale> {
-        let items = wins.nrows();
-        if items < 2 || wins.sum() <= 0.0 {
-            return None;
+        let (groups, mut values) = (groups(wins), vec![f64::NAN; wins.nrows()]);
+        let (mut log_likelihood, mut is_limited) = (0.0, false);
+        for group in &groups {
+            let own = wins.select_rows(group).select_columns(group);
+            let is_connected = is_connected(&own);
+            let precision = if is_connected { 0.0 } else { (WEAK_SD * self.jnd()).powi(-2) };
+            let mode = self.mode(&own, precision)?;
+            let mean = mode.values.mean();
+            group.iter().zip(&mode.values).for_each(|(item, value)| values[*item] = (value - mean) / self.jnd());
+            log_likelihood += mode.log_likelihood;
+            is_limited |= !is_connected;
         }
-        let is_limited = !is_connected(wins);
-        let precision = if is_limited { (WEAK_SD * self.jnd()).powi(-2) } else { 0.0 };
-        let mode = self.mode(wins, precision)?;
-        let mean = mode.values.mean();
-        let values = mode.values.iter().map(|value| (value - mean) / self.jnd()).collect();
-        Some(Scale { values, log_likelihood: mode.log_likelihood, is_limited })
+        (!groups.is_empty()).then_some(Scale { values, groups, log_likelihood, is_limited })
     }
 
     /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
     /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution.
-    /// `None` for fewer than two people.
+    /// `None` for fewer than two people, or if such studies compare other groups.
     #[must_use]
     pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
         let all = self.fit(&people.iter().sum())?;
@@ -60,8 +78,12 @@ impl Scaling {
         for _ in 0..draws {
             let pick = |_| &people[((u128::from(rng.next_u64()) * people.len() as u128) >> 64) as usize];
             let study = (0..people.len()).map(pick).sum();
-            let scale = self.fit(&study).filter(|scale| !scale.is_limited || all.is_limited);
+            let scale = self.fit(&study).filter(|scale| scale.groups == all.groups);
+            let scale = scale.filter(|scale| !scale.is_limited || all.is_limited);
             scale.into_iter().for_each(|scale| drawn.iter_mut().zip(scale.values).for_each(|(all, one)| all.push(one)));
+        }
+        if drawn[0].len() < 2 {
+            return None;
         }
         let n = people.len() as f64;
         let reach = t_quantile(n - 1.0) * (n / (n - 1.0)).sqrt();
@@ -70,19 +92,31 @@ impl Scaling {
     }
 }
 
+/// Returns the items to which edges lead from an item, with itself.
+fn reached(items: usize, from: usize, edge: impl Fn(usize, usize) -> bool) -> Vec<usize> {
+    let (mut seen, mut next) = (vec![false; items], vec![from]);
+    while let Some(i) = next.pop() {
+        if !std::mem::replace(&mut seen[i], true) {
+            next.extend((0..items).filter(|j| edge(i, *j)));
+        }
+    }
+    (0..items).filter(|item| seen[*item]).collect()
+}
+
+/// Returns the groups of two or more items that were compared, directly or through others.
+fn groups(wins: &Wins) -> Vec<Vec<usize>> {
+    let group = |item| reached(wins.nrows(), item, |i, j| wins[(i, j)] + wins[(j, i)] > 0.0);
+    // Each group is found from its first item only.
+    let groups = (0..wins.nrows()).map(|item| (item, group(item)));
+    groups.filter(|(item, group)| group[0] == *item && group.len() > 1).map(|(_, group)| group).collect()
+}
+
 /// Returns whether every item was chosen over every other, directly or through others (Ford 1957).
 fn is_connected(wins: &Wins) -> bool {
-    let reaches_all = |forward: bool| {
-        let (mut seen, mut next) = (vec![false; wins.nrows()], vec![0]);
-        while let Some(i) = next.pop() {
-            if !std::mem::replace(&mut seen[i], true) {
-                let edge = |j: &usize| if forward { wins[(i, *j)] } else { wins[(*j, i)] } > 0.0;
-                next.extend((0..wins.nrows()).filter(edge));
-            }
-        }
-        seen.into_iter().all(|seen| seen)
-    };
-    reaches_all(true) && reaches_all(false)
+    let items = wins.nrows();
+    let over = reached(items, 0, |i, j| wins[(i, j)] > 0.0);
+    let under = reached(items, 0, |i, j| wins[(j, i)] > 0.0);
+    over.len() == items && under.len() == items
 }
 
 /// Comparisons that contradict each other: a over b, b over c, and c over a.

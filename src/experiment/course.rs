@@ -7,7 +7,7 @@ use super::{
     identity::fnv1a,
     protocol::Protocol,
     schedule::{Phase, Schedule},
-    task::{Adaptive, Answer, Method, Pick, Presentation, Quest, QuestPlus, Ranking, Track, Turn},
+    task::{Adaptive, Answer, Method, Pick, Presentation, Quest, Ranking, Track, Turn},
 };
 
 /// A session's trials, and the answers to them so far.
@@ -153,10 +153,10 @@ impl Course {
     /// Returns what a trial could show, whatever the answers before, given the level that it has.
     #[must_use]
     pub fn possible(&self, trial: usize, level: Option<f64>) -> Vec<Presentation> {
-        let second = match self.protocol.adaptive.as_ref().map(|adaptive| &adaptive.method) {
-            Some(Method::QuestPlus(QuestPlus { second: Some(second), .. })) => second.levels.iter().map(Some).collect(),
-            _ => vec![None],
-        };
+        let second = self.protocol.adaptive.as_ref().and_then(Adaptive::second);
+        let second = second.map_or(vec![None], |second| second.levels.iter().map(Some).collect());
+        let adaptive = self.protocol.adaptive.as_ref();
+        let level = level.filter(|level| adaptive.is_some_and(|adaptive| adaptive.can_show(*level)));
         let picks: Vec<Pick> = match (level, self.protocol.pairs()) {
             (Some(level), _) => second.into_iter().map(|second| Pick::Level(level, second.copied())).collect(),
             (None, Some(pairs)) if !self.tracks.is_empty() => pairs.iter().map(|pair| Pick::Pair(*pair)).collect(),

@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Adaptive, Given, Layout, Measures, Turn},
+    task::{Given, Layout, Measures, Turn, at_level},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
 
@@ -210,13 +210,17 @@ impl Definition {
         conditions
     }
 
+    /// Returns whether the pictures could not be read, so that their factors are not known.
+    fn lacks_pictures(&self) -> bool {
+        matches!(&self.stimulus, Stimulus::Image(shown) if shown.gallery.pictures.is_empty())
+    }
+
     fn check_factors(&self, errors: &mut DefinitionErrors) -> Vec<Condition> {
         let before = errors.0.len();
         for (i, factor) in self.factors.iter().enumerate() {
             let path = format!("factors.{}", factor.name);
             // Why there are no pictures was told when they were read.
-            let has_no_pictures = matches!(&self.stimulus, Stimulus::Image(shown) if shown.gallery.pictures.is_empty());
-            if factor.levels.is_empty() && !has_no_pictures {
+            if factor.levels.is_empty() && !self.lacks_pictures() {
                 errors.add(&path, format!("factor {} is empty; expected at least one level", factor.name));
             }
             if self.factors[..i].iter().any(|other| other.name == factor.name) {
@@ -277,6 +281,7 @@ impl Definition {
         }
         if let Some(name) = design.order.factor()
             && !self.factors.iter().any(|factor| factor.name == name)
+            && !self.lacks_pictures()
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
             errors.add(
@@ -290,6 +295,11 @@ impl Definition {
         let adapted = self.adaptive.iter().flat_map(|adaptive| adaptive.parameters()).collect();
         let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
         self.task.check(&given, errors);
+        if self.presentation.is_some() && matches!(self.task.layout(), Layout::Intervals { .. }) {
+            let message =
+                "[presentation] does not apply to intervals; expected task.duration_s, which says how long each lasts";
+            errors.add("presentation", message);
+        }
         let Some(adaptive) = &self.adaptive else { return };
         if !self.task.adapts() {
             let message = format!(
@@ -306,17 +316,36 @@ impl Definition {
         if self.task.is_default() {
             return;
         }
-        let name = self.adaptive.as_ref().map(|adaptive| adaptive.common.parameter.as_str());
-        let ends = self.adaptive.as_ref().map_or([f64::NAN; 2], Adaptive::range);
+        fn choices<'a>(name: &'a str, levels: &[f64]) -> Vec<Option<(&'a str, f64)>> {
+            levels.iter().map(|level| Some((name, *level))).collect()
+        }
+        let (mut levels, mut seconds) = (vec![None], vec![None]);
+        if let Some(adaptive) = &self.adaptive {
+            levels = choices(&adaptive.common.parameter, &adaptive.range());
+            seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
+        }
+        let picks: Vec<_> =
+            levels.iter().flat_map(|level| seconds.iter().map(move |second| (*level, *second))).collect();
+        let dial = self.task.dial().and_then(|dial| Some((dial.parameter?, dial.range)));
         let places: BTreeSet<u32> = self.task.places().into_iter().collect();
         let has_target = self.task.measures() == Measures::Proportions;
         for condition in conditions {
-            let turn = |place: &u32, level: f64| {
-                let level = name.map(|name| (name, level));
-                Turn { condition, other: None, place: *place, draw: 1.0, level, second: None }
-            };
-            let turns = places.iter().flat_map(|place| ends.map(|end| turn(place, end)));
-            let shown: Vec<Vec<Stimulus>> = turns.map(|turn| self.task.present(&turn).stimuli).collect();
+            let turns = places.iter().flat_map(|place| {
+                let turn = move |(level, second): &(_, _)| Turn {
+                    condition,
+                    other: None,
+                    place: *place,
+                    draw: 1.0,
+                    level: *level,
+                    second: *second,
+                };
+                picks.iter().map(turn)
+            });
+            let mut shown: Vec<Vec<Stimulus>> = turns.map(|turn| self.task.present(&turn).stimuli).collect();
+            if let Some((name, ends)) = &dial {
+                let turned = |stimulus: Stimulus| ends.map(|end| at_level(stimulus.clone(), name, end));
+                shown = shown.into_iter().map(|stimuli| stimuli.into_iter().flat_map(turned).collect()).collect();
+            }
             if has_target && shown.iter().all(|stimuli| stimuli.windows(2).all(|pair| pair[0] == pair[1])) {
                 let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
                 errors.add("task.reference", message);
@@ -356,7 +385,7 @@ impl Definition {
                 format!("the number of categories is {}; expected {least} to {most}", categories.len()),
             );
         }
-        for (i, category) in categories.iter().enumerate() {
+        for (i, category) in categories.iter().take(*CATEGORIES.end()).enumerate() {
             let path = format!("response.keys.{i}");
             let key = category.key;
             if !key.is_ascii_alphanumeric() || RESERVED_KEYS.contains(&key.to_ascii_lowercase()) {
@@ -369,6 +398,10 @@ impl Definition {
             }
             if category.label.trim().is_empty() {
                 errors.add(format!("response.labels.{i}"), "the label is empty; expected the meaning of the answer");
+            } else if categories[..i].iter().any(|other| other.label == category.label) {
+                let message =
+                    format!("label {:?} appears twice; expected a different one for each answer", category.label);
+                errors.add(format!("response.labels.{i}"), message);
             }
         }
     }

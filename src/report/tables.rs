@@ -24,10 +24,14 @@ fn ends(interval: Option<Interval>) -> [Cell; 2] {
     [interval.map(|interval| interval.low).into(), interval.map(|interval| interval.high).into()]
 }
 
+/// Inserts a column with the levels of each factor of ratings between other columns.
+fn with_levels(first: Vec<Column>, factors: &[Factor], last: Vec<Column>) -> Vec<Column> {
+    with_factors(first, factors.iter().map(|factor| factor.name.clone()).collect(), last)
+}
+
 /// Inserts a column with the levels of each factor between other columns, which keep their names: a factor of the same
 /// name gets underscores at its end.
-fn with_levels(first: Vec<Column>, factors: &[Factor], last: Vec<Column>) -> Vec<Column> {
-    let mut names: Vec<String> = factors.iter().map(|factor| factor.name.clone()).collect();
+pub(super) fn with_factors(first: Vec<Column>, mut names: Vec<String>, last: Vec<Column>) -> Vec<Column> {
     for factor in 0..names.len() {
         let is_fixed = |name: &String| first.iter().chain(&last).any(|column| column.name == *name);
         while is_fixed(&names[factor]) || names.iter().filter(|name| **name == names[factor]).count() > 1 {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, Layout, SIMULATED, checked, is_mark, is_missing},
+    ratings::{Header, Layout, SIMULATED, checked, has_session_rows, is_mark, is_missing},
     table::{decoded, rows_from},
 };
 use crate::text::names::expected_one_of;
@@ -127,6 +127,11 @@ struct Places {
 
 impl Places {
     fn new(name: &str, header: &Header, columns: &AnswerColumns) -> Result<Self, FileErrors> {
+        if has_session_rows(header) {
+            let message = "has the rows of a session, among them practice, catch trials and corrected answers; expected the folder \
+                           of the sessions, without the names of columns";
+            return Err(FileErrors::whole(name, message));
+        }
         let place = |column: &String| {
             header.position(column).ok_or_else(|| {
                 let message = format!("has no column {column:?}; {}", expected_one_of(column, &header.names));

@@ -257,10 +257,22 @@ impl Written {
         if errors.0.is_empty() {
             return protocol;
         }
-        // A value that could not be read would only cause follow-up errors.
-        let unread: HashSet<String> = errors.0.iter().map(|error| error.path.clone()).collect();
-        let found = protocol.err().unwrap_or_default();
-        errors.0.extend(found.into_iter().filter(|error| !unread.contains(&error.path)));
+        // A value that could not be read would only cause follow-up errors, as would the options of an unknown kind.
+        let (mut unread, mut unknown) = (HashSet::new(), Vec::new());
+        for DefinitionError { path, .. } in &errors.0 {
+            // A list without one of its items is not read, either.
+            let list = path.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('.');
+            unread.extend([path.clone(), list.to_owned()]);
+            match path.as_str() {
+                "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
+                "adaptive" | "adaptive.method" => unknown.push("adaptive"),
+                _ => {}
+            }
+        }
+        let follows = |DefinitionError { path, .. }: &DefinitionError| {
+            unread.contains(path) || unknown.contains(&path.split('.').next().unwrap_or(path))
+        };
+        errors.0.extend(protocol.err().unwrap_or_default().into_iter().filter(|error| !follows(error)));
         Err(errors.0)
     }
 }

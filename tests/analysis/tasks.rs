@@ -350,3 +350,38 @@ fn means_and_differences_of_populations_are_covered() {
         covered.into_iter().for_each(|covered| assert_covers(covered, 200));
     }
 }
+
+/// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.
+#[test]
+fn catch_trials_tell_the_guess_rate() {
+    for falls in [false, true] {
+        let model = Model { guess: Guess::Free, falls, overdispersed: false, range: Some([-3.0, 3.0]), ..MODEL };
+        let truth = Estimate { threshold: 0.0, width: 2.0, lapse: 0.02, guess: 0.35, overdispersion: 0.0 };
+        let mut rng = ChaCha8Rng::seed_from_u64(8);
+        let side = if falls { -1.0 } else { 1.0 };
+        let mut person = |catches: u32| -> Vec<Point> {
+            let function = model.parameters(&truth);
+            let mut points: Vec<Point> = [0.0, 0.5, 1.0, 2.0]
+                .map(|x| {
+                    let chance = model.curve.probability(side * x, &function);
+                    Point { x: side * x, correct: binomial(30, chance, &mut rng), total: 30 }
+                })
+                .to_vec();
+            Point::add(&mut points, model.unseen(), binomial(catches, truth.guess, &mut rng), catches);
+            points
+        };
+        let people: Vec<Vec<Point>> = (0..8).map(|_| person(40)).collect();
+        let own: Vec<f64> = people.iter().map(|points| fit(points, &model).unwrap().estimate.guess).collect();
+        let mean = own.iter().sum::<f64>() / own.len() as f64;
+        assert!((mean - truth.guess).abs() < 0.06, "{own:?}");
+        let population = population::fit(&people, &model).unwrap();
+        assert!(
+            (population.guess - truth.guess).abs() < 0.06 && contains(population.interval.unwrap(), 0.0),
+            "{population:?}"
+        );
+        assert!(goodness_of_fit(&people[0], &model, 19, &mut rng).unwrap().deviance.is_finite());
+        // On the other side, F is not 0.
+        let wrong = [Point { x: -model.unseen(), correct: 1, total: 2 }];
+        assert_eq!(estimate(&[&people[0][..], &wrong].concat(), &model), Err(FitError::Level));
+    }
+}

@@ -372,8 +372,8 @@ CHOICE[adaptive]\nmethod = "staircase"\nparameter = "width"\n => 9:2 => adaptive
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is no multiple of the 5 levels
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is no parameter
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:1 => width -1
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:1 => level 0 is not above 0
+CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1
+CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [1, 2], gradient = [0] }\n => 13:12 => width is varied already
 QUESTlapse = [0.9]\n => 13:10 => lapse 0.9 is outside 0…0.5
@@ -473,4 +473,93 @@ fn a_threshold_beyond_the_levels_is_no_number() {
     let beyond = header.iter().position(|name| name == "is_beyond").unwrap();
     assert!(rows.iter().filter(|row| row[beyond] == "1").count() >= 14, "{rows:?}");
     assert!(table(&folder.path().join("analysis/population.csv")).1.is_empty());
+}
+
+/// What a trial could not show as asked is an error, and not a default; so is an option that would have no effect. One
+/// mistake is told once.
+#[test]
+fn what_no_trial_could_show_is_refused() {
+    let constant = |levels: &str| {
+        format!(
+            "[adaptive]\nmethod = \"constant\"\nparameter = \"depth\"\neasier = \"low\"\ntrials = 9\nlevels = {levels}\n"
+        )
+    };
+    let stairs =
+        "[adaptive]\nmethod = \"staircase\"\nparameter = \"depth\"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n";
+    let quest = format!("[adaptive]\nmethod = \"quest-plus\"\n{LEVELS}");
+    let second = |levels: &str| format!("second = {{ parameter = \"low\", levels = {levels}, gradient = [0] }}\n");
+    let adjust = |name: &str, high: f64| {
+        format!("[task]\nkind = \"adjust\"\nparameter = \"{name}\"\nlow = 0.1\nhigh = {high}\n")
+    };
+    let whole = adjust("depth", 8.0).replace("0.1", "1");
+    let with_levels = format!("{ORIENTATIONS}[task]\nkind = \"pair\"\nreference = {{ depth = \"inf\" }}\n");
+    for (body, expected) in [
+        (format!("{CHOICE}{}", constant("[2, 2.5, 3]")), Some("depth 2.5 is not a whole number")),
+        (format!("{CHOICE}{}", constant("[2, 3, 4]")), None),
+        (format!("{CHOICE}{stairs}"), Some("depth has whole numbers only")),
+        (whole, Some("depth has whole numbers only")),
+        (format!("{CHOICE}{quest}{}", second("[0.1, 0.9]")), Some("low")),
+        (format!("{CHOICE}{quest}{}", second("[0.1, 0.2]")), None),
+        (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.7)), Some("low")),
+        (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.5)), None),
+        (format!("[presentation]\nduration_s = 1\n{CHOICE}"), Some("[presentation] does not apply to intervals")),
+        (format!("{with_levels}pairs = \"chain\"\n{quest}"), Some("expected no pairs")),
+        (format!("{with_levels}trials = 9\n{quest}"), Some("trials applies to adaptive pairs only")),
+        (
+            format!("{DEPTHS}[task]\nkind = \"pair\"\nalong = \"depth\"\n"),
+            Some("along applies to pairs = \"chain\" only"),
+        ),
+        (format!("{CHOICE}{}", quest.replace("0.02", "nan")), Some("adaptive.levels.1 is the text \"NaN\"")),
+        (format!("{CHOICE}{}", quest.replace("quest-plus", "quest")), Some("method \"quest\" is not known")),
+        (format!("{CHOICE}{}", stairs.replace("20", "inf")), Some("adaptive.high is the text \"inf\"")),
+        ("[response]\nlabels = [\"a\", \"a\"]\n".to_owned(), Some("label \"a\" appears twice")),
+        (
+            format!(
+                "[response]\nlabels = [{}]\n",
+                ('a'..='l').map(|label| format!("\"{label}\",")).collect::<String>()
+            ),
+            Some("the number of categories is 12"),
+        ),
+    ] {
+        let found = definition::parse("t.toml", &format!("{HEAD}{body}")).map(drop);
+        let errors = found.err().map(|errors| errors.0).unwrap_or_default();
+        let is_told = match expected {
+            Some(expected) => errors.len() == 1 && errors[0].message.contains(expected),
+            None => errors.is_empty(),
+        };
+        assert!(is_told, "{body}\nexpected {expected:?}\n{errors:?}");
+    }
+}
+
+/// Conditions that no comparison connects have no common order, and every column has a name of its own.
+#[test]
+fn unconnected_comparisons_have_scales_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = "[factors]\nlow = [0.1, 0.2]\ndepth = [1, 2]\n[design]\nrepetitions = 6\n[task]\nkind = \"pair\"\npairs = \"chain\"\n\
+        along = \"depth\"\n";
+    fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--participants", "4", "--results", "results"]);
+    let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "a", "--tables-only"]);
+    assert_eq!(printed.matches("From the highest to the lowest").count(), 2, "{printed}");
+    assert!(printed.contains("No comparison leads from one group of conditions to another"), "{printed}");
+    let (header, rows) = table(&folder.path().join("a/scale.csv"));
+    let names: BTreeSet<&String> = header.iter().collect();
+    assert_eq!((names.len(), &*header[0], &*header[1]), (header.len(), "low_", "depth"), "{header:?}");
+    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    for pair in rows.chunks(2) {
+        let values = pair.iter().map(|row| row[column("thurstone")].parse::<f64>().unwrap());
+        assert!(values.sum::<f64>().abs() < 1e-9 && pair[0][column("group")] == pair[1][column("group")], "{rows:?}");
+    }
+    assert_ne!(rows[0][column("group")], rows[2][column("group")]);
+}
+
+/// The rows of a session are not answers at levels: practice and catch trials and earlier attempts are among them.
+#[test]
+fn a_session_is_no_table_of_answers() {
+    let folder = tempfile::tempdir().unwrap();
+    sit(folder.path(), &protocol(&tasks().remove(0).1), usize::MAX);
+    let csv = csv(folder.path()).to_string_lossy().into_owned();
+    let columns = ["--level=level", "--correct=correct", "--guess=0.5", "--out=a"];
+    let told = fails(folder.path(), &[&["analyze", &csv], &columns[..]].concat(), 1);
+    assert!(told.contains("has the rows of a session") && told.contains("expected the folder"), "{told}");
 }

@@ -16,7 +16,7 @@ use crate::{
     analysis::tasks::{
         means::Mean,
         population::{self, Population},
-        psychometric::{Model, Point, estimate},
+        psychometric::{Guess, Model, Point, estimate},
     },
     experiment::{
         Condition, Course, Identity, Phase, Protocol, Schedule,
@@ -280,7 +280,8 @@ impl ThresholdPlan {
             let seen = rng.random::<f64>()
                 < if is_target { self.chance(x, thresholds[condition]) } else { self.observer.false_alarms };
             course.answer(trial, &self.answer(&shown, seen));
-            if is_target {
+            if is_target || self.model.guess == Guess::Free {
+                let x = if is_target { x } else { self.model.unseen() };
                 Point::add(&mut points[condition], x, seen.into(), 1);
             }
         }

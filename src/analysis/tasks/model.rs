@@ -15,7 +15,8 @@ use crate::experiment::{
 /// The answers at one level, or in one block of trials at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// The level, on the scale of the curve: its decadic logarithm on a logarithmic axis.
+    /// The level, on the scale of the curve: its decadic logarithm on a logarithmic axis; infinite in catch trials
+    /// ([`Model::unseen`]).
     pub x: f64,
     /// Number of correct answers, or of answers yes.
     pub correct: u32,
@@ -30,6 +31,12 @@ impl Point {
             Some(point) => (point.correct, point.total) = (point.correct + correct, point.total + total),
             None => points.push(Self { x, correct, total }),
         }
+    }
+
+    /// Returns whether the trials showed a target.
+    #[must_use]
+    pub fn is_target(&self) -> bool {
+        self.x.is_finite()
     }
 }
 
@@ -123,6 +130,12 @@ impl Model {
         Some(Self { curve, guess, falls, overdispersed, range })
     }
 
+    /// Returns the level of catch trials: at the end of the scale where F is 0, so that their answers tell γ.
+    #[must_use]
+    pub fn unseen(&self) -> f64 {
+        if self.falls { f64::INFINITY } else { f64::NEG_INFINITY }
+    }
+
     /// Returns β of F = [`Curve::sigmoid`]`(z + β(x − m))` for a width, and z, where the sigmoid is ½.
     fn slope(&self, width: f64) -> (f64, f64) {
         let [low, half, high] = [0.05, 0.5, 0.95].map(|share| self.curve.inverse(share));
@@ -175,7 +188,8 @@ impl Priors {
     /// Returns the priors for these data.
     pub fn new(points: &[Point], model: &Model) -> Result<Self, FitError> {
         check(points, model)?;
-        let mut levels: Vec<f64> = points.iter().filter(|point| point.total > 0).map(|point| point.x).collect();
+        let mut levels: Vec<f64> =
+            points.iter().filter(|point| point.total > 0 && point.is_target()).map(|point| point.x).collect();
         levels.sort_by(f64::total_cmp);
         let steps = levels.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
         let nearest = steps.min_by(f64::total_cmp).ok_or(FitError::Levels)?;
@@ -223,7 +237,7 @@ impl Priors {
 }
 
 fn check(points: &[Point], model: &Model) -> Result<(), FitError> {
-    if points.iter().any(|point| !point.x.is_finite()) {
+    if points.iter().any(|point| !point.is_target() && point.x != model.unseen()) {
         return Err(FitError::Level);
     }
     if points.iter().any(|point| point.correct > point.total) {

@@ -1,12 +1,10 @@
 //! What a definition says about an adaptive method.
 
-use std::collections::BTreeSet;
-
 use serde::Serialize;
 
 use super::{
     common::Common,
-    kind::Kind,
+    kind::{Kind, whole_only},
     kinds::kinds,
     options::{OptionValue, options},
     quest::{QuestPlus, Second},
@@ -60,6 +58,17 @@ impl Adaptive {
         match &self.method {
             Method::Staircase(stairs) => [stairs.low, stairs.high],
             _ => [f64::min, f64::max].map(|end| self.levels().iter().copied().fold(f64::NAN, end)),
+        }
+    }
+
+    /// Returns whether the method can choose a level.
+    #[must_use]
+    pub fn can_show(&self, level: f64) -> bool {
+        let [low, high] = self.range();
+        if let Method::Staircase(_) = self.method {
+            (low..=high).contains(&level)
+        } else {
+            self.levels().contains(&level)
         }
     }
 
@@ -120,41 +129,37 @@ impl Adaptive {
         }
     }
 
-    /// Adds an error if a level appears twice or is not positive on a logarithmic scale, or the stimulus cannot have it.
+    /// Adds an error for each level that appears twice, that is not positive on a logarithmic scale, or that the stimulus
+    /// cannot have.
     fn check_levels(&self, stimulus: &Stimulus, errors: &mut DefinitionErrors) {
-        let second = self.second().map_or(&[][..], |second| &second.levels);
-        for (path, levels) in [("adaptive.levels", self.levels()), ("adaptive.second.levels", second)] {
-            let twice = levels.iter().enumerate().find(|(i, level)| levels[..*i].contains(level));
-            if let Some((i, level)) = twice {
-                errors.add(format!("{path}.{i}"), format!("level {level} appears twice; expected each level once"));
+        let (name, before) = (&self.common.parameter, errors.0.len());
+        let ends =
+            if let Method::Staircase(stairs) = &self.method { vec![stairs.low, stairs.high] } else { Vec::new() };
+        let second = self.second().map(|second| ("adaptive.second.levels", &second.parameter, &second.levels[..]));
+        let lists = [("adaptive.levels", name, self.levels()), ("adaptive", name, &ends)];
+        for (path, name, levels) in lists.into_iter().chain(second).filter(|(_, name, _)| stimulus.get(name).is_some())
+        {
+            for (i, level) in levels.iter().enumerate().filter(|(_, level)| !level.is_nan()) {
+                let message = match stimulus.clone().set(name, &(*level).into()) {
+                    Err(error) => error.to_string(),
+                    Ok(()) if self.common.log && *level <= 0.0 => {
+                        format!("level {level} is not above 0; expected positive levels, or log = false")
+                    }
+                    Ok(()) if ends.is_empty() && levels[..i].contains(level) => {
+                        format!("level {level} appears twice; expected each level once")
+                    }
+                    Ok(()) => continue,
+                };
+                let key = if ends.is_empty() { i.to_string() } else { ["low", "high"][i].to_owned() };
+                errors.add(format!("{path}.{key}"), message);
             }
         }
-        if let Some(Second { parameter, levels, .. }) = self.second() {
-            for (i, level) in levels.iter().enumerate() {
-                if let Err(error) = stimulus.clone().set(parameter, &(*level).into()) {
-                    errors.add(format!("adaptive.second.levels.{i}"), error.to_string());
-                }
-            }
-        }
-        let name = &self.common.parameter;
-        if stimulus.get(name).is_none() {
-            return;
-        }
-        let keys = if let Method::Staircase(_) = self.method { ["low", "high"] } else { ["levels"; 2] };
-        let mut told = BTreeSet::new();
-        for (key, level) in keys.into_iter().zip(self.range()) {
-            let path = format!("adaptive.{key}");
-            let message = match stimulus.clone().set(name, &level.into()) {
-                _ if level.is_nan() => continue,
-                Err(error) => error.to_string(),
-                Ok(()) if self.common.log && level <= 0.0 => {
-                    format!("level {level} is not above 0; expected positive levels, or log = false")
-                }
-                Ok(()) => continue,
-            };
-            if told.insert(message.clone()) {
-                errors.add(path, message);
-            }
+        if let [low, high] = ends[..]
+            && errors.0.len() == before
+            && let Some(message) = whole_only(stimulus, name, [low, high])
+        {
+            let methods = "or the method constant or quest-plus, which shows listed levels only";
+            errors.add("adaptive.parameter", format!("{message}, {methods}"));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Adjustment: participants change one parameter until a criterion holds.
 
 use super::{
-    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn},
+    kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn, at_level},
     options::{OptionValue, options},
 };
 use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
@@ -12,7 +12,7 @@ const START: f64 = 0.3;
 const TRIED: u32 = 400;
 
 options! {
-    /// Adjustment of a parameter, beginning in turn at low and at high values.
+    /// Adjustment of a parameter, beginning equally often at low and at high values.
     Adjust {
         parameter: String = String::new(), "Parameter", OptionValue::Parameter(false), "The parameter that participants change.";
         low: f64 = 0.0, "Lowest value", OptionValue::Number, "The lowest value that can be set.";
@@ -60,21 +60,14 @@ impl Kind for Adjust {
     fn present(&self, turn: &Turn<'_>) -> Presentation {
         let share = if turn.place == 0 { START * turn.draw } else { 1.0 - START * turn.draw };
         let start = self.own_dial().at(share);
-        let mut stimulus = turn.target();
-        // The definition was checked at both ends of the range.
-        let _ = stimulus.set(&self.parameter, &start.into());
-        Presentation { start: Some(start), ..Presentation::of(stimulus) }
+        Presentation { start: Some(start), ..Presentation::of(at_level(turn.target(), &self.parameter, start)) }
     }
 
     /// The observer turns the dial away from its start until what they see crosses the criterion.
     fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
         let (dial, start) = (self.own_dial(), shown.start.unwrap_or_default());
         let Senses { noisy, mean, criterion } = senses;
-        let seen = |value: f64| {
-            let mut stimulus = shown.stimuli[0].clone();
-            let _ = stimulus.set(&self.parameter, &value.into());
-            mean(&stimulus)
-        };
+        let seen = |value: f64| mean(&at_level(shown.stimuli[0].clone(), &self.parameter, value));
         // The noise of one look moves the criterion of this trial.
         let criterion = criterion + noisy(&shown.stimuli[0]) - mean(&shown.stimuli[0]);
         let upward = start < dial.at(0.5);

@@ -189,13 +189,24 @@ pub struct Turn<'a> {
 impl Turn<'_> {
     /// Returns the stimulus of the condition at the chosen level.
     pub fn target(&self) -> Stimulus {
-        let mut stimulus = self.condition.stimulus.clone();
-        for (name, level) in self.level.into_iter().chain(self.second) {
-            // The definition was checked at both ends of the levels.
-            let _ = stimulus.set(name, &level.into());
-        }
-        stimulus
+        let levels = self.level.into_iter().chain(self.second);
+        levels.fold(self.condition.stimulus.clone(), |stimulus, (name, level)| at_level(stimulus, name, level))
     }
+}
+
+/// Returns a stimulus with a level that the check of the definition allowed.
+pub(in crate::experiment) fn at_level(mut stimulus: Stimulus, name: &str, level: f64) -> Stimulus {
+    let set = stimulus.set(name, &level.into());
+    debug_assert!(set.is_ok(), "{set:?}");
+    stimulus
+}
+
+/// Returns what is wrong if a parameter cannot have the numbers between two that it can have.
+pub(super) fn whole_only(stimulus: &Stimulus, name: &str, [low, high]: [f64; 2]) -> Option<String> {
+    // No whole number lies at an irrational share of the way from one to another. Without both ends, that is told.
+    let between = Some(low + (high - low) / 7.0_f64.sqrt()).filter(|between| between.is_finite())?;
+    stimulus.clone().set(name, &between.into()).err()?;
+    Some(format!("{name} has whole numbers only; expected a parameter that can have every number from {low} to {high}"))
 }
 
 /// An answer.
@@ -256,12 +267,15 @@ impl Given<'_> {
             let message = format!("{name} is a factor; expected a parameter that no factor varies");
             errors.add("task.parameter", message);
         }
-        let [low, high] = dial.range;
+        let ([low, high], before) = (dial.range, errors.0.len());
         for (key, value) in [("low", low), ("high", high)] {
             if let Err(error) = self.stimulus.clone().set(name, &value.into()) {
                 let known = self.stimulus.get(name).is_some();
                 errors.add(if known { format!("task.{key}") } else { "task.parameter".to_owned() }, error.to_string());
             }
+        }
+        if let Some(message) = whole_only(self.stimulus, name, dial.range).filter(|_| errors.0.len() == before) {
+            errors.add("task.parameter", message);
         }
         if low >= high {
             errors.add("task.high", format!("high {high} is not above low {low}; expected a higher number"));

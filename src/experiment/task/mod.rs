@@ -26,6 +26,7 @@ pub use adjust::Adjust;
 pub use choice::{Choice, Shown as ChoiceShown};
 pub use common::{Common, Easier};
 pub use curve::{Curve, Psychometric};
+pub(super) use kind::at_level;
 pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, significant};
 pub use kinds::{Defaults, OptionReader, typed};
 pub use options::{OptionValue, TaskOption};

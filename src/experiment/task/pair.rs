@@ -72,7 +72,27 @@ impl Kind for Pair {
     }
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
-        if !given.adapted.is_empty() {
+        let with_levels = !given.adapted.is_empty();
+        let is_unused = |pairs: Pairs| with_levels || self.pairs != pairs;
+        let has_pairs = self.pairs != Pairs::All && with_levels;
+        for (key, is_unused, message) in [
+            ("pairs", has_pairs, "[adaptive] compares each condition with the reference; expected no pairs"),
+            (
+                "along",
+                self.along.is_some() && is_unused(Pairs::Chain),
+                "along applies to pairs = \"chain\" only; expected none",
+            ),
+            (
+                "trials",
+                self.trials.is_some() && is_unused(Pairs::Adaptive),
+                "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials",
+            ),
+        ] {
+            if is_unused {
+                errors.add(format!("task.{key}"), message);
+            }
+        }
+        if with_levels {
             given.check_reference(&self.reference, errors);
             return;
         }
@@ -92,15 +112,11 @@ impl Kind for Pair {
                 format!("the number of conditions to compare is {conditions}; expected at most {most}"),
             );
         }
-        if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() {
+        let are_known = !(given.is_listed() && given.factors.is_empty());
+        if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() && are_known {
             let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();
             let message = format!("along does not name a factor; expected one of {}", names.join(", "));
             errors.add("task.along", message);
-        }
-        if self.pairs != Pairs::Adaptive && self.trials.is_some() {
-            let message =
-                "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair";
-            errors.add("task.trials", message);
         }
         errors.check_range("task.trials", self.trials.unwrap_or(1).into(), 1.0, 10_000.0, "the number of comparisons");
     }

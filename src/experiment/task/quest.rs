@@ -167,10 +167,6 @@ impl QuestPlus {
                 let message = "second has too few values; expected at least two levels and one gradient";
                 errors.add("adaptive.second", message);
             }
-            if common.log && second.levels.iter().any(|level| *level <= 0.0) {
-                errors
-                    .add("adaptive.second.levels", "a level is not above 0; expected positive levels, or log = false");
-            }
         }
         let second = self.second.as_ref().map_or(1, |second| second.levels.len());
         let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);

@@ -27,7 +27,7 @@ impl Staircase {
     pub(super) fn check(&self, common: &Common, errors: &mut DefinitionErrors) {
         let named = [("start", self.start), ("low", self.low), ("high", self.high)];
         for (key, _) in named.iter().filter(|(_, value)| value.is_nan()) {
-            errors.add("adaptive", format!("adaptive.{key} is missing; expected {key} = …"));
+            errors.add(format!("adaptive.{key}"), format!("adaptive.{key} is missing; expected {key} = …"));
         }
         if self.low >= self.high {
             errors.add("adaptive.high", format!("high {} is not above low {}; expected more", self.high, self.low));

@@ -76,7 +76,7 @@ pub(crate) fn estimates(
         values.draw(svg, &panel, Some(axis));
         levels.draw(svg, &panel, "");
         let room = 0.6 * levels.gap() * panel.width();
-        for (index, (_, all)) in series.iter().enumerate() {
+        for (index, (name, all)) in series.iter().enumerate() {
             let one = if named { Series::of(index) } else { Series::only() };
             let shift = if named { room * ((index as f64 + 0.5) / series.len() as f64 - 0.5) } else { 0.0 };
             let of = if named { format!("{name}, ") } else { String::new() };

@@ -293,6 +293,9 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let how = match study.asked.measures {
         _ if study.asked.protocol.is_none() => "",
         Measures::Proportions => "An answer counts as seen if the target was chosen.",
+        Measures::Detection if study.asked.levels.is_some() => {
+            "An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers tell γ."
+        }
         Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
         Measures::Comparisons => "Each answer is a comparison of two conditions.",
         _ if study.asked.is_slider() => "Each answer is a place on a slider, which is analyzed as a number.",

@@ -2,8 +2,8 @@
 
 use super::{
     asked::Levels,
-    further::{over_people, proportion, scaled_ends},
-    results::{OfPerson, TaskResults},
+    further::{APART, over_people, proportion, scaled_ends},
+    results::{OfPerson, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
@@ -39,7 +39,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let curve = |&condition: &usize| {
         let own = results.functions.iter().filter(|function| function.condition == condition);
         let mut all: Vec<Point> = Vec::new();
-        for point in own.clone().flat_map(|function| &function.points) {
+        for point in own.clone().flat_map(PersonFunction::targets) {
             Point::add(&mut all, point.x, point.correct, point.total);
         }
         let of_people = results.populations.iter().find(|(of, _)| *of == condition).map(|(_, population)| Estimate {
@@ -160,16 +160,23 @@ fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let comparisons = results.comparisons.as_ref()?;
-    let order: Vec<usize> = comparisons.order().into_iter().rev().collect();
+    let groups = comparisons.order();
+    let order: Vec<usize> = groups.concat().into_iter().rev().collect();
     let interval = |item: usize| comparisons.intervals.as_ref().map(|intervals| intervals[item]);
-    let values = order.iter().map(|item| Some((comparisons.scales[0].values[*item], interval(*item)))).collect();
+    let value = |item: usize| (comparisons.scales[0].values[item], interval(item));
+    let series = |(number, group): (usize, &Vec<usize>)| {
+        let values = order.iter().map(|item| group.contains(item).then(|| value(*item))).collect();
+        (if groups.len() > 1 { format!("group {}", number + 1) } else { String::new() }, values)
+    };
+    let series: Vec<Estimates> = groups.iter().enumerate().map(series).collect();
     let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
     let caption = format!(
-        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over participants; {}, {}.",
+        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over participants; {}, {}.{}",
         count(study.people.len() as u64, "participant"),
-        count(study.trials.len() as u64, "comparison")
+        count(study.trials.len() as u64, "comparison"),
+        if groups.len() > 1 { format!(" {APART}") } else { String::new() }
     );
-    estimates("scale", &places, &[(String::new(), values)], ("Scale of the comparisons", "Scale value (JND)", caption))
+    estimates("scale", &places, &series, ("Scale of the comparisons", "Scale value (JND)", caption))
 }
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {

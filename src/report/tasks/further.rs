@@ -89,18 +89,31 @@ fn set(study: &TaskStudy, dial: &Dial) -> String {
         .map_or_else(|| "rating".to_owned(), |name| format!("setting of {}", study.asked.factor(name)))
 }
 
-/// Says which conditions are highest and lowest on the scale, and whether neighbors differ by a JND.
+/// What groups of conditions mean that were never compared.
+pub(super) const APART: &str = "No comparison leads from one group of conditions to another, so each has a scale of its own, and their values cannot be compared.";
+
+/// Says which conditions are highest and lowest on the scale, and how far they are apart.
 fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
-    let (values, order) = (&found.scales[0].values, found.order());
-    let names: Vec<String> = order.iter().map(|item| study.name(*item)).collect();
-    let span = values[order[0]] - values[order[order.len() - 1]];
-    let mut all = vec![format!(
-        "From the highest to the lowest on the scale: {}. The ends are {} JND apart; conditions one JND apart are told apart in 75\u{a0}% of \
-         comparisons.",
-        names.join("; "),
-        fixed(span, 1)
-    )];
-    if found.scales[0].is_limited {
+    let (scale, order) = (&found.scales[0], found.order());
+    let names =
+        |items: &mut dyn Iterator<Item = usize>| items.map(|item| study.name(item)).collect::<Vec<_>>().join("; ");
+    let of_group = |group: &Vec<usize>| {
+        format!(
+            "From the highest to the lowest on the scale: {}. The ends are {} JND apart; conditions one JND apart are told apart in \
+             75\u{a0}% of comparisons.",
+            names(&mut group.iter().copied()),
+            fixed(scale.span(group), 1)
+        )
+    };
+    let mut all: Vec<String> = order.iter().map(of_group).collect();
+    if order.len() > 1 {
+        all.push(APART.to_owned());
+    }
+    let alone = names(&mut (0..scale.values.len()).filter(|item| scale.values[*item].is_nan()));
+    if !alone.is_empty() {
+        all.push(format!("Compared with no other condition, and so without a place on the scale: {alone}."));
+    }
+    if scale.is_limited {
         all.push(
             "Some conditions were always or never chosen over all others, so how far they lie from them is not known: a weak prior limits \
              the scale."
@@ -206,7 +219,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         "Scale values in JND, highest first",
         &["Condition"],
         &numbers,
-        found.order().iter().map(row).collect(),
+        found.order().iter().flatten().map(row).collect(),
     );
     section.text(format!(
         "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. Intervals are those of the mean of people \
@@ -215,10 +228,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         fixed(bradley_terry.log_likelihood, 1)
     ));
     let row = |((triads, own), person): ((&Triads, &Option<Scale>), &String)| {
-        let span = own.as_ref().map(|own| {
-            let ends = own.values.iter().fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(*v), high.max(*v)));
-            ends.1 - ends.0
-        });
+        let span = own.as_ref().and_then(|own| own.groups.iter().map(|group| own.span(group)).reduce(f64::max));
         vec![person.as_str().into(), whole(triads.circular.into()), whole(triads.all.into()), fixed(span, 2)]
     };
     let rows = found.triads.iter().zip(&found.own).zip(&study.people).map(row).collect();

@@ -80,21 +80,25 @@ pub struct Comparisons {
 }
 
 impl Comparisons {
-    /// Returns the conditions from the highest to the lowest on the scale.
+    /// Returns the groups of conditions that were compared, each from the highest to the lowest on the scale.
     #[must_use]
-    pub fn order(&self) -> Vec<usize> {
-        let values = &self.scales[0].values;
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
-        order
+    pub fn order(&self) -> Vec<Vec<usize>> {
+        let Scale { values, mut groups, .. } = self.scales[0].clone();
+        groups.iter_mut().for_each(|group| group.sort_by(|a, b| values[*b].total_cmp(&values[*a])));
+        groups
     }
 }
 
 impl PersonFunction {
-    /// Returns the number of trials.
+    /// Returns the answers to targets.
+    pub fn targets(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(|point| point.is_target())
+    }
+
+    /// Returns the number of trials with a target.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        self.points.iter().map(|point| u64::from(point.total)).sum()
+        self.targets().map(|point| u64::from(point.total)).sum()
     }
 }
 
@@ -134,7 +138,7 @@ pub struct PersonFunction {
     pub person: usize,
     /// Index into the conditions.
     pub condition: usize,
-    /// The answers at each level.
+    /// The answers at each level and, where they tell the guess rate, in catch trials.
     pub points: Vec<Point>,
     /// The fitted function.
     pub fit: Result<Fit, FitError>,
@@ -169,7 +173,7 @@ impl TaskResults {
             ..Self::default()
         };
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
-            results.functions = functions(study, common, model, seed);
+            results.functions = functions(points(study, &results.detection, common, model), model, seed);
             for (condition, population) in populations(study, &results.functions, model) {
                 let place = |population: &Population| {
                     majority(&results.functions, condition).or(Beyond::of(population.range, population.mean))
@@ -261,8 +265,14 @@ fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
     all.into_iter().filter_map(one).collect()
 }
 
-/// Returns the answers at each level of each person and condition.
-fn points(study: &TaskStudy, common: &Common) -> Vec<OfPerson<Vec<Point>>> {
+/// Returns the answers at each level of each person and condition. If the guess rate is estimated, catch trials come with
+/// them: those of the condition, whatever the level of the second parameter.
+fn points(
+    study: &TaskStudy,
+    detection: &[OfPerson<Answers>],
+    common: &Common,
+    model: &Model,
+) -> Vec<OfPerson<Vec<Point>>> {
     let counted = |answer: &TaskAnswered| match *answer {
         TaskAnswered::Seen { level: Some(level), is_target: true, seen } => Some((level, u32::from(seen), 1)),
         TaskAnswered::Counted { level, seen, total } => Some((level, seen, total)),
@@ -271,11 +281,21 @@ fn points(study: &TaskStudy, common: &Common) -> Vec<OfPerson<Vec<Point>>> {
     let mut all = by_person(study, counted, |points, (level, seen, total)| {
         Point::add(points, common.scaled(level), seen, total);
     });
-    all.iter_mut().for_each(|own| own.found.sort_by(|a: &Point, b| a.x.total_cmp(&b.x)));
+    let second = study.asked.protocol.as_ref().and_then(|protocol| protocol.adaptive.as_ref()?.second());
+    let levels = second.map_or(1, |second| second.levels.len());
+    let of = |condition: usize| condition / levels;
+    for OfPerson { person, condition, found } in &mut all {
+        let is_own = |own: &&OfPerson<Answers>| own.person == *person && of(own.condition) == of(*condition);
+        for own in detection.iter().filter(|own| is_own(own) && model.guess == Guess::Free) {
+            let Answers { false_alarms, correct_rejections, .. } = own.found;
+            Point::add(found, model.unseen(), false_alarms, false_alarms + correct_rejections);
+        }
+        found.sort_by(|a, b| a.x.total_cmp(&b.x));
+    }
     all
 }
 
-fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Vec<PersonFunction> {
+fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec<PersonFunction> {
     let function = |(index, OfPerson { person, condition, found: points }): (usize, OfPerson<Vec<Point>>)| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(index as u64);
@@ -285,7 +305,7 @@ fn functions(study: &TaskStudy, common: &Common, model: &Model, seed: u64) -> Ve
         let misfit = misfit(&points, model);
         PersonFunction { person, condition, points, fit, goodness, beyond, misfit }
     };
-    points(study, common).into_par_iter().enumerate().map(function).collect()
+    points.into_par_iter().enumerate().map(function).collect()
 }
 
 /// Fits the people of each condition that several people saw.
@@ -309,7 +329,7 @@ const CLEAR: f64 = 3.0;
 /// Returns why no function of the assumed kind describes the answers: their share falls where it should rise (the test of
 /// Armitage 1955, Biometrics 11, 375), or it is below that of guessing.
 fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
-    let sum = |of: &dyn Fn(&Point) -> f64| points.iter().map(of).sum::<f64>();
+    let sum = |of: &dyn Fn(&Point) -> f64| points.iter().filter(|point| point.is_target()).map(of).sum::<f64>();
     let n = sum(&|point| point.total.into());
     let [share, middle] =
         [sum(&|point| point.correct.into()), sum(&|point| f64::from(point.total) * point.x)].map(|sum| sum / n);

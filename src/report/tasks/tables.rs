@@ -8,6 +8,7 @@ use super::{
 use crate::{
     analysis::{detection::Detection, settings::Settings, tasks::psychometric::Fit},
     experiment::task::Common,
+    report::tables::with_factors,
     statistics::Interval,
     text::{Cell, Column, Table},
 };
@@ -39,10 +40,9 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
 }
 
 fn columns(study: &TaskStudy, first: &[(&str, &str)], last: &[(&str, &str, &str)]) -> Vec<Column> {
-    let first = first.iter().map(|(name, text)| Column::new(*name, "", *text));
-    let factors = study.asked.factors.iter().map(|factor| Column::new(factor.name.clone(), "", "Level of the factor."));
-    let last = last.iter().map(|(name, unit, text)| Column::new(*name, unit, *text));
-    first.chain(factors).chain(last).collect()
+    let first = first.iter().map(|(name, text)| Column::new(*name, "", *text)).collect();
+    let factors = study.asked.factors.iter().map(|factor| factor.name.clone()).collect();
+    with_factors(first, factors, last.iter().map(|(name, unit, text)| Column::new(*name, unit, *text)).collect())
 }
 
 const PERSON: (&str, &str) = ("subject_id", "Participant.");
@@ -54,7 +54,7 @@ fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
         ("total", "", "Number of trials with a target."),
     ];
     let rows = results.functions.iter().flat_map(|function| {
-        function.points.iter().map(|point| {
+        function.targets().map(|point| {
             let person = std::iter::once(Cell::from(study.people[function.person].as_str()));
             let numbers =
                 [Cell::from(common.level(point.x)), u64::from(point.correct).into(), u64::from(point.total).into()];
@@ -193,6 +193,7 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
         ("low", "JND", "Lower end of its 95 % interval over people."),
         ("high", "JND", "Upper end of its 95 % interval over people."),
         ("bradley_terry", "JND", "Scale value of the model of Bradley and Terry."),
+        ("group", "", "Only values of the same group can be compared."),
     ];
     let [thurstone, bradley_terry] = &found.scales;
     let rows = (0..thurstone.values.len()).map(|item| {
@@ -200,7 +201,8 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
         let interval = found.intervals.as_ref().map(|intervals| intervals[item]);
         row.push(thurstone.values[item].into());
         row.extend([interval.map(|interval| interval.low), interval.map(|interval| interval.high)].map(Cell::from));
-        row.push(bradley_terry.values[item].into());
+        let group = thurstone.groups.iter().position(|group| group.contains(&item));
+        row.extend([bradley_terry.values[item].into(), group.map(|group| group as u64 + 1).into()]);
         row
     });
     Table::new(columns(study, &[], &last), rows)

@@ -389,6 +389,11 @@ impl Input {
     }
 }
 
+/// True if a table has the columns of a session's file.
+pub(in crate::store) fn has_session_rows(header: &Header) -> bool {
+    KEYS.into_iter().chain([SUBJECT]).all(|name| header.position(name).is_some())
+}
+
 /// Determines the layout of a file with this header. A file that lacks only one column of a result file is still
 /// treated as a result file if it has a sidecar or a `row_id` column, or if the options give no other way to read it.
 fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
