@@ -181,8 +181,9 @@ fn pictures_mean_what_they_say() {
                 info.source_gamma = gamma.map(png::ScaledFloat::from_scaled);
             });
         }
-        let found = json(&format!("compare {} {} --window 2 --json", files[0], files[1]));
-        assert!(found["times_threshold"].as_f64().unwrap() < 0.01, "{found}");
+        let line = format!("compare {} {} --window 2 --json", files[0], files[1]);
+        let found: Value = serde_json::from_str(&text(&machband(folder.path(), &split(&line)).stdout)).unwrap();
+        assert!(found["times_threshold"].as_f64().unwrap() < 0.01 && found["color_ignored"].is_null(), "{found}");
         assert!(found["light"].as_str().unwrap().contains(said), "{found}");
     }
     // An option has precedence.
