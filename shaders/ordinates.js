@@ -18,9 +18,15 @@ const PLACES = 1e-4, NORMALS = 1.75e-3;
 
 // Joins vertices whose positions and normals differ by no more than rounding errors, however large the mesh is. Returns
 // a mesh, which is flat arrays: positions, unit normals and triangles. Without an index, each three vertices are a triangle.
-// Throws a RangeError if a position or a normal is not finite.
+// Throws a RangeError if a position or a normal is missing or not finite, or an index is not that of a position.
 export function welded(positions, normals, index) {
-  const count = positions.length / 3, triangles = Uint32Array.from(index ?? new Uint32Array(count).keys());
+  const count = positions.length / 3;
+  if (normals.length !== positions.length) {
+    throw new RangeError(`${positions.length} numbers of positions, but ${normals.length} of normals; expected as many`);
+  }
+  const wrong = index?.find((i) => !(Number.isInteger(i) && i >= 0 && i < count));
+  if (wrong !== undefined) throw new RangeError(`index ${wrong} is not that of a position; expected 0 to ${count - 1}`);
+  const triangles = Uint32Array.from(index ?? new Uint32Array(count).keys());
   for (const [name, array] of [["position", positions], ["normal", normals]]) {
     const at = Float64Array.from(array).findIndex((x) => !Number.isFinite(x));
     if (at >= 0) throw new RangeError(`${name} ${Math.floor(at / 3)} is not finite; expected three finite numbers`);

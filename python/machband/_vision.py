@@ -118,6 +118,12 @@ class Comparison:
         Up to ten places where it is most visible, the most visible first.
     light
         What the codes of the pictures mean, and where that is said.
+    mean_ratio
+        Mean luminance of the picture over that of the reference, which is no part of the difference; a warning says if
+        it is far from 1.
+    color_ignored
+        True, with a warning, if the pictures differ in color at equal luminance, which is not judged; `None`, with a
+        warning, if their primaries differ, so that nothing is known about it.
     map
         Times threshold for a gaze at each pixel, shape (height, width).
     """
@@ -126,6 +132,8 @@ class Comparison:
     center: float
     places: list[Place]
     light: str
+    mean_ratio: float
+    color_ignored: bool | None
     map: npt.NDArray[np.float64] = field(repr=False)
 
 

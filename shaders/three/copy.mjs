@@ -13,4 +13,4 @@ const text = Object.entries(parts).map(([name, part]) => `export const ${name} =
 const own = (name) => new URL(name, import.meta.url);
 writeFileSync(own("glsl.js"), text.join("\n"));
 copyFileSync(own("../ordinates.js"), own("ordinates.js"));
-for (const name of ["LICENSE-MIT", "LICENSE-APACHE"]) copyFileSync(own(`../../${name}`), own(name));
+for (const name of ["LICENSE-MIT", "LICENSE-APACHE"]) copyFileSync(own(`../${name}`), own(name));

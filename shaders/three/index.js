@@ -136,6 +136,9 @@ function unfit(mesh) {
   if (!attributes.position || !attributes.normal) return "the mesh has no normals";
   const bad = ["position", "normal"].find((name) => numbers(attributes[name]).some((x) => !Number.isFinite(x)));
   if (bad) return `a ${bad} is not finite`;
+  const { count } = attributes.position, { index } = mesh.geometry;
+  if (attributes.normal.count !== count) return "the mesh does not have a normal for each position";
+  if (index?.array.some((i) => i >= count)) return "an index is not that of a position";
   if (mesh.isBatchedMesh) return "the mesh is a batch";
   const materials = [mesh.material].flat();
   if (materials.some((one) => one.displacementMap)) return "a displacement map moves the surface";

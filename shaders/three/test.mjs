@@ -46,14 +46,27 @@ for (const x of [1e13, 3e38]) {
   const found = welded(position.array, normal.array).positions.length / 3;
   expect(found > 5 * 8, `a vertex at ${x}: ${position.count} vertices become ${found}`);
 }
+const { position: places, normal: normals } = sphere(0).geometry.attributes;
+for (const [short, index, word] of [[3, undefined, "as many"], [0, [0, 1, 1e6], "index 1000000"], [0, [0, 1, -1], "index -1"]]) {
+  let error;
+  try {
+    welded(places.array, normals.array.slice(short), index);
+  } catch (thrown) {
+    error = thrown;
+  }
+  expect(error instanceof RangeError && error.message.includes(word), `a mesh that is not one: ${error}`);
+}
 const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
   sphere(Infinity, new THREE.MeshStandardMaterial()), sphere(0, new THREE.MeshStandardMaterial({ flatShading: true })),
   sphere(0, new THREE.MeshBasicMaterial()),
 ];
+const outside = sphere(0, new THREE.MeshStandardMaterial());
+outside.geometry.index.setX(0, 1e4);
+others.push(outside);
 const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
 expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
 const reasons = skipped.map(({ reason }) => reason).join();
-expect(reasons === "a position is not finite,it is flat-shaded,its material uses no normals", `skipped: ${reasons}`);
+expect(reasons === "a position is not finite,it is flat-shaded,its material uses no normals,an index is not that of a position", `skipped: ${reasons}`);
 
 // Shapes whose curvature jumps: planes and cylinders that continue into roundings.
 function lathe() {

@@ -1,5 +1,7 @@
 //! `machband compare`
 
+use std::path::Path;
+
 use maud::{PreEscaped, html};
 
 use super::{Bar, OutPath, print_data, print_line};
@@ -22,6 +24,7 @@ use crate::{
 /// The exit status is 1 if the difference is larger than --max. Folders are compared in pairs by name.
 #[derive(clap::Args)]
 #[command(
+    allow_negative_numbers = true,
     after_help = "Examples: machband compare render.png truth.png --window 20 --max 1 --map difference.png\n          machband compare new/ approved/ --window 20 --max 1 --junit compare.xml\n          machband compare sky.png --steps --window 30 --dither-out dithered.png"
 )]
 pub(super) struct Arguments {
@@ -63,7 +66,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
         }
         let (found, left_out) = request.folders(&bar)?;
         left_out.iter().for_each(|what| message("warning", what));
-        found.into_iter().map(|(name, found)| Case::of_pair(name, found)).collect::<Result<_, _>>()?
+        let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
+        found.into_iter().map(of).collect::<Result<_, _>>()?
     } else if request.steps {
         let found = request.steps(None, &bar)?;
         if let Some(path) = dither_out {
@@ -75,7 +79,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
         if let Some(path) = map {
             store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
         }
-        vec![Case::of_pair(found.picture.clone(), Ok(found))?]
+        vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?]
     };
     bar.clear();
     if let Some(path) = junit {
@@ -115,12 +119,12 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
 }
 
 impl Case {
-    fn of_pair(name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
+    fn of_pair(picture: &Path, name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
         let found = match found {
             Ok(found) => found,
             Err(error) => {
                 let text = format!("{error:#}");
-                let json = serde_json::json!({ "picture": name, "error": text });
+                let json = serde_json::json!({ "picture": picture.display().to_string(), "error": text });
                 return Ok(Self { name, times: Err(text), line: String::new(), json, note: None });
             }
         };
@@ -165,7 +169,7 @@ impl Case {
             times: Ok(found.steps),
             line,
             json: serde_json::to_value(found)?,
-            note: None,
+            note: found.note(),
         })
     }
 }

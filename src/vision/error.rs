@@ -22,7 +22,7 @@ pub enum VisionError {
     #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
     Sampling(f64),
     /// The image is wider or higher than the whole field around the eye.
-    #[error("the image extends over {0:e} degrees; expected at most {MAX_DEG}")]
+    #[error("the image extends over {} degrees; expected at most {MAX_DEG}", told(*.0))]
     Extent(f64),
     /// The number of samples does not match the size of the image.
     #[error("{found} samples of light; expected {expected}")]
@@ -53,6 +53,11 @@ pub enum VisionError {
     /// The image is black everywhere.
     #[error("all black; expected some light")]
     AllBlack,
+}
+
+/// Returns a number with as many digits as people can read.
+fn told(degrees: f64) -> String {
+    if degrees < 1e6 { ((degrees * 1e4).ceil() / 1e4).to_string() } else { format!("{degrees:e}") }
 }
 
 /// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is

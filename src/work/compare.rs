@@ -100,8 +100,9 @@ pub struct Compared {
     /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
     /// difference.
     pub mean_ratio: f64,
-    /// True if the pictures differ in color at equal luminance, which is not judged.
-    pub color_ignored: bool,
+    /// True if the pictures differ in color at equal luminance, which is not judged; `None` if their primaries differ, so
+    /// that nothing is known about it.
+    pub color_ignored: Option<bool>,
     /// What the codes mean, and where that is said.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
@@ -128,6 +129,8 @@ pub struct Steps {
     pub black_cd_m2: f64,
     /// What the codes mean, and where that is said.
     pub light: String,
+    /// True if the codes of 16 bits are those of 8 bits; it is judged as a picture of 8 bits.
+    pub padded: bool,
     /// The picture in 8 bits with blue-noise dither, and what its codes mean.
     #[serde(skip)]
     pub picture_dithered: CodeImage,
@@ -261,11 +264,13 @@ impl Compare {
         watcher.stage("smoothing");
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
-        let smooth = smooth(&picture);
+        let step = step(&picture.codes);
+        let smooth = smooth(&picture, step);
         let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
-        let is_fine = matches!(picture.codes.samples, Samples::Sixteen(_));
+        let is_16 = matches!(picture.codes.samples, Samples::Sixteen(_));
+        let is_fine = is_16 && step == 1;
         let source = if is_fine { picture.codes.light(&picture.transfers) } else { smooth.clone() };
         let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
         let viewing = self.viewing(&encoded, width);
@@ -289,6 +294,7 @@ impl Compare {
             white_cd_m2: viewing.white_cd_m2,
             black_cd_m2: viewing.black_cd_m2,
             light: said(&picture),
+            padded: is_16 && !is_fine,
             picture: name,
             picture_dithered: dithered,
             transfers: picture.transfers,
@@ -329,11 +335,11 @@ impl Compare {
             anyhow::bail!("{name}: has {a} pixels, but {reference} has {b}; expected pictures of one size");
         }
         let viewing = self.viewing(encoded, shown.image.width);
-        let share = self.mask.as_deref().map(|path| self.share(path, size, encoded)).transpose()?;
+        let share = self.mask.as_deref().map(|path| self.share(path, size)).transpose()?;
         let size = size.map(|side| side as usize);
         let (mine, theirs) = (weighted(&shown.image, shown.weights), weighted(&reference.image, reference.weights));
-        let color_ignored = shown.weights == reference.weights
-            && differ_in_color([&shown.image, &reference.image], [&mine, &theirs], share.as_deref());
+        let differ = || differ_in_color([&shown.image, &reference.image], [&mine, &theirs], share.as_deref());
+        let color_ignored = Picture::are_alike(shown.weights, reference.weights).then(differ);
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (mine, theirs) = (cd_m2(mine), cd_m2(theirs));
         drop((shown.image, reference.image));
@@ -349,7 +355,9 @@ impl Compare {
             let difference = judge.difference(&mine, &theirs, share.as_deref())?;
             Ok((difference.map(), difference.center()))
         };
-        let (map, center) = judged().map_err(|error| wrong(&shown.name, &error))?;
+        let is_lit = |light: &[f64]| light.iter().all(|light| *light > 0.0 && light.is_finite());
+        let at_fault = if is_lit(&mine) && !is_lit(&theirs) { &reference.name } else { &shown.name };
+        let (map, center) = judged().map_err(|error| wrong(at_fault, &error))?;
         Ok(Compared {
             picture: shown.name,
             reference: reference.name,
@@ -368,8 +376,9 @@ impl Compare {
     }
 
     /// Reads how far differences count at each pixel, 0…1.
-    fn share(&self, path: &Path, [width, height]: [u32; 2], encoded: &Encoded) -> anyhow::Result<Vec<f64>> {
-        let mask = self.picture(path, encoded)?;
+    fn share(&self, path: &Path, [width, height]: [u32; 2]) -> anyhow::Result<Vec<f64>> {
+        // Its codes are no light.
+        let mask = store::image::read_picture(path, Some(&Transfer::Srgb.into()), self.pixels())?;
         let CodeImage { width: across, height: down, .. } = mask.codes;
         if (across, down) != (width, height) {
             let message = format!("{} has {across} × {down} pixels; expected {width} × {height}", path.display());
@@ -400,8 +409,12 @@ impl Compared {
         let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
             format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is no part of the difference")
         });
-        let color = "the pictures differ in color at equal luminance, which is not judged".to_owned();
-        let notes: Vec<String> = brighter.into_iter().chain(self.color_ignored.then_some(color)).collect();
+        let color = match self.color_ignored {
+            Some(false) => None,
+            Some(true) => Some("the pictures differ in color at equal luminance, which is not judged".to_owned()),
+            None => Some("the primaries of the pictures differ, so that their colors are not compared".to_owned()),
+        };
+        let notes: Vec<String> = brighter.into_iter().chain(color).collect();
         (!notes.is_empty()).then(|| notes.join("; "))
     }
 
@@ -412,6 +425,15 @@ impl Compared {
         let code = |times: &f64| crease::color(times / most).map(|encoded| (encoded * 255.0).round() as u8);
         let [width, height] = self.size.map(|side| side as u32);
         CodeImage { width, height, samples: Samples::Eight(self.map.iter().flat_map(code).collect()) }
+    }
+}
+
+impl Steps {
+    /// Says what is unusual about the codes.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let padded = "its 16 bits hold codes of 8 bits, which are judged";
+        self.padded.then(|| padded.to_owned())
     }
 }
 
@@ -441,13 +463,22 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the light of the smoothest picture that has the codes of this one.
-fn smooth(picture: &Picture) -> LinearImage {
+/// Returns the step between the codes that a picture can have: programs write codes of 8 bits into 16 as multiples of 257
+/// or 256.
+fn step(codes: &CodeImage) -> u16 {
+    let Samples::Sixteen(codes) = &codes.samples else { return 1 };
+    [257, 256].into_iter().find(|step| codes.par_iter().all(|code| code % step == 0)).unwrap_or(1)
+}
+
+/// Returns the light of the smoothest picture that has the codes of this one, which are multiples of `step`.
+fn smooth(picture: &Picture, step: u16) -> LinearImage {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
     let (codes, most): (Vec<f64>, f64) = match samples {
         Samples::Eight(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), 255.0),
-        Samples::Sixteen(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), 65535.0),
+        Samples::Sixteen(codes) => {
+            (codes.iter().map(|code| f64::from(code / step)).collect(), 65535.0 / f64::from(step))
+        }
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
     let first = channel(0);

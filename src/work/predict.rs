@@ -103,7 +103,7 @@ impl Predict {
         };
         let size = self.size_of(stimulus)?;
         let viewing = self.viewing(&encoded, size, ViewingConditions::WINDOW_DEG);
-        let wrong = |error| anyhow::anyhow!("{}: {error}", stimulus.kind());
+        let wrong = |error| self.unseen(stimulus.kind(), &error);
         let visible = viewing.visible(&[stimulus], Some(size)).map_err(wrong)?.remove(0);
         let detection = viewing.detection(stimulus).map_err(wrong)?;
         let rating = criterion.as_ref().and_then(|criterion| Some(criterion.mean(visible.rated()?)));
@@ -140,7 +140,7 @@ impl Predict {
         let study = if self.fit.is_empty() { None } else { Some(self.study(&protocol)?) };
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
-        let wrong = |error: VisionError| anyhow::anyhow!("{}: {error}", protocol.stimulus.kind());
+        let wrong = |error| self.unseen(protocol.stimulus.kind(), &error);
         let found = judged(conditions, &viewing, self.size).map_err(wrong)?;
         let compared = |study: Study| {
             prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
@@ -200,6 +200,17 @@ impl Predict {
         let of_ppd = self.ppd.map(|ppd| f64::from(width_px) / ppd);
         let window_deg = self.window_deg.or(of_ppd).unwrap_or(planned);
         encoded.viewing(window_deg, &self.luminances)
+    }
+
+    /// Says why a stimulus cannot be judged.
+    fn unseen(&self, kind: &str, error: &VisionError) -> anyhow::Error {
+        match error {
+            VisionError::Extent(_) => {
+                let field = if self.ppd.is_some() { "ppd" } else { "window_deg" };
+                RequestError::new(field, format!("with what surrounds the stimulus, {error}")).into()
+            }
+            _ => anyhow::anyhow!("{kind}: {error}"),
+        }
     }
 
     /// Returns the side of this stimulus, of which a picture fits into memory.

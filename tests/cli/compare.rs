@@ -181,8 +181,9 @@ fn pictures_mean_what_they_say() {
                 info.source_gamma = gamma.map(png::ScaledFloat::from_scaled);
             });
         }
-        let found = json(&format!("compare {} {} --window 2 --json", files[0], files[1]));
-        assert!(found["times_threshold"].as_f64().unwrap() < 0.01, "{found}");
+        let line = format!("compare {} {} --window 2 --json", files[0], files[1]);
+        let found: Value = serde_json::from_str(&text(&machband(folder.path(), &split(&line)).stdout)).unwrap();
+        assert!(found["times_threshold"].as_f64().unwrap() < 0.01 && found["color_ignored"].is_null(), "{found}");
         assert!(found["light"].as_str().unwrap().contains(said), "{found}");
     }
     // An option has precedence.
@@ -343,4 +344,67 @@ fn what_codes_mean_is_kept_and_never_guessed() {
     ] {
         assert!(fails(folder.path(), &split(line), 2).contains(part), "{line}");
     }
+}
+
+/// What is ignored, assumed or at fault is named: colors under rounded and other primaries, 8 bits in 16, the black picture.
+#[test]
+fn comparisons_say_what_they_rest_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let run = |line: &str| {
+        let done = machband(folder.path(), &split(line));
+        (serde_json::from_str::<Value>(&text(&done.stdout)).unwrap_or_default(), text(&done.stderr))
+    };
+    let flat = |name: &str, code: [u8; 3], green: u32| {
+        png(&at(name), [64; 2], png::ColorType::Rgb, &code.repeat(64 * 64), |info| {
+            let pair = |x, y| (png::ScaledFloat::from_scaled(x), png::ScaledFloat::from_scaled(y));
+            info.source_chromaticities = (green > 0).then(|| png::SourceChromaticities {
+                white: pair(31_270, 32_900),
+                red: pair(64_000, 33_000),
+                green: pair(30_000, green),
+                blue: pair(15_000, 6_000),
+            });
+        });
+    };
+    flat("gray.png", [128; 3], 0);
+    flat("stated.png", [60, 149, 110], 60_000);
+    flat("other.png", [60, 149, 110], 69_000);
+    let (found, said) = run("compare stated.png gray.png --window 4 --json");
+    assert!(found["color_ignored"] == true && said.contains("differ in color"), "{found} {said}");
+    let (found, said) = run("compare other.png gray.png --window 4 --json");
+    assert!(found["color_ignored"].is_null() && said.contains("their colors are not compared"), "{found} {said}");
+
+    let slow = |i: u16| 30 + i % 256 / 64;
+    png(
+        &at("slow.png"),
+        [256, 64],
+        png::ColorType::Grayscale,
+        &(0..256 * 64).map(|i| slow(i) as u8).collect::<Vec<_>>(),
+        |_| {},
+    );
+    let (eight, _) = run("compare slow.png --steps --window 20 --json");
+    for (name, factor) in [("times257.png", 257), ("times256.png", 256)] {
+        let codes: Vec<u8> = (0..256 * 64).flat_map(|i| (slow(i) * factor).to_be_bytes()).collect();
+        png(&at(name), [256, 64], png::ColorType::Grayscale, &codes, |info| {
+            info.bit_depth = png::BitDepth::Sixteen;
+        });
+        let (found, said) = run(&format!("compare {name} --steps --window 20 --json"));
+        let [found_steps, steps] = [&found, &eight].map(|of| of["steps"].as_f64().unwrap());
+        assert!(steps > 0.5 && (found_steps / steps - 1.0).abs() < 0.05, "{found} {eight}");
+        assert!(found["rounded"].is_null() && said.contains("16 bits hold codes of 8 bits"), "{found} {said}");
+    }
+
+    png(&at("black.png"), [64; 2], png::ColorType::Grayscale, &[0; 64 * 64], |_| {});
+    let (_, error) = run("compare gray.png black.png --window 4 --black 0");
+    assert!(error.contains("black.png: no light in column 0, row 0"), "{error}");
+    let (_, error) = run("compare gray.png gray.png --window 4 --max -1");
+    assert!(error.contains("expected a number above 0"), "{error}");
+    fs::create_dir_all(at("new")).unwrap();
+    fs::create_dir_all(at("old")).unwrap();
+    for name in ["new/a.png", "old/a.png", "old/b.png"] {
+        fs::copy(at("gray.png"), at(name)).unwrap();
+    }
+    fs::write(at("new/b.png"), "no picture").unwrap();
+    let (found, _) = run("compare new old --window 4 --json");
+    assert_eq!([&found[0]["picture"], &found[1]["picture"]], ["new/a.png", "new/b.png"]);
 }

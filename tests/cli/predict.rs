@@ -97,3 +97,11 @@ fn impossible_predictions_are_reported() {
         assert!(error.contains(part), "{error}");
     }
 }
+
+#[test]
+fn a_window_that_is_too_wide_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = fails(folder.path(), &split("predict --width 0.2 --window 359"), 2);
+    assert!(error.contains("--window: with what surrounds the stimulus, the image extends over 3"), "{error}");
+    assert!(error.contains("degrees; expected at most 360"), "{error}");
+}

@@ -547,3 +547,29 @@ fn a_glb_file_without_normals_is_flat() {
     let smooth = mesh::read(&path, 180.0, Normals::Averaged).unwrap();
     assert!(smooth.notes.is_empty() && smooth.mesh.vertices.len() == 4);
 }
+
+/// Given normals decide to which side a surface faces, and a face that repeats another one is left out: both are said.
+#[test]
+fn faces_agree_with_their_normals_and_occur_once() {
+    let axes = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"];
+    let faces = [[1, 3, 5], [3, 2, 5], [2, 4, 5], [4, 1, 5], [3, 1, 6], [2, 3, 6], [4, 2, 6], [1, 4, 6]];
+    let octahedron = |faces: &[[u8; 3]]| {
+        let [v, vn] = ["v", "vn"].map(|key| axes.map(|axis| format!("{key} {axis}\n")).concat());
+        let face = |[a, b, c]: &[u8; 3]| format!("f {a}//{a} {b}//{b} {c}//{c}\n");
+        let text = v + &vn + &faces.iter().map(face).collect::<String>();
+        machband::store::mesh::parse("o.obj", text.as_bytes(), 180.0).unwrap()
+    };
+    let sum = |mesh: &machband::shading::Mesh| -> f64 {
+        (0..mesh.triangles.len()).map(|t| mesh.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum()
+    };
+    let right = octahedron(&faces);
+    assert!(right.notes.is_empty() && sum(&right.mesh) == 8.0, "{:?}", right.notes);
+    let reversed = octahedron(&faces.map(|[a, b, c]| [a, c, b]));
+    assert_eq!(reversed.notes, ["8 faces were reversed, because the normals point to the other side"]);
+    assert_eq!(sum(&reversed.mesh), 8.0);
+    // In another order, but in the same direction.
+    let repeated: Vec<_> = faces.into_iter().chain([[5, 1, 3], [1, 4, 6]]).collect();
+    let repeated = octahedron(&repeated);
+    assert_eq!(repeated.notes, ["2 faces were left out, because they repeat others"]);
+    assert_eq!(repeated.mesh, right.mesh);
+}

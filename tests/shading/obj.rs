@@ -119,7 +119,7 @@ fn errors_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, expected) in [
         ("", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
-        ("v 0 0 0\n v 1 NaN 0\n", "it.obj:2:6: \"NaN\" is not a finite coordinate; expected one within ±1e30"),
+        ("v 0 0 0\n v 1 NaN 0\n", "it.obj:2:6: \"NaN\" is not finite or is beyond ±1e30; expected a finite coordinate"),
         ("v 1,5 0 1", "it.obj:1:3: \"1,5\" is not a number; expected one"),
         ("v 1 2", "it.obj:1:1: the line has too few numbers (2); expected three"),
         ("v 1 2 3 0", "it.obj:1:9: \"0\" is not a weight; expected a finite number that is not 0"),

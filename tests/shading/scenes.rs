@@ -298,3 +298,36 @@ fn scenes_are_read_and_their_errors_have_places() {
     fs::write(&path, "schema = 1\n").unwrap();
     assert!(scene::read(&path).expect_err("a fault").to_string().contains("expected at least one table [[mesh]]"));
 }
+
+/// Where media touch, light passes as if there were no boundary: two halves are one block, and a medium inside one of the
+/// inverse index is none.
+#[test]
+fn media_that_touch_have_no_gap_between_them() {
+    let block = |left: f64, right: f64| {
+        let corner = |i: usize| {
+            let side = |axis: usize, low: f64, high: f64| if i >> axis & 1 == 0 { low } else { high };
+            DVec3::new(side(0, left, right), side(1, -0.6, 0.6), side(2, 0.0, 0.8))
+        };
+        let faces: [[u32; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect::<Vec<_>>();
+        Mesh::new(&std::array::from_fn::<_, 8, _>(corner), &triangles, 30.0).unwrap()
+    };
+    let draw = |blocks: &[(f64, f64, f64)]| {
+        let blocks = blocks.iter().map(|(left, right, index)| glass(block(*left, *right), *index));
+        let bodies = [behind_glass()].into_iter().chain(blocks).collect();
+        Composition { rotate_deg: [12.0, 38.0, 0.0], ..scene(bodies) }.image(2 * SIDE, 2 * SIDE)
+    };
+    let differ =
+        |a: &LinearImage, b: &LinearImage| a.data.iter().zip(&b.data).filter(|(a, b)| (**a - **b).abs() > 1e-3).count();
+    let (one, none) = (draw(&[(-0.7, 0.7, 1.5)]), draw(&[(-0.7, 0.7, 1.0)]));
+    assert!(differ(&one, &none) > 2000, "{}", differ(&one, &none));
+    for (blocks, expected) in [
+        ([(-0.7, 0.1, 1.5), (0.1, 0.7, 1.5)], &one),
+        ([(-0.7, 0.7, 1.5), (-0.7, 0.7, 2.0 / 3.0)], &none),
+        ([(-0.7, 0.7, 1.25), (-0.7, 0.7, 1.2)], &one),
+    ] {
+        // At an edge, a line of sight may meet one side or the other.
+        let apart = differ(&draw(&blocks), expected);
+        assert!(apart < 60, "{blocks:?}: {apart}");
+    }
+}

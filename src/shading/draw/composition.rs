@@ -56,7 +56,8 @@ pub struct Composition {
 /// The number of surfaces that a refracted line of sight meets, at most; after that, it shows the background.
 const MAX_MEETINGS: usize = 16;
 
-/// The shortest way of a refracted ray from one surface to the next, in radii of the scene.
+/// The shortest way of a refracted ray from one surface to the next, in radii of the scene; surfaces that are nearer to each
+/// other touch.
 const LEAST: f64 = 1e-7;
 
 /// The number of rows that one thread draws at a time.
@@ -152,6 +153,11 @@ struct Layer {
     triangle: usize,
 }
 
+/// Returns the light of surfaces, the nearest first, in front of some other light.
+fn over(surfaces: &[(Transparency, DVec3)], light: DVec3) -> DVec3 {
+    surfaces.iter().rev().fold(light, |behind, (transparency, front)| transparency.through(*front, behind))
+}
+
 struct Picture<'f> {
     scene: &'f Composition,
     view: View,
@@ -183,7 +189,7 @@ impl Picture<'_> {
     /// Returns the light at a place on the screen that shows `layers`, the nearest first.
     fn light(&self, place: DVec2, layers: &[Layer]) -> DVec3 {
         let (mut passed, mut light) = (Vec::new(), self.scene.background);
-        for layer in layers {
+        for (i, layer) in layers.iter().enumerate() {
             let (drawn, body) = (&self.drawn[layer.body], &self.scene.bodies[layer.body]);
             let front = drawn.reference.light(layer.triangle, drawn.frame.weights(layer.triangle, place));
             if body.transparency == Transparency::Opaque {
@@ -192,55 +198,86 @@ impl Picture<'_> {
             }
             passed.push((body.transparency, front));
             if body.index.is_some()
-                && let Some(behind) = self.refracted(place, layer.body)
+                && let Some(behind) = self.refracted(place, &layers[..=i])
             {
                 light = behind;
                 break;
             }
         }
-        passed.iter().rev().fold(light, |behind, (transparency, front)| transparency.through(*front, behind))
+        over(&passed, light)
     }
 
-    /// Returns the light that enters a body with an index at a place on the screen, from behind it. The screen's corners
-    /// are rounded, so the line of sight may meet another triangle than the pixel shows, or, at an outline, none.
-    fn refracted(&self, place: DVec2, body: usize) -> Option<DVec3> {
+    /// Returns the light that enters the last of the surfaces `shown` at a place on the screen, from behind it. The
+    /// screen's corners are rounded, so the line of sight may meet another triangle than the pixel shows, or, at an
+    /// outline, none.
+    fn refracted(&self, place: DVec2, shown: &[Layer]) -> Option<DVec3> {
         let (from, along) = self.view.ray(place);
-        let targets = self.targets.as_ref()?;
-        let mut meeting = targets.first(from, along, LEAST)?;
-        while meeting.of.0 as usize != body {
-            meeting = targets.first(from, along, meeting.distance + LEAST)?;
+        let (targets, body) = (self.targets.as_ref()?, shown.last()?.body);
+        let mut met = targets.first(from, along, LEAST, LEAST);
+        loop {
+            if met.iter().any(|at| at.of.0 as usize == body) {
+                return Some(self.behind(from, along, &met, &[], 0, shown));
+            }
+            met = targets.first(from, along, met.first()?.distance + LEAST, LEAST);
         }
-        Some(self.beyond(from, along, &meeting, &[], 0))
     }
 
     /// Returns the light that comes along a ray. `inside` are the bodies with an index that it is in.
-    fn traced(&self, from: DVec3, along: DVec3, inside: &[usize], met: usize) -> DVec3 {
-        let meeting = self.targets.as_ref().and_then(|targets| targets.first(from, along, LEAST));
-        let Some(meeting) = meeting.filter(|_| met < MAX_MEETINGS) else { return self.scene.background };
-        let which = meeting.of.0 as usize;
-        if inside.contains(&which) {
-            return self.beyond(from, along, &meeting, inside, met);
-        }
-        let body = &self.scene.bodies[which];
-        let front = self.lit(from, along, &meeting);
-        match body.transparency {
-            Transparency::Opaque => front,
-            transparency => transparency.through(front, self.beyond(from, along, &meeting, inside, met)),
-        }
+    fn traced(&self, from: DVec3, along: DVec3, inside: &[usize], count: usize) -> DVec3 {
+        let targets = self.targets.as_ref().filter(|_| count < MAX_MEETINGS);
+        let met = targets.map(|targets| targets.first(from, along, LEAST, LEAST)).unwrap_or_default();
+        if met.is_empty() { self.scene.background } else { self.behind(from, along, &met, inside, count, &[]) }
     }
 
-    /// Returns the light from beyond the surface that a ray meets.
-    fn beyond(&self, from: DVec3, along: DVec3, at: &Meeting, inside: &[usize], met: usize) -> DVec3 {
-        let (which, place) = (at.of.0 as usize, from + along * at.distance);
-        let Some(index) = self.scene.bodies[which].index else { return self.traced(place, along, inside, met + 1) };
-        let leaves = inside.contains(&which);
-        let beyond: Vec<usize> = match leaves {
-            true => inside.iter().copied().filter(|body| *body != which).collect(),
-            false => inside.iter().copied().chain([which]).collect(),
+    /// Returns the light from the surfaces that a ray meets at one place, and from beyond them. The light of the surfaces
+    /// that are `shown` is already known.
+    fn behind(
+        &self,
+        from: DVec3,
+        along: DVec3,
+        met: &[Meeting],
+        inside: &[usize],
+        count: usize,
+        shown: &[Layer],
+    ) -> DVec3 {
+        let (mut passed, mut beyond) = (Vec::new(), inside.to_vec());
+        for at in met {
+            let (which, body) = (at.of.0 as usize, &self.scene.bodies[at.of.0 as usize]);
+            let leaves = inside.contains(&which);
+            if !leaves && shown.iter().all(|layer| layer.body != which) {
+                let front = self.lit(from, along, at);
+                if body.transparency == Transparency::Opaque {
+                    return over(&passed, front);
+                }
+                passed.push((body.transparency, front));
+            }
+            match body.index {
+                Some(_) if leaves => beyond.retain(|body| *body != which),
+                Some(_) => beyond.push(which),
+                None => {}
+            }
+        }
+        over(&passed, self.bent(from + along * met[0].distance, along, met, [inside, &beyond], count))
+    }
+
+    /// Returns the light that enters the bodies of `beyond` from those of `inside`, where a ray meets their surfaces.
+    fn bent(
+        &self,
+        place: DVec3,
+        along: DVec3,
+        met: &[Meeting],
+        [inside, beyond]: [&[usize]; 2],
+        count: usize,
+    ) -> DVec3 {
+        let index = |of: &usize| self.scene.bodies[*of].index;
+        let Some(at) = met.iter().find(|at| index(&(at.of.0 as usize)).is_some()) else {
+            return self.traced(place, along, inside, count + 1);
         };
-        match Refraction::of(-along, self.normal(at), if leaves { index } else { index.recip() }) {
-            Refraction::Transmitted(along) => self.traced(place, along, &beyond, met + 1),
-            Refraction::TotalReflection(along) => self.traced(place, along, inside, met + 1),
+        // Where media touch, there is no gap between them.
+        let [before, after] = [inside, beyond].map(|bodies| bodies.iter().filter_map(index).product::<f64>());
+        match Refraction::of(-along, self.normal(at), before / after) {
+            Refraction::Transmitted(along) => self.traced(place, along, beyond, count + 1),
+            Refraction::TotalReflection(along) => self.traced(place, along, inside, count + 1),
             Refraction::Undefined => self.scene.background,
         }
     }

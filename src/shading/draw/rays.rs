@@ -52,27 +52,33 @@ impl Targets {
         Targets { targets, boxes }
     }
 
-    /// Returns the first triangle that the ray meets farther away than `after`; both sides of a triangle count.
-    pub fn first(&self, from: DVec3, along: DVec3, after: f64) -> Option<Meeting> {
-        let (mut nearest, mut at) = (None::<Meeting>, 0);
+    /// Returns the first triangle that the ray meets farther away than `after`, and where it meets other bodies at the same
+    /// place, within `reach`: one triangle of each body, the nearest first. Both sides of a triangle count.
+    pub fn first(&self, from: DVec3, along: DVec3, after: f64, reach: f64) -> Vec<Meeting> {
+        let (mut met, mut most, mut at) = (Vec::<Meeting>::new(), f64::INFINITY, 0);
         let inverse = along.recip();
         while let Some(Box { low, high, first, end, next }) = self.boxes.get(at).copied() {
             let (a, b) = ((low - from) * inverse, (high - from) * inverse);
             let (enters, leaves) = (a.min(b).max_element(), a.max(b).min_element());
-            if leaves < enters.max(after) || nearest.is_some_and(|found| found.distance < enters) {
+            if leaves < enters.max(after) || most < enters {
                 at = next as usize;
                 continue;
             }
             at += 1;
             for target in &self.targets[first as usize..end as usize] {
                 if let Some(found) = target.meet(from, along, after)
-                    && nearest.is_none_or(|nearest| found.distance < nearest.distance)
+                    && found.distance <= most
                 {
-                    nearest = Some(found);
+                    most = most.min(found.distance + reach);
+                    met.push(found);
                 }
             }
         }
-        nearest
+        met.retain(|found| found.distance <= most);
+        met.sort_by(|a, b| a.of.0.cmp(&b.of.0).then(a.distance.total_cmp(&b.distance)));
+        met.dedup_by_key(|found| found.of.0);
+        met.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        met
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::{
     normals,
@@ -94,6 +95,36 @@ impl Polygons {
         self.push(corners);
         self.paint.extend(paint);
         self.of_polygons.push(coat);
+    }
+
+    /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.
+    pub fn drop_repeated(&mut self) -> usize {
+        let starts: Vec<usize> = std::iter::once(0).chain(self.ends.iter().copied()).collect();
+        let corners = |face: &u32| starts[*face as usize]..starts[*face as usize + 1];
+        // From the lowest site on.
+        let around = |face: &u32| {
+            let sites = &self.sites[corners(face)];
+            let first = (0..sites.len()).min_by_key(|at| sites[*at]).unwrap_or_default();
+            sites[first..].iter().chain(&sites[..first])
+        };
+        let mut faces: Vec<u32> = (0..self.ends.len() as u32).collect();
+        faces.par_sort_by(|a, b| around(a).cmp(around(b)));
+        let same = faces.chunk_by(|a, b| around(a).eq(around(b)));
+        let mut kept: Vec<u32> = same.map(|same| same[0]).collect();
+        kept.sort_unstable();
+        let repeated = faces.len() - kept.len();
+        if repeated > 0 {
+            let mut left = Polygons { coats: std::mem::take(&mut self.coats), ..Polygons::default() };
+            for face in &kept {
+                left.sites.extend(&self.sites[corners(face)]);
+                left.normals.extend(self.normals.get(corners(face)).into_iter().flatten());
+                left.paint.extend(self.paint.get(corners(face)).into_iter().flatten());
+                left.of_polygons.extend(self.of_polygons.get(*face as usize));
+                left.ends.push(left.sites.len());
+            }
+            *self = left;
+        }
+        repeated
     }
 
     /// Returns the sites of each polygon, and its normals if any polygon has normals.

@@ -11,9 +11,11 @@ impl Polygons {
     /// connected part, these are the fewer, or those that face inward if the part is closed and no normal is given. Parts
     /// for which there is no such choice, as a Möbius strip, stay as they are; edges of one face or of more than two do
     /// not connect. If closed parts without such edges enclose a negative volume together, all of these are reversed; the
-    /// second number counts their faces.
-    pub fn unify_winding(&mut self, positions: &[DVec3]) -> [usize; 2] {
+    /// second number counts their faces. A part with given normals faces to their side; the third number counts the faces
+    /// that are reversed for it.
+    pub fn unify_winding(&mut self, positions: &[DVec3]) -> [usize; 3] {
         let starts: Vec<usize> = std::iter::once(0).chain(self.ends.iter().copied()).collect();
+        let has_normals = self.has_normals();
         // The faces at each edge, and whether they go along it from the lower site to the higher.
         let mut edges: HashMap<[u32; 2], Vec<(u32, bool)>> = HashMap::with_capacity(self.sites.len());
         for face in 0..self.ends.len() {
@@ -40,7 +42,7 @@ impl Polygons {
         }
         let mut is_reversed: Vec<Option<bool>> = vec![None; self.ends.len()];
         let place = |site: &u32| positions.get(*site as usize).copied().unwrap_or_default();
-        let (mut count, mut turned, mut volume, mut right) = (0, 0, 0.0, Vec::new());
+        let (mut count, mut turned, mut opposed, mut volume, mut right) = (0, 0, 0, 0.0, Vec::new());
         for first in 0..self.ends.len() {
             if is_reversed[first].is_some() {
                 continue;
@@ -65,15 +67,26 @@ impl Polygons {
                 continue;
             }
             let mut fewer = 2 * reversed <= part.len();
-            if !self.has_normals() && !part.iter().any(|face| is_open[*face]) {
-                let origin = place(&self.sites[starts[part[0]]]);
-                let of = |face: &usize| {
+            let origin = place(&self.sites[starts[part[0]]]);
+            // The sum over the part of what `of` is for a triangle of one of its faces.
+            let sum = |of: &dyn Fn(usize, [DVec3; 3]) -> f64| -> f64 {
+                let of_face = |face: &usize| {
                     let sites = &self.sites[starts[*face]..starts[*face + 1]];
                     let fan = sites.windows(2).map(|pair| [sites[0], pair[0], pair[1]].map(|s| place(&s) - origin));
-                    let sum: f64 = fan.map(|[a, b, c]| a.dot(b.cross(c))).sum();
+                    let sum: f64 = fan.map(|triangle| of(*face, triangle)).sum();
                     if is_reversed[*face] == Some(true) { -sum } else { sum }
                 };
-                let own: f64 = part.iter().map(of).sum();
+                part.iter().map(of_face).sum()
+            };
+            let along_normals = |face: usize, [a, b, c]: [DVec3; 3]| {
+                let normals = self.normals.get(starts[face]..starts[face + 1]).into_iter().flatten().flatten();
+                (b - a).cross(c - a).dot(normals.sum())
+            };
+            let agreement = if has_normals { sum(&along_normals) } else { 0.0 };
+            if agreement != 0.0 {
+                fewer = agreement > 0.0;
+            } else if !has_normals && !part.iter().any(|face| is_open[*face]) {
+                let own = sum(&|_, [a, b, c]| a.dot(b.cross(c)));
                 if reversed == 0 {
                     volume += own;
                     right.extend(&part);
@@ -83,14 +96,14 @@ impl Polygons {
             }
             for face in part.into_iter().filter(|face| is_reversed[*face] == Some(fewer)) {
                 self.reverse(starts[face]..starts[face + 1]);
-                count += 1;
+                *(if agreement == 0.0 { &mut count } else { &mut opposed }) += 1;
             }
         }
         if volume < 0.0 {
             turned = right.len();
             right.into_iter().for_each(|face: usize| self.reverse(starts[face]..starts[face + 1]));
         }
-        [count, turned]
+        [count, turned, opposed]
     }
 
     fn reverse(&mut self, corners: std::ops::Range<usize>) {

@@ -55,6 +55,12 @@ impl Picture {
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(vision::luminance)
     }
 
+    /// True if primaries of these luminances are the same but for rounding.
+    #[must_use]
+    pub fn are_alike(weights: [f64; 3], others: [f64; 3]) -> bool {
+        weights.iter().zip(others).all(|(own, other)| (own - other).abs() <= 1e-3)
+    }
+
     /// Returns codes whose meaning the user knows.
     #[must_use]
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
@@ -142,7 +148,7 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
     let srgb = Picture::srgb_weights();
     if let Some(points) = info.coding_independent_code_points {
         return Err(format!(
-            "has a cICP chunk (primaries {}, transfer {}), which is not supported; expected an iCCP, sRGB or gAMA chunk, or --transfer",
+            "has a cICP chunk (primaries {}, transfer {}), which is not supported and comes before all others; expected a file without it, or --transfer",
             points.color_primaries, points.transfer_function
         ));
     }
@@ -156,7 +162,7 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
     }
     let primaries = info.chrm_chunk.map(of_primaries).transpose()?;
     // What is sRGB's but for rounding is sRGB's.
-    let own = primaries.filter(|own| own.iter().zip(srgb).any(|(own, srgb)| (own - srgb).abs() > 1e-3));
+    let own = primaries.filter(|own| !Picture::are_alike(*own, srgb));
     let weights = own.unwrap_or(srgb);
     let Some(gamma) = info.gama_chunk else {
         let origin = if primaries.is_some() { Origin::Chunk("cHRM (with sRGB's curve)") } else { Origin::Assumed };
@@ -223,6 +229,13 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
             .map_err(|error| fail(&format!("whose curve does not rise ({error})")))?;
         Ok(Transfer::Table(table))
     };
+    let gray = read.color_space == moxcms::DataColorSpace::Gray;
+    if is_gray != gray {
+        let [own, other] = if is_gray { ["colors", "gray"] } else { ["gray", "colors"] };
+        return Err(format!(
+            "has a color profile for {own}, but its pixels are {other}; expected a profile for {other}, or --transfer"
+        ));
+    }
     if is_gray {
         return Ok((curve(&read.gray_trc)?.into(), Picture::srgb_weights()));
     }

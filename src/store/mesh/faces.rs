@@ -79,10 +79,11 @@ impl Faces {
         expected: &str,
         normals: Normals,
     ) -> Result<MeshFile, FileErrors> {
+        let repeated = self.polygons.drop_repeated();
         let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
-        let [reversed, turned] = self.polygons.unify_winding(&self.positions);
+        let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
         let has_normals = self.polygons.has_normals();
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
@@ -109,10 +110,17 @@ impl Faces {
             1 => notes.push(format!("1 {one}")),
             _ => notes.push(format!("{number} {more}")),
         };
+        found(
+            repeated,
+            "face was left out, because it repeats another one",
+            "faces were left out, because they repeat others",
+        );
         let reason = "because the neighbors go around the other way";
         found(reversed, &format!("face was reversed, {reason}"), &format!("faces were reversed, {reason}"));
         let inward = "because the surface was inside out";
         found(turned, &format!("face was reversed, {inward}"), &format!("faces were reversed, {inward}"));
+        let against = "because the normals point to the other side";
+        found(opposed, &format!("face was reversed, {against}"), &format!("faces were reversed, {against}"));
         let within = "within a thousandth of an edge";
         found(
             seams.joined,

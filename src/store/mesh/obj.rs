@@ -230,7 +230,7 @@ impl Statement<'_> {
         match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some(k) => {
                 let message =
-                    format!("{:?} is not a finite coordinate; expected one within ±1e30", shortened(words[k]));
+                    format!("{:?} is not finite or is beyond ±1e30; expected a finite coordinate", shortened(words[k]));
                 Err(self.error(words[k], message))
             }
             None => Ok(vertex),
