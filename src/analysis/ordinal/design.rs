@@ -62,6 +62,14 @@ impl Design {
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
     }
 
+    /// Returns the terms that have columns, or are part of a larger one that has, and the others.
+    pub fn used_terms(&self) -> (Terms, Terms) {
+        let has_columns = |term: &Term| self.columns.iter().any(|c| self.terms.iter().nth(c.term) == Some(term));
+        let is_used = |term: &Term| self.terms.iter().any(|larger| has_columns(larger) && larger.contains(term));
+        let (used, unused): (Vec<Term>, Vec<Term>) = self.terms.iter().cloned().partition(is_used);
+        (Terms::new(used), Terms::new(unused))
+    }
+
     /// Returns a design with no columns.
     pub fn empty() -> Self {
         Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new(), offset: None }

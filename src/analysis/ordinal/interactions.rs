@@ -118,6 +118,9 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
     for (((mut pair, _), scores), (statistics, p)) in
         pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
     {
+        if pair.df <= MAX_COLUMNS {
+            pair.withheld = Some(Withheld::Aliased);
+        }
         if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
             (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), patterns);
