@@ -259,7 +259,7 @@ impl Planned {
             other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
         };
         let has_ranks = self.plan.hypotheses().iter().any(|own| own.term == *term && own.test == Test::Friedman);
-        let ranks_lead = self.plan.spec().slopes == Slopes::None && has_ranks && power.participants > 1;
+        let ranks_lead = self.plan.spec().slopes == crate::analysis::Slopes::None && has_ranks && power.participants > 1;
         let is_withheld = self.powers.iter().find(of_model).is_none_or(|other| other.withheld.is_some());
         (ranks_lead || is_withheld) == (*test == Test::Friedman)
     }
