@@ -11,7 +11,10 @@ use serde::Serialize;
 
 use super::{Model, RequestError, Watcher, analyze, request::paths};
 use crate::{
-    analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+    analysis::{
+        Slopes,
+        power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+    },
     experiment::{OrderedLogit, Protocol},
     store::observer,
     text::{
@@ -259,7 +262,7 @@ impl Planned {
             other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
         };
         let has_ranks = self.plan.hypotheses().iter().any(|own| own.term == *term && own.test == Test::Friedman);
-        let ranks_lead = self.plan.spec().slopes == crate::analysis::Slopes::None && has_ranks && power.participants > 1;
+        let ranks_lead = self.plan.spec().slopes == Slopes::None && has_ranks && power.participants > 1;
         let is_withheld = self.powers.iter().find(of_model).is_none_or(|other| other.withheld.is_some());
         (ranks_lead || is_withheld) == (*test == Test::Friedman)
     }
