@@ -284,7 +284,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     );
     // What the model does not have is no term of it. The largest terms come last.
     for note in model.iter().flat_map(|report| &report.model.notes).rev() {
-        let is_dropped = |own: &&Term| *note == Note::AliasedTerm { term: own.to_string() };
+        let is_dropped = |own: &&Term| own.variables.len() > 1 && *note == Note::AliasedTerm { term: own.to_string() };
         if let Some(own) = spec.terms.iter().find(is_dropped).filter(|own| !spec.terms.is_marginal(own)) {
             spec.terms = spec.terms.without(own);
         }

@@ -255,14 +255,15 @@ fn sentences_agree() {
                     format!(" with {factor} "),
                     format!(" with {factor},"),
                     format!("levels of {factor}"),
+                    format!("raw means by {factor} "),
                 ];
                 starts.iter().any(|start| text.contains(start))
             };
             let own: String = findings.iter().filter(is_own).cloned().collect();
             let is = |parts: &[&str]| parts.iter().filter(|part| own.contains(&part.replace('#', factor))).count();
             let kinds = [
-                is(&["if # made no difference"]),
-                is(&["cannot distinguish the levels ("]),
+                is(&["if # made no difference", "Ratings depend on # ("]),
+                is(&["cannot distinguish the levels (", "whether ratings depend on # ("]),
                 is(&["effect of # could not be tested", "no conclusion is drawn"]),
                 findings.iter().filter(|text| text.starts_with("The effects of a and b depend on each other")).count(),
             ];
@@ -419,7 +420,7 @@ fn a_covariate_has_a_slope_at_each_level() {
 fn an_interaction_of_three_is_seen() {
     let all: Vec<[&str; 3]> = (0..8).map(|i| [["p", "q"][i / 4], ["x", "z"][i / 2 % 2], ["l", "r"][i % 2]]).collect();
     let rows: Vec<&[&str]> = all.iter().map(|row| &row[..]).collect();
-    let sign = |row: usize| if row.count_ones() % 2 == 0 { 1.5 } else { -1.5 };
+    let sign = |row: usize| if row.count_ones().is_multiple_of(2) { 1.5 } else { -1.5 };
     let measured = study(&["a", "b", "c"], &rows, (8, 8, 5), |_, row| Some(sign(row)));
     let additive = analyze(measured.clone(), &options(None));
     let cautions = said(&additive).cautions.join(" ");

@@ -52,8 +52,8 @@ pub(super) struct How<'a> {
     pub held: Option<(usize, f64)>,
 }
 
-/// Fits a model. If the first baseline allows no finite estimates, another is used; a term that adds nothing to the others is
-/// left out. The standard errors of a mixed
+/// Fits a model. If the first baseline allows no finite estimates, another is used; an interaction that adds nothing
+/// is left out. The standard errors of a mixed
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     let mut spec = spec.clone();
