@@ -78,21 +78,6 @@ impl<'a> Frame<'a> {
         (0..).zip(occurs).filter_map(|(condition, occurs)| occurs.then_some(condition)).collect()
     }
 
-    /// Combines the ratings of all participants: a model without random effects does not tell them apart.
-    pub fn pool(&mut self) {
-        let categories = self.categories.len();
-        let mut counts = vec![0; self.counts.conditions.len() * categories];
-        for row in &self.rows {
-            counts[row.condition as usize * categories + usize::from(row.rating)] += row.count;
-        }
-        let row = |(place, count): (usize, u64)| {
-            let (condition, rating) = ((place / categories) as u32, (place % categories) as u8);
-            (count > 0).then_some(CountRow { subject: 0, condition, rating, count })
-        };
-        self.rows = counts.into_iter().enumerate().filter_map(row).collect();
-        self.subjects.truncate(1);
-    }
-
     /// Makes `level`, which must occur, the baseline of a factor.
     pub fn set_baseline(&mut self, factor: usize, level: u32) {
         self.baselines[factor] = Some(level);

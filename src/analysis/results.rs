@@ -21,7 +21,7 @@ pub struct Options {
     /// Terms of the model. `None` means the main effects of all factors with two or more levels and of the covariates.
     pub terms: Option<Terms>,
     /// Factors that are covariates. `None` means those that [`Counts::is_covariate`] says or that have more levels than can be
-    /// listed, unless a term uses their levels.
+    /// listed.
     pub covariates: Option<Vec<String>>,
     /// The factor whose levels are items, each with a random intercept ([`ModelSpec::items`]).
     pub items: Option<String>,
@@ -60,6 +60,20 @@ impl Default for Options {
     }
 }
 
+impl Options {
+    /// Returns the terms that are asked for. The name of a covariate means its number.
+    pub fn terms(&self, counts: &Counts) -> Option<Terms> {
+        let covariates = covariates(counts, self);
+        let is_covariate = |name: &str| counts.factor(name).is_some_and(|(factor, _)| covariates.contains(&factor));
+        let with_number = |variable: &Variable| match variable {
+            Variable::Factor(name) if is_covariate(name) => Variable::Number(name.clone()),
+            variable => variable.clone(),
+        };
+        let with_numbers = |term: &Term| Term { variables: term.variables.iter().map(with_number).collect() };
+        self.terms.as_ref().map(|terms| Terms::new(terms.iter().map(with_numbers)))
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Results {
     /// The ratings, without the covariates and the items.
@@ -92,8 +106,8 @@ pub struct FactorResults {
     pub name: String,
     /// The ratings at each level.
     pub levels: Vec<Group>,
-    /// The model's expected rating at each level, if the raw means of the levels cannot be compared: some participants lack
-    /// levels, or the model has another order.
+    /// The model's expected rating at each level, if the raw means of the levels cannot be compared; of a factor that varies
+    /// only between participants, if the model has another order.
     pub marginal: Option<Vec<f64>>,
     /// Whether the raw means can be compared: every participant rated all levels in the same conditions of the other factors.
     pub comparable: bool,
@@ -135,10 +149,9 @@ impl FactorResults {
         let own = |level: &Group| margins.iter().find(|m| is_own(m, level)).filter(|m| m.mean.is_finite());
         let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
         let with = Self { marginal, ..self.clone() };
-        let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());
         // If a factor varies only between participants, none of them could rate all levels.
-        let is_whole = !self.within || self.matched.incomplete.is_empty();
-        if self.comparable || is_same && is_whole { self.clone() } else { with }
+        let is_same = !self.within && (self.course(), self.extremes()) == (with.course(), with.extremes());
+        if self.comparable || is_same { self.clone() } else { with }
     }
 
     /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
@@ -218,7 +231,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let covariates = covariates(&measured.counts, options);
     // The model needs them, and describes the same ratings as the rest.
     let measured = measured.complete(&covariates);
-    let (spec, nested) = model_spec(&measured, &covariates, options);
+    let (mut spec, nested) = model_spec(&measured, &covariates, options);
     let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
@@ -257,7 +270,9 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         varied.filter_map(of_factor).collect()
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
-    let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
+    let left_out = &left_out;
+    let calibration =
+        Calibration { resampling, max_minutes, trials, left_out, checks, contrasts: &contrasts, progress };
     let (model, (cells, alpha)) = rayon::join(
         || {
             fit_calibrated(modeled, &spec, &calibration).map(|mut report| {
@@ -267,6 +282,13 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         },
         || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
     );
+    // What the model does not have is no term of it. The largest terms come last.
+    for note in model.iter().flat_map(|report| &report.model.notes).rev() {
+        let is_dropped = |own: &&Term| own.variables.len() > 1 && *note == Note::AliasedTerm { term: own.to_string() };
+        if let Some(own) = spec.terms.iter().find(is_dropped).filter(|own| !spec.terms.is_marginal(own)) {
+            spec.terms = spec.terms.without(own);
+        }
+    }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(retests(whole.as_ref().unwrap_or(&measured)))
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
@@ -304,18 +326,12 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
 
 /// Returns the indices of the covariates.
 fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
-    let by_level = |factor: &str| {
-        let mut variables = options.terms.iter().flat_map(Terms::iter).flat_map(|term| &term.variables);
-        variables.any(|variable| matches!(variable, Variable::Factor(name) if name == factor))
-    };
     let is_covariate = |&factor: &usize| {
         let name = &counts.factors[factor].name;
         match &options.covariates {
             _ if options.items.as_ref() == Some(name) => false,
             Some(names) => names.contains(name),
-            None => {
-                (counts.is_covariate(factor) || counts.factors[factor].levels.len() > MAX_LEVELS) && !by_level(name)
-            }
+            None => counts.is_covariate(factor) || counts.factors[factor].levels.len() > MAX_LEVELS,
         }
     };
     (0..counts.factors.len()).filter(is_covariate).collect()
@@ -343,7 +359,7 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (
     // A covariate that was asked for is in the model, whatever the other terms are.
     let named =
         options.covariates.iter().flatten().map(|name| Term { variables: vec![Variable::Number(name.clone())] });
-    let asked = options.terms.as_ref().map(|terms| Terms::new(terms.iter().cloned().chain(named)));
+    let asked = options.terms(counts).map(|terms| Terms::new(terms.iter().cloned().chain(named)));
     let notes = if asked.is_none() { varied.iter().filter_map(nested).collect() } else { Vec::new() };
     let spec = ModelSpec {
         link: options.link,

@@ -39,17 +39,19 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
     }
     let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
     let data = Names::new(results).data(shape, results, model);
-    let about = if has_centered(results) {
-        "# Numbers are about their means, so the thresholds differ from those of the report.\n"
+    let about = if has_numbers(results) {
+        "# Numbers are divided by their range, so their coefficients are over the range; those whose names end in _c are also about\n\
+         # their means, so the thresholds differ from those of the report. Otherwise, clmm may not find the maximum.\n"
     } else {
         ""
     };
     format!("{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {call}\nprint(summary(fit))\n")
 }
 
-/// Returns whether a number is about its mean in the fixed effects of the call, so that R has other thresholds.
-pub(super) fn has_centered(results: &Results) -> bool {
-    results.spec.terms.iter().any(|term| is_centered(results, term))
+/// Returns whether the call has numbers, whose unit and origin in R are others.
+pub(super) fn has_numbers(results: &Results) -> bool {
+    let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
+    variables.any(|variable| matches!(variable, Variable::Number(_)))
 }
 
 fn is_centered(results: &Results, term: &Term) -> bool {
@@ -80,7 +82,8 @@ impl<'a> Names<'a> {
     }
 
     /// Returns a term of the fixed effects. A number alone is about its mean, because clmm fails with numbers that are far
-    /// from 0; only the thresholds depend on this.
+    /// from 0; only the thresholds depend on this. All numbers are divided by their range, because it also fails with large and
+    /// small ones.
     fn fixed(&self, results: &Results, term: &Term) -> String {
         match &term.variables[..] {
             [variable] if is_centered(results, term) => self.centered(variable),
@@ -163,7 +166,10 @@ impl<'a> Names<'a> {
                     format!("{name} = factor({cells}, levels = {})", strings(&levels(factor, model)))
                 }
                 Variable::Number(_) => {
-                    centered += &format!("data${name}_c <- data${name} - weighted.mean(data${name}, data$count)\n");
+                    centered += &format!(
+                        "data${name} <- data${name} / diff(range(data${name}))\n\
+                         data${name}_c <- data${name} - weighted.mean(data${name}, data$count)\n"
+                    );
                     format!("{name} = {}as.numeric({cells})", if inverse { "1 / " } else { "" })
                 }
             });

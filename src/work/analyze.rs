@@ -9,9 +9,9 @@ use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
         counts::{Counts, Trial},
-        number_of,
+        number_of, numbers_of,
         tasks::psychometric::{self, Guess},
-        terms::Variable,
+        terms::{Terms, Variable},
     },
     experiment::task::{Common, Curve, Easier},
     report::{
@@ -121,7 +121,11 @@ serde_as_text!(GuessRate);
 impl Analyze {
     /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
     pub fn columns(&self) -> [Vec<String>; 2] {
-        let terms = self.model.terms.iter().flat_map(|terms| terms.iter());
+        self.columns_of(self.model.terms.as_ref())
+    }
+
+    fn columns_of(&self, terms: Option<&Terms>) -> [Vec<String>; 2] {
+        let terms = terms.into_iter().flat_map(Terms::iter);
         let (numbers, factors): (Vec<&Variable>, Vec<&Variable>) =
             terms.flat_map(|term| &term.variables).partition(|variable| matches!(variable, Variable::Number(_)));
         let roles = numbers.into_iter().map(Variable::name).chain(self.roles().map(|(_, name)| name.as_str()));
@@ -282,14 +286,16 @@ impl Analyze {
         }
     }
 
-    /// Checks that the columns with a role are there, and that each trial has a place of its own.
+    /// Checks that the columns with a role are there and suit it, and that each trial has a place of its own.
     fn check(&self, study: &Study) -> Result<(), RequestError> {
         let counts = &study.measured.counts;
         if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
             let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
             return Err(RequestError::value(option, format!("{name}: {}", expected_one_of(name, &names))));
         }
-        if let Some(message) = determined(counts, self.columns()) {
+        self.check_factors(counts)?;
+        let terms = self.options(&study.source).terms(counts);
+        if let Some(message) = determined(counts, self.columns_of(terms.as_ref())) {
             return Err(RequestError::value("terms", message));
         }
         let Some(order) = &self.ratings.order else { return Ok(()) };
@@ -301,6 +307,33 @@ impl Analyze {
             let message = format!("{order}: several ratings by {who} have the place {position}; expected one");
             Err(RequestError::value("order", message))
         })
+    }
+
+    /// Checks the options about factors.
+    fn check_factors(&self, counts: &Counts) -> Result<(), RequestError> {
+        let lists = |list: &Option<List>| list.iter().flat_map(|list| list.0.clone()).collect::<Vec<String>>();
+        if let Some(items) = &self.items {
+            if lists(&self.ratings.factors).contains(items) {
+                let message = format!("{items}: is also a factor; expected a column that is not one");
+                return Err(RequestError::value("items", message));
+            }
+            if counts.factors.len() == 1 {
+                let message = format!("{items}: no factors were given; expected factors or terms beside the items");
+                return Err(RequestError::value("items", message));
+            }
+        }
+        let is_words = |name: &String| counts.factor(name).is_some_and(|(_, own)| numbers_of(&own.levels).is_none());
+        let not_numbers =
+            [("covariate", lists(&self.covariate)), ("direction", lists(&self.ratings.direction))].into_iter();
+        not_numbers.flat_map(|(option, names)| names.into_iter().map(move |name| (option, name))).try_for_each(
+            |(option, name)| match is_words(&name) {
+                true => Err(RequestError::value(
+                    option,
+                    format!("{name}: has levels that are not numbers; expected numbers"),
+                )),
+                false => Ok(()),
+            },
+        )
     }
 
     /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.

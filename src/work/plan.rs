@@ -11,7 +11,10 @@ use serde::Serialize;
 
 use super::{Model, RequestError, Watcher, analyze, request::paths};
 use crate::{
-    analysis::power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+    analysis::{
+        Slopes,
+        power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+    },
     experiment::{OrderedLogit, Protocol},
     store::observer,
     text::{
@@ -249,8 +252,8 @@ impl Planned {
         &self.plan.hypotheses()[power.hypothesis]
     }
 
-    /// Returns whether an analysis draws its conclusion from this test: from the model or, if its test is withheld, from
-    /// Friedman's.
+    /// Returns whether this test is the one that stands for the conclusion of an analysis: that of the model or, if it is
+    /// withheld, not simulated or without random slopes on request, Friedman's.
     #[must_use]
     pub fn leads(&self, power: &Power) -> bool {
         let Hypothesis { term, test, .. } = self.hypothesis(power);
@@ -258,8 +261,10 @@ impl Planned {
             let own = self.hypothesis(other);
             other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
         };
-        let is_withheld = self.powers.iter().find(of_model).is_some_and(|other| other.withheld.is_some());
-        is_withheld == (*test == Test::Friedman)
+        let has_ranks = self.plan.hypotheses().iter().any(|own| own.term == *term && own.test == Test::Friedman);
+        let ranks_lead = self.plan.spec().slopes == Slopes::None && has_ranks && power.participants > 1;
+        let is_withheld = self.powers.iter().find(of_model).is_none_or(|other| other.withheld.is_some());
+        (ranks_lead || is_withheld) == (*test == Test::Friedman)
     }
 
     /// Returns one row for each number of participants and each test.

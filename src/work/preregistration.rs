@@ -61,11 +61,13 @@ impl Plan {
 
 /// Returns how a session begins and what is shown between trials, whatever the task.
 fn course(protocol: &Protocol) -> String {
+    let practice = match protocol.design.practice {
+        0 => String::new(),
+        n => format!("{} come first. ", count(n.into(), "practice trial")),
+    };
     format!(
-        "{} come first. A uniform field of relative luminance {} is shown for {} s before each trial.",
-        count(protocol.design.practice.into(), "practice trial"),
-        protocol.recovery.level,
-        protocol.recovery.duration_s,
+        "{practice}A uniform field of relative luminance {} is shown for {} s before each trial.",
+        protocol.recovery.level, protocol.recovery.duration_s,
     )
 }
 
@@ -110,7 +112,7 @@ const UNDECIDED: &str = "Otherwise, the study does not decide; this will not be 
 impl Planned {
     fn sections(&self) -> Vec<(&'static str, String)> {
         vec![
-            ("Hypotheses", bullets(self.effects().map(|(_, one)| hypothesis(self, one)).collect())),
+            ("Hypotheses", bullets(self.effects().map(|one| hypothesis(self, one)).collect())),
             ("Design", self.design()),
             ("Sample size", self.sample_size()),
             (
@@ -121,14 +123,15 @@ impl Planned {
                 ),
             ),
             ("Analysis", self.analysis()),
-            ("What each result would mean", bullets(self.effects().map(|(_, one)| meaning(self, one)).collect())),
+            ("What each result would mean", bullets(self.effects().map(|one| meaning(self, one)).collect())),
         ]
     }
 
-    /// Returns the hypotheses about the terms of the model.
-    fn effects(&self) -> impl Iterator<Item = (usize, &Hypothesis)> {
-        let all = self.plan.hypotheses().iter().enumerate();
-        all.filter(|(_, hypothesis)| hypothesis.test == Test::LikelihoodRatio)
+    /// Returns the hypotheses, each once: about the terms of the model, and about the factors of its interactions.
+    fn effects(&self) -> impl Iterator<Item = &Hypothesis> {
+        let all = self.plan.hypotheses();
+        let is_of_model = |own: &Hypothesis| own.test == Test::LikelihoodRatio;
+        all.iter().filter(move |own| is_of_model(own) || !all.iter().any(|o| is_of_model(o) && o.term == own.term))
     }
 
     fn design(&self) -> String {
@@ -182,9 +185,8 @@ impl Planned {
         format!(
             "The ratings are modeled with a cumulative-link mixed model with {} link and the terms {}. Participants have {slopes}. \
              The likelihood is Laplace’s approximation. Each term is tested by the likelihood ratio against the model without it, at \
-             the level {}. With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p comes from a parametric bootstrap with up to \
-             {} simulated studies. If the design supports no random slope of a term that varies within participants, the exact \
-             Friedman test of its levels takes the place of this test. The p values of different terms are not corrected for their number. Levels of a factor are \
+             the level {}{}. With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p comes from a parametric bootstrap with up to \
+             {} simulated studies. {} The p values of different terms are not corrected for their number. Levels of a factor are \
              compared in the same model, corrected with Holm’s method.\n\n\
              Interactions of two factors that are not in the model are tested from its residuals, corrected for their number. If \
              one is below {}, the effect of one factor is described at each level of the other, and no main effect alone. \
@@ -193,7 +195,19 @@ impl Planned {
             spec.link,
             list(&spec.terms.iter().map(|term| self.in_words(&term.to_string())).collect::<Vec<_>>()),
             self.sampling.alpha,
+            if spec.terms.iter().any(|term| spec.terms.is_marginal(term)) {
+                "; the effect of a factor in an interaction is its mean over the levels of the other factor"
+            } else {
+                ""
+            },
             Resampling::default().draws,
+            if spec.slopes == Slopes::None {
+                "Because effects have no random slopes, conclusions about the effect of a factor that varies within participants rest on \
+                 the exact Friedman test of its levels, at the same level, and not on the likelihood ratio."
+            } else {
+                "If the design supports no random slope of a term that varies within participants, the exact Friedman test of its \
+                 levels takes the place of this test."
+            },
             self.sampling.alpha
         )
     }
@@ -350,7 +364,7 @@ fn hypothesis(planned: &Planned, hypothesis: &Hypothesis) -> String {
                 logits.map_or_else(String::new, |logits| format!(" The effect planned for is {logits:.2} logits."));
             format!("{term}: ratings at {above} are higher than at {below}.{size}")
         }
-        None => format!("{term}: no direction is predicted, and none is planned for."),
+        None => format!("{term}: no effect is predicted."),
     }
 }
 

@@ -102,8 +102,9 @@ fn a_factor_that_determines_another_is_no_term() {
     let tests = &results.model.as_ref().unwrap().terms;
     assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
     let Summary { findings, cautions, .. } = said(&results);
-    let is_said =
-        cautions.iter().any(|text| text.starts_with("Picture is not in the model, because each of its levels"));
+    let is_said = cautions
+        .iter()
+        .any(|text| text.starts_with("The factor picture is not in the model, because each of its levels"));
     let is_found = findings.iter().any(|text| text.starts_with("By detail, the mean rating is higher at high"));
     assert!(is_said && is_found, "{findings:#?} {cautions:#?}");
 }
@@ -162,7 +163,7 @@ fn units_do_not_matter() {
     }
 }
 
-/// An age has a slope, not a mean for each year; ages in a term by their levels are levels.
+/// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.
 #[test]
 fn an_age_is_no_condition() {
     let ages: Vec<String> = (0..20).map(|person| (20 + 3 * person).to_string()).collect();
@@ -179,7 +180,9 @@ fn an_age_is_no_condition() {
         "{lead:?}"
     );
     assert!(findings.iter().any(|text| text.starts_with("Ratings depend on age")), "{findings:?}");
-    let by_level = analyze(measured.clone(), &options(Some("age,cond")));
+    assert_eq!(analyze(measured.clone(), &options(Some("age,cond"))).spec.terms.to_string(), "num:age,cond");
+    let none = Options { covariates: Some(Vec::new()), ..options(Some("age,cond")) };
+    let by_level = analyze(measured.clone(), &none);
     assert!(by_level.covariates.is_empty() && by_level.cells.len() == 40);
     // A covariate that was asked for is in the model, whatever the other terms are; one that no term uses is not said to be.
     let asked = Options { covariates: Some(vec!["age".to_owned()]), ..options(Some("cond")) };
@@ -252,14 +255,15 @@ fn sentences_agree() {
                     format!(" with {factor} "),
                     format!(" with {factor},"),
                     format!("levels of {factor}"),
+                    format!("raw means by {factor} "),
                 ];
                 starts.iter().any(|start| text.contains(start))
             };
             let own: String = findings.iter().filter(is_own).cloned().collect();
             let is = |parts: &[&str]| parts.iter().filter(|part| own.contains(&part.replace('#', factor))).count();
             let kinds = [
-                is(&["if # made no difference"]),
-                is(&["cannot distinguish the levels ("]),
+                is(&["if # made no difference", "Ratings depend on # ("]),
+                is(&["cannot distinguish the levels (", "whether ratings depend on # ("]),
                 is(&["effect of # could not be tested", "no conclusion is drawn"]),
                 findings.iter().filter(|text| text.starts_with("The effects of a and b depend on each other")).count(),
             ];
@@ -354,4 +358,96 @@ fn the_order_of_trials_is_examined() {
         assert_eq!(order.drift_p.is_some(), people > 5);
         assert_eq!(order.ratings, (people * TRIALS) as u64);
     }
+}
+
+/// Women rate doses 1 and 2, men 2 and 3, and women rate everything higher. Nobody's cells have all doses, but the model adds
+/// the effects, so the dose has marginal means.
+#[test]
+fn groups_that_lack_levels_do_not_turn_a_direction_round() {
+    let rows: [&[&str]; 4] = [&["F", "1"], &["F", "2"], &["M", "2"], &["M", "3"]];
+    let latent = |person: usize, row: usize| (row / 2 == person % 2).then_some([1.0, 2.4, -2.4, -1.0][row]);
+    let results = analyze(study(&["sex", "dose"], &rows, (16, 8, 3), latent), &options(None));
+    let report = results.model.as_ref().unwrap();
+    let of_dose = |factor: &str| factor == "dose";
+    assert_eq!(report.margins.iter().filter(|margin| of_dose(&margin.factor)).count(), 3);
+    assert_eq!(report.comparisons.iter().filter(|own| of_dose(&own.factor)).count(), 3);
+    let finding = &said(&results).findings[1];
+    assert!(finding.starts_with("The raw means by dose mislead") && !finding.contains("falls"), "{finding}");
+    assert!(
+        finding.contains("rises with dose at every step") && finding.contains("at 3 are an estimated"),
+        "{finding}"
+    );
+    // Where no model adds the effects, there is no direction.
+    let same = Options { random: Some(machband::analysis::Random::None), max_coefficients: 1, ..options(None) };
+    let without = analyze(study(&["sex", "dose"], &rows, (16, 8, 3), latent), &same);
+    let finding = &said(&without).findings[1];
+    assert!(without.model.is_err() && !finding.contains("rises") && !finding.contains("falls"), "{finding}");
+}
+
+/// Ratings rise with age in one condition only. The sentences follow the interaction, and tables have no level for each age.
+#[test]
+fn a_covariate_has_a_slope_at_each_level() {
+    let ages: Vec<String> = (0..12).map(|person| (20 + 4 * person).to_string()).collect();
+    let rows: Vec<[&str; 2]> = ages.iter().flat_map(|age| [[age.as_str(), "a"], [age.as_str(), "b"]]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    let latent = |person: usize, row: usize| (row / 2 == person).then_some((row % 2) as f64 * (person as f64 - 5.5));
+    let measured = study(&["age", "cond"], &rows, (12, 8, 6), latent);
+    for (terms, term) in [(None, "num:age,cond"), (Some("age*cond"), "num:age,cond,num:age:cond")] {
+        let results = analyze(measured.clone(), &options(terms));
+        assert_eq!(results.spec.terms.to_string(), term);
+        let Summary { findings, cautions, .. } = said(&results);
+        let all = format!("{findings:#?} {cautions:#?}");
+        assert!(findings[0].starts_with("The effects of age and cond depend on each other"), "{all}");
+        assert!(!all.contains("Ratings depend on age"), "{all}");
+        assert_eq!(findings[0].contains("From age 20 to 64, the odds"), terms.is_some(), "{all}");
+        assert_eq!(
+            findings[0].contains("at cond a and ") && findings[0].contains("at cond b."),
+            terms.is_some(),
+            "{all}"
+        );
+        assert_eq!(all.contains("A term such as age*cond"), terms.is_none(), "{all}");
+        let report = results.model.as_ref().unwrap();
+        let checks = report.checks.as_ref().unwrap();
+        let margins = report.margins.iter().map(|margin| &margin.factor);
+        assert!(margins.chain(checks.proportions.iter().map(|own| &own.factor)).all(|factor| factor == "cond"));
+        assert!(checks.cells.is_empty(), "one factor has no combinations");
+    }
+}
+
+/// The effects of three factors cancel in every pair of them. The check of the additive model says so, and the full model
+/// leads with the three-way interaction and tests every part of it.
+#[test]
+fn an_interaction_of_three_is_seen() {
+    let all: Vec<[&str; 3]> = (0..8).map(|i| [["p", "q"][i / 4], ["x", "z"][i / 2 % 2], ["l", "r"][i % 2]]).collect();
+    let rows: Vec<&[&str]> = all.iter().map(|row| &row[..]).collect();
+    let sign = |row: usize| if row.count_ones().is_multiple_of(2) { 1.5 } else { -1.5 };
+    let measured = study(&["a", "b", "c"], &rows, (8, 8, 5), |_, row| Some(sign(row)));
+    let additive = analyze(measured.clone(), &options(None));
+    let cautions = said(&additive).cautions.join(" ");
+    assert!(cautions.contains("does not describe the ratings") && cautions.contains("a*b*c has all"), "{cautions}");
+    let full = analyze(measured, &options(Some("a*b*c")));
+    let report = full.model.as_ref().unwrap();
+    assert!(report.terms.len() == 7 && report.terms.iter().all(|test| test.p.is_some()), "{:?}", report.terms);
+    let Summary { findings, cautions, .. } = said(&full);
+    assert!(findings[0].starts_with("The effects of a, b and c depend on each other"), "{findings:?}");
+    assert!(findings[0].contains("analyze each level of one of them"), "{findings:?}");
+    let all = format!("{findings:?} {cautions:?}");
+    assert!(!all.contains("cannot tell") && !all.contains("no clear effect") && !all.contains("not describe"), "{all}");
+}
+
+/// b varies at one level of a only. Marginal means are told beside the model's odds, and a term that adds nothing is neither
+/// in the model nor tested.
+#[test]
+fn incomplete_conditions_have_one_set_of_numbers() {
+    let rows: [&[&str]; 3] = [&["no", "none"], &["yes", "none"], &["yes", "some"]];
+    let measured = study(&["a", "b"], &rows, (8, 8, 5), |_, row| Some([-0.6, 0.0, 2.0][row]));
+    let results = analyze(measured, &options(Some("a*b")));
+    assert_eq!(results.spec.terms.to_string(), "a,b");
+    let report = results.model.as_ref().unwrap();
+    assert!(report.proportional_odds.len() == 2 && report.interactions[0].p.is_none(), "{:?}", report.interactions);
+    let Summary { findings, cautions, .. } = said(&results);
+    assert!(findings[0].starts_with("The raw means by a are not comparable"), "{findings:?}");
+    assert!(findings[0].contains("that the model expects") && !findings[0].contains("The mean rating"), "{findings:?}");
+    let told = findings.iter().any(|text| text.contains("do not tell it from the other terms"));
+    assert!(told && cautions.iter().any(|text| text.starts_with("The term a × b")), "{findings:?} {cautions:?}");
 }

@@ -436,6 +436,31 @@ fn the_script_finds_the_same_numbers_in_r() {
         let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
         assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
     }
+    // Without division by its range, clmm stops far from the maximum.
+    let mut rows = String::from("subject_id,isi,rating\n");
+    for (person, step) in (0..8).flat_map(|person| (0..20).map(move |step| (person, step))) {
+        rows += &format!("p{person},{},{}\n", 100 + 40 * step, ((step + random(9)) / 7).min(3));
+    }
+    fs::write(folder.path().join("isi.csv"), rows).unwrap();
+    succeeds(folder.path(), &split("analyze isi.csv --terms num:isi --out isi --tables-only --draws 99"));
+    let out = folder.path().join("isi");
+    assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("/ diff(range(data$num_isi))"));
+    if let Some(printed) = run_script(&out) {
+        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
+        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
+    }
+    // An option that contradicts the columns is refused.
+    for (options, expected) in [
+        ("--factors style,picture --items picture", "is also a factor"),
+        ("--items picture", "no factors were given"),
+        ("--factors style --direction style", "not numbers"),
+        ("--factors style --covariate style", "--covariate style: has levels that are not numbers"),
+        ("--factors style --levels style=odd,new", "odd"),
+    ] {
+        let errors = fails(folder.path(), &split(&format!("analyze pictures.csv --out refused {options}")), 2);
+        assert!(errors.contains(expected), "{options}: {errors}");
+    }
     // Without a model, there is nothing to fit.
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));

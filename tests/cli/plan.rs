@@ -330,7 +330,7 @@ fn wrong_usage_is_reported() {
         ("--participants 2 --terms widht", "did you mean width?"),
         ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),
         ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
-        ("--participants 0", "0 is not in 1..=10000"),
+        ("--participants 0", "outside 1…10000"),
         ("--participants 2 --alpha 0", "expected a number between 0 and 1"),
         ("", "--participants"),
     ] {
@@ -351,13 +351,21 @@ fn a_preregistration_says_what_was_planned() {
     let text = std::fs::read_to_string(folder.path().join("plan.md")).unwrap();
     for expected in [
         "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
-        "- orientation: no direction is predicted",
+        "- orientation: no effect is predicted.",
         "24 conditions, each once, which makes 24 ratings",
         "participants will be tested: the smallest number tried (2 and 6) with a power of at least 80 %",
         "p below 0.05 with a higher estimate at 0.1 than at 0.8 supports the hypothesis",
         "    machband plan quick --participants 2,6 --effect width:0.1=1 --studies 100\n",
         "    machband analyze results/quick --terms width,depth,orientation_deg --link logit --slopes independent --out analysis",
     ] {
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    // The effects of factors in an interaction are planned for, and without random slopes, rank tests lead.
+    let line = "quick --participants 4 --effect width:0.1=1 --studies 100 --terms width*depth --slopes none \
+                --preregistration both.md";
+    succeeds(folder.path(), line, "4");
+    let text = std::fs::read_to_string(folder.path().join("both.md")).unwrap();
+    for expected in ["- width: ratings at 0.1 are higher", "no random slopes, conclusions about", "is its mean over"] {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     // Without an effect, no number of participants is enough.

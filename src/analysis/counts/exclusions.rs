@@ -132,6 +132,16 @@ impl Measured {
     }
 }
 
+impl Counts {
+    /// Checks the names of factors and of their levels.
+    ///
+    /// # Errors
+    /// A name is not known.
+    pub fn check_levels(&self, named: &[(String, Vec<String>)]) -> Result<(), ExclusionError> {
+        named.iter().try_for_each(|(name, own)| levels(self, name, own).map(drop))
+    }
+}
+
 /// Returns the indices of participants, each once.
 fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
     let mut people = Vec::new();

@@ -109,6 +109,8 @@ pub struct Calibration<'a> {
     pub max_minutes: u64,
     /// The trials that are known one by one.
     pub trials: &'a [Trial],
+    /// Indices of the factors without levels of their own in the results: covariates and items.
+    pub left_out: &'a [usize],
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
     /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
@@ -133,6 +135,9 @@ pub fn fit_calibrated(
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
+    let is_left_out =
+        |name: &str| counts.factor(name).is_some_and(|(factor, _)| calibration.left_out.contains(&factor));
+    report.margins.retain(|margin| !is_left_out(&margin.factor));
     let mut limits = usual_limits(&full);
     withhold(&full, &mut report);
     calibrate_tests(&full, &mut report, &mut limits, calibration);
@@ -148,24 +153,30 @@ pub fn fit_calibrated(
         report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
     }
     report.comparisons = margins::comparisons(&full, &report.model, &limits);
+    for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
+        // The only difference of a term has the term's probability.
+        let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor).to_string();
+        if let Some(p) = report.terms.iter().find(is_own).and_then(|test| test.p) {
+            (own.p, own.p_holm) = (Some(p), Some(p));
+        }
+    }
     profile_coefficients(&full, &mut report, &limits);
     if let Some(random) = &mut report.model.random {
         profile_deviations(&full, random);
     }
     report.model.contrasts = contrasts(&full, &report, &limits, &(calibration.contrasts)(&report.margins));
     share_intervals(&mut report);
+    let Calibration { left_out, resampling, .. } = *calibration;
     report.checks =
-        calibration.checks.then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
+        (calibration.checks).then(|| checks::checks(&full, &report.model.contrasts, left_out, resampling.seed));
     Ok(report)
 }
 
 /// Withholds tests whose distribution is not accurate even if it is simulated.
 fn withhold(full: &Fitted, report: &mut ModelReport) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
-    let is_between =
-        |test: &TermTest| full.spec.terms.iter().any(|term| term.to_string() == test.term && full.is_between(term));
     for test in &mut report.proportional_odds {
-        if full.mixed.is_some() && is_between(test) && test.lr.is_some() {
+        if full.frame.subjects.len() > 1 && test.lr.is_some() {
             (test.p, test.withheld) = (None, Some(Withheld::OwnThresholds));
         }
         if full.frame.total() < LEAST_PER_PARAMETER * (parameters + test.df) as u64 && test.lr.is_some() {
@@ -255,7 +266,8 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     let mixed_s = MIXED_S * parameters * (models * rows) as f64;
     let of_odds =
         of_terms.iter().map(|own| parameters + (thresholds - 1.0) * own).filter(|all| *all <= MAX_NOMINAL as f64);
-    let odds_s = ODDS_S * of_odds.map(|all| all * all).sum::<f64>() * frame.conditions().len() as f64;
+    let of_one_s = ODDS_S * of_odds.map(|all| all * all).sum::<f64>() * frame.conditions().len() as f64;
+    let odds_s = if people > 1 { 0.0 } else { of_one_s };
     (f64::from(draws.min(USUAL_DRAWS)) * (mixed_s + odds_s) / 60.0) as u64
 }
 

@@ -27,7 +27,7 @@ const MAX_LEFT_OUT: usize = 60;
 pub struct Checks {
     /// Observed proportions and those in simulated studies, at each level of each factor.
     pub proportions: Vec<Proportion>,
-    /// The same in each condition, if there are at most 300: `factor` and `level` list all factors and levels.
+    /// The same in each condition, if there are at most 300: `factor` and `level` list the factors and levels.
     pub cells: Vec<Proportion>,
     /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
     /// studies. `None` for a single participant.
@@ -57,30 +57,48 @@ pub struct Influence {
     pub estimates: Vec<Option<f64>>,
 }
 
-/// Computes the checks of a fit, with its contrasts.
-pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
+impl Proportion {
+    /// Returns whether the observed proportion lies outside the range.
+    pub fn is_outside(&self) -> bool {
+        self.observed < self.range.low - 1e-9 || self.observed > self.range.high + 1e-9
+    }
+}
+
+impl Checks {
+    /// Returns whether more proportions in the single conditions lie outside than chance allows: three standard deviations more
+    /// than 5 % of them.
+    pub fn is_poor(&self) -> bool {
+        let (all, share) = (self.cells.len() as f64, 0.05);
+        let outside = self.cells.iter().filter(|cell| cell.is_outside()).count() as f64;
+        outside > all * share + 3.0 * (all * share * (1.0 - share)).sqrt()
+    }
+}
+
+/// Computes the checks of a fit, with its contrasts. Factors that are `left_out` have no levels.
+pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], left_out: &[usize], seed: u64) -> Checks {
     let (influence, (proportions, cells, spread)) =
-        rayon::join(|| influence(full, contrasts), || predictive(full, seed));
+        rayon::join(|| influence(full, contrasts), || predictive(full, left_out, seed));
     Checks { proportions, cells, spread, influence }
 }
 
 /// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
 struct Tally {
     levels: Vec<Vec<Vec<f64>>>,
-    conditions: Vec<Vec<f64>>,
+    cells: Vec<Vec<f64>>,
     spread: f64,
 }
 
-fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
+/// Counts the ratings; `cell_of` is the cell of each condition of the table.
+fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
     let counts = full.frame.counts;
     let categories = full.frame.categories.len();
     let mut levels: Vec<Vec<Vec<f64>>> =
         counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
-    let mut conditions = vec![vec![0.0; categories]; counts.conditions.len()];
+    let mut cells = vec![vec![0.0; categories]; counts.conditions.len()];
     let mut people = vec![(0.0, 0.0); full.frame.subjects.len()];
     for row in rows {
         let n = row.count as f64;
-        conditions[row.condition as usize][usize::from(row.rating)] += n;
+        cells[cell_of[row.condition as usize]][usize::from(row.rating)] += n;
         for (tallies, level) in levels.iter_mut().zip(&counts.conditions[row.condition as usize]) {
             if let Some(level) = level {
                 tallies[*level as usize][usize::from(row.rating)] += n;
@@ -91,15 +109,28 @@ fn tally(full: &Fitted, rows: &[CountRow]) -> Tally {
         *sum += n * f64::from(row.rating);
     }
     let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, conditions, spread: mean_and_sd(&means).1 }
+    Tally { levels, cells, spread: mean_and_sd(&means).1 }
 }
 
-fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Vec<Proportion>, Option<(f64, Interval)>) {
+fn predictive(
+    full: &Fitted,
+    left_out: &[usize],
+    seed: u64,
+) -> (Vec<Proportion>, Vec<Proportion>, Option<(f64, Interval)>) {
+    let counts = full.frame.counts;
+    let described: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
+    let levels_of =
+        |levels: &Vec<Option<u32>>| described.iter().map(|&factor| levels[factor]).collect::<Vec<Option<u32>>>();
+    let mut cells: Vec<Vec<Option<u32>>> = counts.conditions.iter().map(levels_of).collect();
+    let own = cells.clone();
+    cells.sort_unstable();
+    cells.dedup();
+    let cell_of: Vec<usize> = own.iter().map(|own| cells.partition_point(|cell| cell < own)).collect();
     let simulator = Simulator::new(full, false);
-    let observed = tally(full, &full.frame.rows);
+    let observed = tally(full, &cell_of, &full.frame.rows);
     // The streams after those of the calibration.
     let first = u64::from(u32::MAX);
-    let simulate = |study: usize| tally(full, &simulator.ratings(seed, first + study as u64));
+    let simulate = |study: usize| tally(full, &cell_of, &simulator.ratings(seed, first + study as u64));
     let studies: Vec<Tally> = (0..STUDIES).into_par_iter().map(simulate).collect();
     let middle = |mut values: Vec<f64>| {
         values.sort_by(f64::total_cmp);
@@ -120,23 +151,26 @@ fn predictive(full: &Fitted, seed: u64) -> (Vec<Proportion>, Vec<Proportion>, Op
             });
         }
     };
-    let counts = full.frame.counts;
-    let (mut proportions, mut cells) = (Vec::new(), Vec::new());
-    for (index, factor) in counts.factors.iter().enumerate() {
+    let (mut proportions, mut in_cells) = (Vec::new(), Vec::new());
+    for &index in &described {
+        let factor = &counts.factors[index];
         for (level, name) in factor.levels.iter().enumerate() {
             compare(&factor.name, name, &|tally| &tally.levels[index][level], &mut proportions);
         }
     }
-    if counts.factors.len() > 1 && (2..=MAX_CELLS).contains(&counts.conditions.len()) {
-        let names: Vec<&str> = counts.factors.iter().map(|factor| factor.name.as_str()).collect();
-        for condition in 0..counts.conditions.len() {
-            let levels = counts.level_names(condition as u32).join(", ");
-            compare(&names.join(", "), &levels, &|tally| &tally.conditions[condition], &mut cells);
+    if described.len() > 1 && (2..=MAX_CELLS).contains(&cells.len()) {
+        let names: Vec<&str> = described.iter().map(|&factor| counts.factors[factor].name.as_str()).collect();
+        for (cell, levels) in cells.iter().enumerate() {
+            let level = |(level, factor): (&Option<u32>, &usize)| {
+                level.map_or("", |level| counts.factors[*factor].levels[level as usize].as_str())
+            };
+            let levels: Vec<&str> = levels.iter().zip(&described).map(level).collect();
+            compare(&names.join(", "), &levels.join(", "), &|tally| &tally.cells[cell], &mut in_cells);
         }
     }
     let spread = (full.frame.subjects.len() > 1)
         .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
-    (proportions, cells, spread)
+    (proportions, in_cells, spread)
 }
 
 fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {

@@ -62,6 +62,18 @@ impl Design {
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
     }
 
+    /// Returns the terms, and the interactions that add nothing to them and are not part of one that does. A main effect that
+    /// adds nothing stays, because it adds to the model without another term (as in R's `drop1`).
+    pub fn used_terms(&self) -> (Terms, Terms) {
+        let has_columns = |term: &Term| self.columns.iter().any(|c| self.terms.iter().nth(c.term) == Some(term));
+        let is_used = |term: &Term| {
+            let mut larger = self.terms.iter().filter(|larger| larger.contains(term));
+            term.variables.len() == 1 || larger.any(has_columns)
+        };
+        let (used, unused): (Vec<Term>, Vec<Term>) = self.terms.iter().cloned().partition(is_used);
+        (Terms::new(used), Terms::new(unused))
+    }
+
     /// Returns a design with no columns.
     pub fn empty() -> Self {
         Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new(), offset: None }

@@ -52,7 +52,8 @@ pub(super) struct How<'a> {
     pub held: Option<(usize, f64)>,
 }
 
-/// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed
+/// Fits a model. If the first baseline allows no finite estimates, another is used; an interaction that adds nothing
+/// is left out. The standard errors of a mixed
 /// model take as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     let mut spec = spec.clone();
@@ -70,15 +71,18 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         }
     }
     let how = How { errors, ..How::default() };
-    let first_notes = notes.clone();
-    let fitted = fit_terms(frame, spec, notes, how)?;
-    Ok(match with_other_baseline(&fitted) {
-        Some((frame, note)) => {
-            let notes = [first_notes, vec![note]].concat();
-            fit_terms(frame, fitted.spec.clone(), notes, how)?
-        }
-        None => fitted,
-    })
+    let mut fitted = fit_terms(frame, spec, notes.clone(), how)?;
+    if let Some((frame, note)) = with_other_baseline(&fitted) {
+        notes.push(note);
+        fitted = fit_terms(frame, fitted.spec.clone(), notes.clone(), how)?;
+    }
+    let (used, unused) = fitted.x.used_terms();
+    if !unused.is_empty() {
+        notes.extend(unused.iter().map(|term| Note::AliasedTerm { term: term.to_string() }));
+        let spec = ModelSpec { terms: used, ..fitted.spec.clone() };
+        fitted = fit_terms(fitted.frame.clone(), spec, notes, how)?;
+    }
+    Ok(fitted)
 }
 
 /// Fits the terms of a specification to a frame. `notes` are the notes of the frame.

@@ -118,6 +118,9 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
     for (((mut pair, _), scores), (statistics, p)) in
         pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
     {
+        if pair.df <= MAX_COLUMNS {
+            pair.withheld = Some(Withheld::Aliased);
+        }
         if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
             (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), patterns);
@@ -204,9 +207,11 @@ impl Residuals {
         };
         let xw = weighted(&self.x);
         let explained = (xw.transpose() * &self.x).svd(true, true).solve(&(xw.transpose() * &z), 1e-10).ok()?;
+        let most = z.component_mul(&weighted(&z)).sum();
         let z = z - &self.x * explained;
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(z.transpose() * weighted(&z));
-        let kept: Vec<usize> = (0..eigenvalues.len()).filter(|&i| eigenvalues[i] > 1e-8 * eigenvalues.max()).collect();
+        let kept: Vec<usize> =
+            (0..eigenvalues.len()).filter(|&i| eigenvalues[i] > 1e-8 * eigenvalues.max().max(1e-4 * most)).collect();
         let unit = DMatrix::from_fn(z.ncols(), kept.len(), |row, column| {
             eigenvectors[(row, kept[column])] / eigenvalues[kept[column]].sqrt()
         });

@@ -59,16 +59,17 @@ pub enum Withheld {
         "the design has too few ratings for differences between participants in this effect, which would look like one"
     )]
     NoSlope,
+    /// Both models are the same in the conditions that were rated.
+    #[error("the conditions that were rated do not tell it from the other terms")]
+    Aliased,
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,
     /// The interaction has too many coefficients for this number of participants.
     #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
     FewPeople,
-    /// Participants with thresholds of their own look like groups with other effects at each threshold.
-    #[error(
-        "it varies only between participants, and differences in how they use the scale would look like a violation"
-    )]
+    /// Participants who differ in the effect or in their thresholds look like effects that differ along the scale.
+    #[error("participants who differ in the effect, or in how they use the scale, would look like a violation")]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
     #[error("there are too few data: more than a tenth of the simulated studies allowed no fit")]
@@ -96,9 +97,9 @@ impl Fitted<'_> {
     }
 }
 
-/// Tests each term by the likelihood ratio against the model without it. The main effect of a variable in an interaction is
-/// its mean effect over the other variables: the model without it has sum contrasts (type III). Other terms that are part of
-/// an interaction are not tested, because the model without them would be the same model (as in R's `drop1`).
+/// Tests each term by the likelihood ratio against the model without it. A term that is part of a larger one is its mean
+/// effect over the other variables: the model without it has sum contrasts (type III). If the model lacks another part of the
+/// larger term, the term is not tested, because the model without them would be the same model (as in R's `drop1`).
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let terms = &full.spec.terms;
     let tested: Vec<&Term> =
@@ -106,12 +107,15 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
     tested.into_par_iter().map(|term| without_term(full, term)).collect()
 }
 
-/// Returns whether a term is the main effect of a variable in an interaction of which all main effects are in the model.
+/// Returns whether a term is part of larger ones, of which all parts are in the model.
 fn is_mean_effect(full: &Fitted, term: &Term) -> bool {
     let terms = &full.spec.terms;
-    let has_main = |variable: &Variable| terms.has(&Term { variables: vec![variable.clone()] });
+    let has_parts = |larger: &Term| {
+        let without = |variable: &Variable| larger.variables.iter().filter(|v| *v != variable).cloned().collect();
+        larger.variables.iter().all(|variable| terms.has(&Term { variables: without(variable) }))
+    };
     let mut larger = terms.iter().filter(|other| other.variables.len() > 1 && other.contains(term));
-    term.variables.len() == 1 && terms.is_marginal(term) && larger.all(|other| other.variables.iter().all(has_main))
+    terms.is_marginal(term) && larger.all(has_parts)
 }
 
 /// Returns the same model with the columns in which a term can be tested; `None` for those of the model itself.
@@ -197,7 +201,7 @@ impl TermTest {
             draws: None,
             p_error: None,
             p_holm: None,
-            withheld: lr.is_none().then_some(Withheld::NoRatio),
+            withheld: lr.is_none().then_some(if df == 0 { Withheld::Aliased } else { Withheld::NoRatio }),
         }
     }
 

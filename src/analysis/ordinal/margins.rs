@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
+    design::Column,
     estimates::{category_numbers, reach},
     fitting::Fitted,
     likelihood_ratios::Withheld,
@@ -17,7 +18,7 @@ use super::{
     terms::{Term, TermPart, Variable},
 };
 use crate::{
-    analysis::counts::Counts,
+    analysis::{counts::Counts, frame::find_factor},
     statistics::{Interval, Z_95, holm, normal_two_sided},
 };
 
@@ -42,7 +43,7 @@ pub struct Comparison {
     pub at: Option<(String, String)>,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`.
     pub estimate: f64,
-    /// The standard error that p implies, with the normal distribution.
+    /// The standard error that p implies, with the normal distribution; p of the only difference of a term is the term's.
     pub se: Option<f64>,
     /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient or a contrast
     /// has one, and otherwise symmetric; not corrected for the number of comparisons.
@@ -60,9 +61,10 @@ const CLEAR: f64 = 10.0;
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
 
-/// Returns, for each combination of the levels of some factors, the conditions in those cells of the other factors that
-/// were rated in every combination; none if there is no such cell.
-fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Vec<u32>>> {
+/// Returns, for each combination of the levels of some factors, the design rows in the cells of the other factors. If these
+/// factors interact with no others, they are all rated cells, because their part of a row is the same in every cell;
+/// otherwise, those that were rated in every combination. None if there is no such cell.
+fn cells(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, DMatrix<f64>>> {
     let counts: &Counts = fitted.frame.counts;
     // The model is the same for all items.
     let items = fitted.items();
@@ -75,9 +77,26 @@ fn matched(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, Vec<
         by_cell.entry(other).or_default().insert(own, condition);
     }
     let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();
+    let is_own = |part: &TermPart| find_factor(counts, &part.variable).is_ok_and(|(own, _)| factors.contains(&own));
+    let columns = &fitted.x.columns;
+    let own_columns: Vec<usize> = (0..columns.len()).filter(|&c| columns[c].parts.iter().all(is_own)).collect();
+    let uses = |column: &&Column| column.parts.iter().any(is_own);
+    if columns.iter().filter(uses).count() == own_columns.len() {
+        let conditions: Vec<u32> = by_cell.values().filter_map(|cell| cell.values().next().copied()).collect();
+        let rows = fitted.x.matrix(&conditions);
+        let at = |own: &Vec<u32>| {
+            let mut rows = rows.clone();
+            let found: Vec<u32> = by_cell.values().find_map(|cell| cell.get(own).copied()).into_iter().collect();
+            for (column, value) in own_columns.iter().zip(fitted.x.matrix(&found).select_columns(&own_columns).iter()) {
+                rows.column_mut(*column).fill(*value);
+            }
+            rows
+        };
+        return (!conditions.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), at(own))).collect());
+    }
     let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
-    let conditions = |own: &Vec<u32>| whole.iter().map(|cell| cell[own]).collect();
-    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), conditions(own))).collect())
+    let rows = |own: &Vec<u32>| fitted.x.matrix(&whole.iter().map(|cell| cell[own]).collect::<Vec<_>>());
+    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), rows(own))).collect())
 }
 
 /// Returns the estimated marginal means of every factor that varies in the model.
@@ -85,21 +104,19 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
     let values = category_numbers(model);
     let mut margins = Vec::new();
     for factor in factors(fitted) {
-        let Some(levels) = matched(fitted, &[factor]) else { continue };
+        let Some(levels) = cells(fitted, &[factor]) else { continue };
         let description = &fitted.frame.counts.factors[factor];
         // A number has one slope, whatever the number of its values.
         let is_factor = |term: &Term| term.variables.contains(&Variable::Factor(description.name.clone()));
         let own = if fitted.spec.terms.iter().any(is_factor) { levels.len() - 1 } else { 1 };
         let between = usize::from(!is_within(&fitted.frame, factor)) * own;
         let reach = reach(fitted, 1 + between);
-        for (level, conditions) in levels {
-            let x = fitted.x.matrix(&conditions);
+        for (level, x) in levels {
             let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
-            for row in 0..conditions.len() {
-                let x: Vec<f64> = x.row(row).iter().copied().collect();
-                let expected = model.expected(&x, &values);
-                mean += expected.mean / conditions.len() as f64;
-                gradient += expected.gradient / conditions.len() as f64;
+            for row in x.row_iter() {
+                let expected = model.expected(&row.iter().copied().collect::<Vec<f64>>(), &values);
+                mean += expected.mean / x.nrows() as f64;
+                gradient += expected.gradient / x.nrows() as f64;
             }
             let interval = model.interval_of_mean(mean, &gradient, reach, &values);
             let level = description.levels[level[0] as usize].clone();
@@ -112,7 +129,7 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
 /// Returns the indices of the factors that the model uses as factors or numbers and that vary.
 fn factors(fitted: &Fitted) -> BTreeSet<usize> {
     let variables = fitted.spec.terms.iter().flat_map(|term| &term.variables);
-    let index = |variable: &Variable| crate::analysis::frame::find_factor(fitted.frame.counts, variable).ok();
+    let index = |variable: &Variable| find_factor(fitted.frame.counts, variable).ok();
     variables.filter_map(index).map(|(factor, _)| factor).filter(|f| fitted.frame.levels(*f).len() > 1).collect()
 }
 
@@ -154,7 +171,7 @@ fn compare(
     let counts = fitted.frame.counts;
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
-    let Some(cells) = matched(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
+    let Some(cells) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
     let mut levels = fitted.frame.levels(own);
     // The baseline, which comes first, may be a later one.
     levels.sort_unstable();
@@ -166,8 +183,7 @@ fn compare(
     // With few participants, the limit is larger than that of the χ² distribution.
     let widening = limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt());
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
-        let conditions = cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?;
-        Some(fitted.x.matrix(conditions).row_mean().transpose())
+        Some(cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?.row_mean().transpose())
     };
     // Simple effects and comparisons with a column that was dropped have no such ratio.
     let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);

@@ -252,7 +252,7 @@ pub enum Note {
     #[error("no rating is {category}, so the model has no such category")]
     EmptyCategory { category: String },
     /// A column is a combination of other columns, so it is dropped, as in R.
-    #[error("{column} is determined by the preceding terms and is dropped")]
+    #[error("the coefficient {column} is determined by the preceding terms and is dropped")]
     Aliased {
         /// Name of the coefficient.
         column: String,
@@ -262,11 +262,11 @@ pub enum Note {
     AliasedTerm { term: String },
     /// A factor is no term, because it determines another one.
     #[error(
-        "{factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
+        "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
     )]
     Nested { factor: String, other: String },
     /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
-    #[error("{coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
+    #[error("the coefficient {coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]
     Separation {
         /// Name of the coefficient.
@@ -284,7 +284,7 @@ pub enum Note {
     },
     /// The first level of a factor has no finite effect, so another level became the baseline.
     #[error(
-        "{factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
+        "the factor {factor} is compared with {baseline}, because all ratings at {separated} are {category}: a comparison with it would have no finite estimate"
     )]
     Rebased {
         factor: String,

@@ -120,7 +120,7 @@ pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> 
 /// Returns the ratios of the terms and of the nominal terms that are `open`.
 fn ratios(
     full: &Fitted,
-    mut frame: Frame,
+    frame: Frame,
     held: &[Option<Design>],
     what: &Statistics,
     open: &[Vec<bool>; 2],
@@ -134,13 +134,7 @@ fn ratios(
         ..How::default()
     };
     let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
-    // Without terms to test, the random effects are not needed.
-    let mut spec = full.spec.clone();
-    if !open[0].contains(&true) {
-        spec.random = super::model::Random::None;
-        frame.pool();
-    }
-    let Ok(free) = fit_terms(frame, spec, Vec::new(), how) else { return none };
+    let Ok(free) = fit_terms(frame, full.spec.clone(), Vec::new(), how) else { return none };
     let fixed = |x: &Design| {
         let near = if free.mixed.is_some() { &free } else { full };
         let how = How { x: Some(x), near: Some(near), ..how };

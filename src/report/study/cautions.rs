@@ -8,7 +8,7 @@ use super::{
     sittings,
 };
 use crate::{
-    analysis::{Note, Results, results::SubjectResults},
+    analysis::{Note, Results, results::SubjectResults, terms::Term},
     report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit, whole},
     statistics::Z_95,
     store::{FileError, ratings::Source},
@@ -90,13 +90,7 @@ fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String>
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
-    let dependences = findings::dependences(results);
-    let unclear: Vec<String> = names::varied(results)
-        .filter(|factor| !findings::is_dependent(&dependences, factor))
-        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.p >= ALPHA))
-        .map(|factor| names::factor(results, &factor.name))
-        .chain(findings::unclear_covariates(results))
-        .collect();
+    let unclear = findings::unclear(results);
     let what = match results.people() {
         1 => "These trials of one participant".to_owned(),
         people => format!("This study, with {},", count(people as u64, "participant")),
@@ -121,6 +115,17 @@ fn about_model(results: &Results) -> Vec<String> {
              comparisons of each are averages over the other. A term such as {} models the interaction.",
             found.term()
         )
+    }));
+    cautions.extend(report.checks.as_ref().filter(|checks| checks.is_poor()).map(|_| {
+        let names: Vec<&str> = names::varied(results).map(|factor| factor.name.as_str()).collect();
+        let all = names.iter().map(|name| findings::main_effect(results, name)?.variables.first().cloned());
+        let has_all = all.collect::<Option<Vec<_>>>().is_some_and(|all| results.spec.terms.has(&Term { variables: all }));
+        let why = if has_all {
+            String::new()
+        } else {
+            format!(", perhaps because effects depend on each other: {} has all interactions", findings::product(&names))
+        };
+        format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
     }));
     let notes = &report.model.notes;
     let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
@@ -154,12 +159,14 @@ fn about_model(results: &Results) -> Vec<String> {
             order.drift_p.map(p_is).unwrap_or_default()
         )
     }));
+    let unclear = findings::unclear(results);
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
         let term = names::term(results, &test.term);
+        let so = if unclear.contains(&term) { "" } else { ": trust its direction more than its size" };
         Some(format!(
             "The ratings show that the effect of {term} differs along the scale (test of proportional odds, corrected \
-             {p}). Its coefficient is an average: trust its direction more than its size."
+             {p}). Its coefficient is an average{so}."
         ))
     }));
     cautions

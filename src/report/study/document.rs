@@ -62,6 +62,9 @@ pub enum StudyError {
     /// What is to be excluded does not exist.
     #[error(transparent)]
     Exclusion(#[from] ExclusionError),
+    /// A level whose place was named does not exist.
+    #[error(transparent)]
+    Levels(ExclusionError),
 }
 
 fn told(codes: &[(String, u64)]) -> String {
@@ -130,6 +133,7 @@ impl Study {
             let codes = codes.into_iter().map(|(code, n)| (code.to_owned(), n)).collect();
             return Err(StudyError::Codes { response: source.shape.response, codes });
         }
+        all.counts.check_levels(&options.levels).map_err(StudyError::Levels)?;
         let measured = all.narrowed(&exclusions)?;
         if !options.large {
             // A number or an item is not listed level by level.

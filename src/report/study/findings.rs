@@ -7,10 +7,11 @@
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, ModelReport, Order, Results, Slopes, TermTest, Withheld, find_factor, number_of,
+        Comparison, Link, ModelReport, Note, Order, Results, Slopes, TermTest, Withheld, find_factor, number_of,
         rank_tests::PMethod,
         results::{FactorResults, factor_results},
-        terms::{Term, Variable},
+        summary::Group,
+        terms::{Term, TermPart, Variable},
     },
     report::document::{
         Shown,
@@ -42,6 +43,10 @@ pub(super) struct Size {
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(results, &factor.name);
     let before = caveat(results, factor).unwrap_or_default();
+    if is_unknown(factor) {
+        let verdict = |evidence: Evidence| verdict(&name, &evidence.test, evidence.p);
+        return before + &evidence(results, factor).map_or_else(|| untested(results, factor), verdict);
+    }
     let Some(evidence) = evidence(results, factor) else {
         return format!("{before}{}. {}", means(results, factor), untested(results, factor));
     };
@@ -101,11 +106,15 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     text
 }
 
+/// True if neither raw nor marginal means can be compared, so that no direction is known.
+fn is_unknown(factor: &FactorResults) -> bool {
+    factor.marginal.is_none() && !factor.comparable && factor.within
+}
+
 /// Says that the raw means cannot be compared, if so.
 fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
     let is_incomplete = factor.within && !factor.matched.incomplete.is_empty();
-    let is_unknown = factor.marginal.is_none() && !factor.comparable && is_incomplete;
-    if factor.marginal.is_none() && !is_unknown {
+    if factor.marginal.is_none() && !is_unknown(factor) {
         return None;
     }
     let name = names::factor(results, &factor.name);
@@ -135,9 +144,15 @@ fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
     })
 }
 
-/// Says why a factor could not be tested.
-fn untested(results: &Results, factor: &FactorResults) -> String {
-    let reason = match &results.model {
+/// Says whether ratings depend on something, without a size.
+fn verdict(name: &str, test: &str, p: f64) -> String {
+    let verdict = if p < ALPHA { "Ratings depend on" } else { "This study cannot tell whether ratings depend on" };
+    format!("{verdict} {name} ({test}, {}).", p_is(p))
+}
+
+/// Returns why the model does not test a factor, if it does not.
+pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String> {
+    match &results.model {
         Err(error) => Some(format!("there is no model ({error})")),
         Ok(_) => main_effect(results, &factor.name)
             .and_then(|term| likelihood_ratio(results, term)?.withheld)
@@ -149,9 +164,14 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
                 let reason = "the model has no random slope for it, and rank tests ignore items";
                 results.spec.items.is_some().then(|| reason.to_owned())
             }),
-    };
+    }
+}
+
+/// Says why a factor could not be tested.
+fn untested(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(results, &factor.name);
-    let reason = reason.unwrap_or_else(|| format!("no participant has comparable ratings at every level of {name}"));
+    let nothing = || format!("no participant has comparable ratings at every level of {name}");
+    let reason = reason(results, factor).unwrap_or_else(nothing);
     format!("The effect of {name} could not be tested: {reason}.")
 }
 
@@ -273,7 +293,7 @@ fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTes
 }
 
 /// Returns the term that contains only this factor, as levels or as a number.
-fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
+pub(super) fn main_effect<'a>(results: &'a Results, factor: &str) -> Option<&'a Term> {
     results.spec.terms.iter().find(|term| match term.variables.as_slice() {
         [Variable::Factor(name)] => name == factor,
         [Variable::Number(name)] => name == factor || (name == "inv_n" && factor == "depth"),
@@ -308,7 +328,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let [higher, lower] = [higher, lower].map(|level| names::level(results, &factor.name, level));
     let estimate = contrast.estimate.abs();
     let interval = contrast.interval.map(|i| if flip { i.negative() } else { i });
-    let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
+    let value = |estimate: f64| on_scale(results, estimate);
     let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
     let of_pairs = format!(
         "the latent response at {higher} exceeds that at {lower} in an estimated {} of pairs{}",
@@ -328,11 +348,9 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     Some(Size { text, has_interval: interval.is_some() })
 }
 
-/// Describes the effect of a number from its lowest to its highest value, so that its unit does not matter.
-fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Size> {
-    let variable = term.variables.first()?;
-    let coefficient =
-        report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
+/// Returns the range of a number, and a clause that begins a sentence about its effect from the lowest to the highest value, so
+/// that its unit does not matter.
+fn range_of(results: &Results, variable: &Variable) -> Option<(f64, String)> {
     let counts = results.modeled();
     let (index, is_inverse) = find_factor(counts, variable).ok()?;
     let factor = &counts.factors[index];
@@ -340,44 +358,79 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
     let mut levels: Vec<(f64, &String)> = factor.levels.iter().filter_map(|l| Some((number(l)?, l))).collect();
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
-    let range = last.0 - first.0;
-    let odds = results.spec.link == Link::Logit;
-    let value = |estimate: f64| if odds { ratio(estimate.exp()) } else { fixed(estimate, 2) };
-    let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
-    let (estimate, interval_text) = (value(range * coefficient.estimate), with_interval(interval, value));
     let name = names::factor(results, &factor.name);
     let [low, high] = [first, last].map(|(_, level)| names::level(results, &factor.name, level));
-    let text = if odds {
-        format!("From {name} {low} to {high}, the odds of a higher rating are multiplied by {estimate}{interval_text}")
-    } else {
-        format!(
-            "From {name} {low} to {high}, the latent response shifts by {estimate} standard deviations{interval_text}"
-        )
+    let what = match results.spec.link {
+        Link::Logit => "the odds of a higher rating are multiplied by",
+        Link::Probit => "the shift of the latent response in standard deviations is",
     };
+    Some((last.0 - first.0, format!("From {name} {low} to {high}, {what}")))
+}
+
+/// Describes the effect of a number over its range.
+fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Size> {
+    let coefficient =
+        report.model.coefficients.iter().find(|c| c.parts.iter().map(|part| &part.variable).eq(&term.variables))?;
+    let (range, what) = range_of(results, term.variables.first()?)?;
+    let value = |estimate: f64| on_scale(results, estimate);
+    let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
+    let text = format!("{what} {}{}", value(range * coefficient.estimate), with_interval(interval, value));
     Some(Size { text, has_interval: interval.is_some() })
 }
 
-/// Describes the effect of a covariate.
-pub(super) fn covariate(results: &Results, name: &str) -> Option<String> {
+/// Describes the effect of a covariate over its range at each level of a factor with which it interacts in the model.
+fn slopes(results: &Results, covariate: &str, at: &FactorResults) -> Option<String> {
+    let coefficients = &results.model.as_ref().ok()?.model.coefficients;
+    let variable = Variable::Number(covariate.to_owned());
+    let (range, what) = range_of(results, &variable)?;
+    let is_slope = |part: &TermPart| part.variable == variable;
+    let main = coefficients.iter().find(|c| c.parts.iter().all(is_slope))?;
+    let at_level = |level: &Group| {
+        let own = |part: &TermPart| is_slope(part) || part.level.as_ref() == level.names.first();
+        let differs = coefficients.iter().find(|c| c.parts.len() == 2 && c.parts.iter().all(own));
+        let slope = main.estimate + differs.map_or(0.0, |c| c.estimate);
+        let level = names::level_of(results, at, level);
+        format!("{} at {} {level}", on_scale(results, range * slope), names::factor(results, &at.name))
+    };
+    Some(format!(" {what} {}.", list(&at.levels.iter().map(at_level).collect::<Vec<_>>())))
+}
+
+/// Formats a difference on the latent scale: as an odds ratio, or in standard deviations.
+fn on_scale(results: &Results, difference: f64) -> Shown {
+    match results.spec.link {
+        Link::Logit => ratio(difference.exp()),
+        Link::Probit => fixed(difference, 2),
+    }
+}
+
+/// Describes the effect of a covariate, unless it depends on a factor. Its mean effect over a factor has no size.
+pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name: &str) -> Option<String> {
     let report = results.model.as_ref().ok()?;
-    let term = main_effect(results, name)?;
-    let (shown, size) = (names::factor(results, name), over_range(results, report, term)?);
+    let term = main_effect(results, name).filter(|_| !is_dependent(dependences, name))?;
+    let shown = names::factor(results, name);
     let test = likelihood_ratio(results, term)?;
     let Some(p) = test.p else {
         let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
         return Some(format!("The effect of {shown} could not be tested{reason}."));
     };
-    let verdict = if p < ALPHA { "Ratings depend on" } else { "This study cannot tell whether ratings depend on" };
-    Some(format!("{verdict} {shown} ({}, {}). {}.", ratio_test(test), p_is(p), size.text))
+    let size = over_range(results, report, term).filter(|_| !results.spec.terms.is_marginal(term));
+    let size = size.map_or_else(String::new, |size| format!(" {}.", size.text));
+    Some(verdict(&shown, &ratio_test(test), p) + &size)
 }
 
-/// Returns the covariates of which no effect was found.
-pub(super) fn unclear_covariates(results: &Results) -> impl Iterator<Item = String> {
-    let is_unclear = |name: &&String| {
-        let test = main_effect(results, name).and_then(|term| likelihood_ratio(results, term));
-        test.and_then(|test| test.p).is_some_and(|p| p >= ALPHA)
-    };
-    results.covariates.iter().filter(is_unclear).map(|name| names::factor(results, name))
+/// Returns the names of the factors and covariates of which no effect was found.
+pub(super) fn unclear(results: &Results) -> Vec<String> {
+    let dependences = dependences(results);
+    let factors = names::varied(results).filter_map(|factor| Some((&factor.name, evidence(results, factor)?.p)));
+    let of_covariate = |name| likelihood_ratio(results, main_effect(results, name)?)?.p;
+    let covariates = results.covariates.iter().filter_map(|name| Some((name, of_covariate(name)?)));
+    let notes = results.model.iter().flat_map(|report| &report.model.notes);
+    // The effect of a factor includes that of what it determines.
+    let nested: Vec<&String> =
+        notes.filter_map(|note| if let Note::Nested { factor, .. } = note { Some(factor) } else { None }).collect();
+    let is_unclear =
+        |(name, p): &(&String, f64)| *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(name);
+    factors.chain(covariates).filter(is_unclear).map(|(name, _)| names::factor(results, name)).collect()
 }
 
 /// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0
@@ -391,11 +444,14 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
     let [higher, lower] =
         (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(results, &factor.name, l));
     let interval = interval.map(|i| if flip { i.negative() } else { i });
-    let text = format!(
-        "The mean rating at {higher} is {} higher than at {lower}{}",
-        mean(difference.abs()),
-        with_interval(interval, mean)
-    );
+    // The means that were told before may be those of other conditions.
+    let the = if factor.marginal.is_some() { "In the same conditions, the" } else { "The" };
+    let text = match mean(difference.abs()).as_ref() {
+        "0.00" => format!("{the} mean ratings at {higher} and {lower} differ by less than 0.005"),
+        size => {
+            format!("{the} mean rating at {higher} is {size} higher than at {lower}{}", with_interval(interval, mean))
+        }
+    };
     Some(Size { text, has_interval: interval.is_some() })
 }
 
@@ -420,7 +476,7 @@ impl Dependence<'_> {
 
     /// Returns the term of the interaction with its main effects, such as `width*depth`.
     pub fn term(&self) -> String {
-        self.names.join("*")
+        product(&self.names)
     }
 
     /// Returns the names of the factors, such as `width and depth`.
@@ -462,15 +518,25 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
             is_modeled: false,
         });
     }
+    // What holds for some of the factors on average says nothing where all of them depend on each other.
+    let clear: Vec<Vec<&str>> = all.iter().filter(|found| found.is_clear()).map(|found| found.names.clone()).collect();
+    let is_part = |names: &[&str]| clear.iter().any(|c| c.len() > names.len() && names.iter().all(|n| c.contains(n)));
+    all.retain(|found| !is_part(&found.names));
     for dependence in &mut all {
         dependence.factors.sort_by_key(|factor| std::cmp::Reverse(factor.levels.len()));
     }
     all
 }
 
-/// Returns whether the effect of a factor depends on another factor, so that it has no single size.
-pub(super) fn is_dependent(dependences: &[Dependence<'_>], factor: &FactorResults) -> bool {
-    dependences.iter().any(|found| found.is_clear() && found.factors.iter().any(|own| own.name == factor.name))
+/// Returns the term of an interaction of these factors with all its parts.
+pub(super) fn product(names: &[&str]) -> String {
+    let quoted = names.iter().map(|name| Variable::Factor((*name).to_owned()).to_string());
+    quoted.collect::<Vec<_>>().join("*")
+}
+
+/// Returns whether the effect of a factor or covariate depends on another one, so that it has no single size.
+pub(super) fn is_dependent(dependences: &[Dependence<'_>], name: &str) -> bool {
+    dependences.iter().any(|found| found.is_clear() && found.names.contains(&name))
 }
 
 /// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
@@ -487,9 +553,23 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
     }
     let whose = if results.is_inferential() { "" } else { " for this participant" };
     let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
-    if let [of, at] = found.factors[..] {
-        let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
-        text += &simple_effects(results, of, at, found.is_modeled.then_some(comparisons));
+    match found.factors[..] {
+        [of, at] if found.names.len() == 2 => {
+            let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
+            text += &simple_effects(results, of, at, found.is_modeled.then_some(comparisons));
+        }
+        [at] if found.names.len() == 2 && found.is_modeled => {
+            let covariate = found.names.iter().find(|name| **name != at.name);
+            text.extend(covariate.and_then(|covariate| slopes(results, covariate, at)));
+        }
+        [.., at] if found.names.len() > 2 => {
+            let level = &at.levels[0].names[0];
+            text += &format!(
+                " To describe how, analyze each level of one of them, for example with --only {}={level}.",
+                at.name
+            );
+        }
+        _ => {}
     }
     Some(text)
 }

@@ -26,7 +26,7 @@ pub(super) fn fit_of_model(
          model does not describe these ratings. Because it was fitted to them, few should lie outside.",
     );
     section.figures(figures, &["predictive"]);
-    let is_outside = |p: &&Proportion| p.observed < p.range.low - 1e-9 || p.observed > p.range.high + 1e-9;
+    let is_outside = |p: &&Proportion| p.is_outside();
     let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
     let far = checks.cells.iter().filter(is_outside).count();
     let lie = |number: usize| match number {
@@ -40,15 +40,12 @@ pub(super) fn fit_of_model(
         lie(outside.len())
     ));
     if !checks.cells.is_empty() {
-        /// With more than this share outside, chance alone is not a likely cause.
-        const MANY: f64 = 0.1;
-        let all = checks.cells.len();
         section.text(format!(
             "Of {} in the single combinations of {}, {} outside{}.",
-            count(all as u64, "proportion"),
-            list(&results.modeled().factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
+            count(checks.cells.len() as u64, "proportion"),
+            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
             lie(far),
-            if far as f64 > MANY * all as f64 {
+            if checks.is_poor() {
                 ": more than chance allows, so the model does not describe them, for example because effects depend on each other"
             } else {
                 ": no more than chance allows"

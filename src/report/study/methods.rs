@@ -10,6 +10,7 @@ use crate::{
     analysis::{
         Link, RandomSlope, Results,
         rank_tests::PMethod,
+        results::FactorResults,
         terms::{Term, Variable},
     },
     experiment::{Protocol, ResponseScale},
@@ -211,7 +212,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         text += " Proportional odds were tested with likelihood ratios of models without random effects in simulated studies, or \
                  with the χ² distribution where ratings are many, and corrected with Holm’s method.";
     }
-    if !report.comparisons.is_empty() {
+    if report.comparisons.iter().any(|comparison| comparison.p_holm.is_some()) {
         text += &format!(
             " Levels were compared in the model, corrected within each factor with Holm’s method ({}).",
             cited.cite("Holm, 1979")
@@ -251,18 +252,18 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     methods.sort_unstable();
     methods.dedup();
     let methods = list(&methods);
-    let leads: Vec<String> = (results.factors.iter())
-        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test))
-        .map(|factor| names::factor(results, &factor.name))
-        .collect();
-    let rest = match leads.is_empty() || !findings::is_clustered(results) {
-        true => String::new(),
-        false => format!(
-            " The design does not support random effects for differences between participants in some effects ({}), so \
-             conclusions about these rest on Friedman’s test.",
-            list(&leads)
-        ),
+    let leads = (results.factors.iter())
+        .filter(|_| findings::is_clustered(results))
+        .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test));
+    let because = |factor: &FactorResults| {
+        let reason = findings::reason(results, factor);
+        let reason = reason.unwrap_or_else(|| "the model has no random slopes, as requested".to_owned());
+        let name = names::factor(results, &factor.name);
+        format!(
+            " The conclusion about {name} rests on Friedman’s test, because its test in the model is not used: {reason}."
+        )
     };
+    let rest: String = leads.map(because).collect();
     Some(format!(
         "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with {} p values, and \
          Kendall’s coefficient of concordance ({}): {}.{rest}",

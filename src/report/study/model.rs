@@ -4,7 +4,7 @@ use super::{cautions::is_serious, findings::ALPHA, fit, names};
 use crate::{
     analysis::{
         Coefficient, Comparison, Contrast, Interaction, Link, Margin, Model, ModelReport, Random, RandomEffect,
-        Results, Slopes, TermTest, Threshold, terms::Variable,
+        RandomSlope, Results, Slopes, TermTest, Threshold, Withheld, terms::Variable,
     },
     report::{
         document::{
@@ -109,10 +109,12 @@ fn interactions(section: &mut Section, results: &Results, report: &ModelReport) 
     } else {
         "A likelihood-ratio test against the model with the interaction, in simulated studies."
     };
-    section.text(format!(
-        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two \
-         factors. {how} The p values are corrected for the number of rows."
-    ));
+    let model = if results.spec.terms.iter().any(|term| term.variables.len() > 1) {
+        "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row tests this."
+    } else {
+        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two factors."
+    };
+    section.text(format!("{model} {how} The p values are corrected for the number of rows."));
     let row = |test: &Interaction| {
         let names = test.factors.iter().map(|name| names::factor(results, name)).collect::<Vec<_>>().join(", ");
         vec![names.into(), fixed(test.chi_squared, 2), whole(test.df as u64), probability(test.p)]
@@ -159,7 +161,9 @@ fn source_of_p(tests: &[TermTest]) -> String {
              (k + 1)/(n + 1) if k of n simulated ratios are at least as large. If none is, p comes from an exponential tail \
              fitted to the largest fifth and should be read only as small.{}",
             tests.iter().filter_map(|test| test.p_error).reduce(f64::max).map_or_else(String::new, |error| {
-                format!(" The Monte Carlo standard error of the other p values is at most {}.", fixed(error, 4))
+                let most =
+                    if error < 1e-4 { "less than 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
+                format!(" The Monte Carlo standard error of the other p values is {most}.")
             })
         ),
         None if tests.iter().all(|test| test.p.is_none()) => "There are no p values, for the reasons below.".to_owned(),
@@ -170,13 +174,13 @@ fn source_of_p(tests: &[TermTest]) -> String {
 /// Describes how much participants differ.
 fn between_people(section: &mut Section, results: &Results, model: &Model, random: &RandomEffect) {
     section.heading("Differences between participants");
-    let mut rows = vec![("Intercept", random.sd, random.se, random.interval)];
-    rows.extend(random.slopes.iter().map(|slope| (slope.name.as_str(), slope.sd, slope.se, slope.interval)));
-    let items = random.items.as_ref().map(|items| format!("Intercept of {}", names::factor(results, &items.name)));
-    let of_items = items.iter().zip(&random.items);
-    rows.extend(of_items.map(|(name, items)| (name.as_str(), items.sd, items.se, items.interval)));
-    let row = |(name, sd, se, interval): (&str, f64, Option<f64>, Option<Interval>)| {
-        vec![names::factor(results, name).into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
+    let mut rows = vec![("Intercept".to_owned(), random.sd, random.se, random.interval)];
+    let of = |name: String, own: &RandomSlope| (name, own.sd, own.se, own.interval);
+    rows.extend(random.slopes.iter().map(|slope| of(names::term(results, &slope.name), slope)));
+    let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
+    rows.extend(random.items.as_ref().map(of_items));
+    let row = |(name, sd, se, interval): (String, f64, Option<f64>, Option<Interval>)| {
+        vec![name.into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
     };
     let caption = if random.items.is_some() {
         "Standard deviations between participants and between items, on the latent scale"
@@ -256,7 +260,7 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.comparisons.is_empty() {
+    if report.comparisons.is_empty() && results.spec.terms.iter().all(|term| term.variables.len() < 3) {
         return;
     }
     section.heading("Comparisons of levels");
@@ -300,6 +304,14 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
             section.note(format!("No p for differences of {}: {reason}.", names::factor(results, &comparison.factor)));
         }
     }
+    let largest = results.spec.terms.iter().filter(|term| term.variables.len() > 2);
+    for term in largest.filter(|term| !results.spec.terms.is_marginal(term)) {
+        let term = names::term(results, &term.to_string());
+        section.note(format!(
+            "The factors of {term} are not compared, because each difference depends on two others. To compare them, analyze each level of \
+             one of them (--only)."
+        ));
+    }
 }
 
 fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
@@ -334,7 +346,7 @@ fn sentence(results: &Results, model: &Model) -> String {
     };
     let terms: Vec<String> = (results.spec.terms.iter().map(ToString::to_string))
         .map(|term| match names::term(results, &term) {
-            name if term.starts_with("num:") && !name.contains(':') => format!("{name} as a number"),
+            name if term.starts_with("num:") && !name.contains('×') => format!("{name} as a number"),
             name => name.to_owned(),
         })
         .collect();
@@ -390,9 +402,10 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
     section.code(script::call(results, model));
-    if script::has_centered(results) {
+    if script::has_numbers(results) {
         section.note(
-            "In this call, numbers ending in _c are about their means, so R’s thresholds differ from those below.",
+            "In this call, numbers are divided by their range, and those ending in _c are about their means, so R’s coefficients of \
+             numbers and thresholds differ from those below.",
         );
     }
     section.text(sentence(results, model));
@@ -440,15 +453,18 @@ fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficien
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
+        // The coefficient of a number with a large range is small.
+        let size = c.estimate.abs().max(c.se.unwrap_or(0.0));
+        let is_small = c.parts.iter().any(|part| part.level.is_none()) && size > 0.0 && size < 0.01;
+        let decimals = if is_small { (2.0 - size.log10().floor()) as usize } else { 3 };
+        let odds_ratio = |x: f64| if is_small { fixed(x.exp(), decimals) } else { ratio(x.exp()) };
         let mut cells = vec![
             names::coefficient(results, &c.parts).into(),
-            fixed(c.estimate, 3),
-            fixed(c.se, 3),
-            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { 3 } else { 2 })),
+            fixed(c.estimate, decimals),
+            fixed(c.se, decimals),
+            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { decimals } else { 2 })),
         ];
-        cells.extend(
-            odds.then(|| [ratio(c.estimate.exp()), range(c.interval, |x| ratio(x.exp()))]).into_iter().flatten(),
-        );
+        cells.extend(odds.then(|| [odds_ratio(c.estimate), range(c.interval, odds_ratio)]).into_iter().flatten());
         cells
     };
     section.table("Coefficients of the model", &["Coefficient"], &numbers, all.iter().map(row).collect());
@@ -497,9 +513,11 @@ fn tests(
     section.heading(heading);
     section.text(about);
     section.table(caption, &["Term"], &numbers, tests.iter().map(row).collect());
-    for test in tests {
-        if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
-        }
+    let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
+    reasons.dedup();
+    for reason in reasons {
+        let own = tests.iter().filter(|test| test.withheld == Some(reason));
+        let terms: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
+        section.note(format!("No p for {}: {reason}.", list(&terms)));
     }
 }

@@ -91,6 +91,15 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
     }
 }
 
+/// Counts what agreement is about: conditions, items, or items in conditions.
+fn units(results: &Results, number: u64) -> String {
+    match &results.spec.items {
+        None => count(number, "condition"),
+        Some(_) if names::varied(results).next().is_none() => count(number, "item"),
+        Some(items) => format!("{} of {} and condition", count(number, "combination"), names::factor(results, items)),
+    }
+}
+
 pub(super) fn agreement(results: &Results) -> Section {
     let mut section = Section::new("agreement", "Agreement");
     section.heading("Between participants");
@@ -102,7 +111,7 @@ pub(super) fn agreement(results: &Results) -> Section {
                 unit(alpha.alpha),
                 with_interval(alpha.interval, unit),
                 count(alpha.ratings, "rating"),
-                count(alpha.units as u64, if results.spec.items.is_some() { "item" } else { "condition" }),
+                units(results, alpha.units as u64),
             ));
             section.note(
                 "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
@@ -119,7 +128,7 @@ pub(super) fn agreement(results: &Results) -> Section {
     let Some((kappa, interval)) = results.kappa else {
         section.text(match results.units().repeats_without_order() {
             0 if results.spec.items.is_some() => {
-                "No participant rated an item twice, so test–retest agreement cannot be computed."
+                "No participant rated an item twice in the same condition, so test–retest agreement cannot be computed."
             }
             0 => "No participant rated a condition twice, so test–retest agreement cannot be computed.",
             _ => {

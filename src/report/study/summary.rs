@@ -53,9 +53,9 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     let dependences = findings::dependences(results);
     let (clear, others): (Vec<_>, Vec<_>) = dependences.iter().partition(|found| found.is_clear());
     let mut findings: Vec<String> = clear.iter().filter_map(|found| findings::interaction(results, found)).collect();
-    let alone = names::varied(results).filter(|factor| !findings::is_dependent(&dependences, factor));
+    let alone = names::varied(results).filter(|factor| !findings::is_dependent(&dependences, &factor.name));
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
-    findings.extend(results.covariates.iter().filter_map(|name| findings::covariate(results, name)));
+    findings.extend(results.covariates.iter().filter_map(|name| findings::covariate(results, &dependences, name)));
     findings.extend(others.iter().filter_map(|found| findings::interaction(results, found)));
     findings.extend(between_participants(results));
     findings.extend(repetition(results));
@@ -64,7 +64,11 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
 
 fn lead(source: &Source, results: &Results) -> Vec<String> {
     let counts = &results.measured.counts;
-    let levels = |factor: &FactorResults| format!("{} levels", factor.levels.len());
+    let levels = |factor: &FactorResults| {
+        let own = counts.factor(&factor.name).map(|(index, _)| index);
+        let is_missing = own.is_some_and(|own| counts.conditions.iter().any(|levels| levels[own].is_none()));
+        format!("{} levels{}", factor.levels.len(), if is_missing { ", missing in some ratings" } else { "" })
+    };
     let who = count(results.people() as u64, "participant");
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
     if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
@@ -94,9 +98,10 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     if (2..FEW_PEOPLE).contains(&results.people()) {
         lead.push(format!("With only {who}, intervals are wide, and only large and consistent effects can be found."));
     }
-    if results.covariates.iter().any(|name| findings::covariate(results, name).is_some()) {
-        let modeled = results.covariates.iter().filter(|name| findings::covariate(results, name).is_some());
-        let names: Vec<String> = modeled.map(|name| names::factor(results, name)).collect();
+    let is_modeled = |name: &&String| results.model.is_ok() && findings::main_effect(results, name).is_some();
+    let modeled = results.covariates.iter().filter(is_modeled);
+    let names: Vec<String> = modeled.map(|name| names::factor(results, name)).collect();
+    if !names.is_empty() {
         let (covariates, are) = match names.len() {
             1 => ("covariate", "a number with a linear effect, not a condition"),
             _ => ("covariates", "numbers with linear effects, not conditions"),
