@@ -9,7 +9,7 @@ use crate::{
     report::document::Shown,
     store::Writer,
     work::{
-        plan::{Plan, Planned},
+        plan::{OPTIONS, Plan, Planned},
         plan_thresholds::{Found, PlannedThresholds},
     },
 };
@@ -133,7 +133,7 @@ fn lines(planned: &Planned) -> Vec<String> {
             Slopes::Correlated => "correlated random slopes",
         }
     );
-    [vec![heading, String::new()], table(planned), vec![String::new()], planned.sentences()].concat()
+    [vec![heading, String::new()], table(planned), vec![String::new()], planned.sentences(OPTIONS)].concat()
 }
 
 /// Formats one line for each number of participants and each test.

@@ -128,6 +128,25 @@ impl Draft {
         }
     }
 
+    /// Removes the comment before the first line: in a copy, it would be about the original.
+    pub fn remove_opening_comment(&mut self) {
+        if let Some((mut key, _)) = self.document.iter_mut().next() {
+            key.leaf_decor_mut().set_prefix("");
+        }
+    }
+
+    /// Renames a value or a table, which stays in its place.
+    pub fn rename(&mut self, table: &str, before: &str, after: &str) {
+        let names: Vec<String> =
+            self.keys(table).into_iter().map(|name| if name == before { after.to_owned() } else { name }).collect();
+        if let Some(found) = self.table(table)
+            && let Some(item) = found.remove(before)
+        {
+            found.insert(after, item);
+        }
+        self.sort(table, &names);
+    }
+
     /// Changes the kind of the stimulus, and removes the parameters that the new kind does not have.
     pub fn set_kind(&mut self, kind: &str) {
         self.put("stimulus.kind", kind.into());
@@ -184,8 +203,13 @@ impl Draft {
             return;
         }
         names.swap(first, first + 1);
+        self.sort("factors", &names);
+    }
+
+    /// Puts what is in a table of the top level in this order.
+    fn sort(&mut self, table: &str, names: &[String]) {
         let place = |key: &toml_edit::Key| names.iter().position(|name| name == key.get());
-        match self.document.get_mut("factors") {
+        match self.document.get_mut(table) {
             Some(Item::Table(table)) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
             Some(Item::Value(Value::InlineTable(table))) => table.sort_values_by(|a, _, b, _| place(a).cmp(&place(b))),
             _ => {}

@@ -26,9 +26,10 @@ impl Planned {
         }
     }
 
-    /// Returns a sentence for each term and factor, followed by remarks.
+    /// Returns a sentence for each term and factor, followed by remarks. `fields` are the names of effects and of
+    /// deviations where they are given.
     #[must_use]
-    pub fn sentences(&self) -> Vec<String> {
+    pub fn sentences(&self, fields: [&str; 2]) -> Vec<String> {
         let indices: Vec<usize> = (0..self.plan.hypotheses().len()).collect();
         let term = |index: usize| &self.plan.hypotheses()[index].term;
         let mut sentences: Vec<String> =
@@ -69,7 +70,7 @@ impl Planned {
                 ));
             }
         }
-        sentences.extend(self.remarks());
+        sentences.extend(self.remarks(fields));
         sentences
     }
 
@@ -81,16 +82,18 @@ impl Planned {
         let clauses = |clause: &dyn Fn(&[&Power]) -> String| {
             powers.iter().map(|powers| clause(powers)).collect::<Vec<_>>().join("; ")
         };
-        let term = self.in_words(term);
+        let (words, known) = (self.in_words(term), Some(self.protocol.stimulus.parameters()));
         Some(match effect {
             None => format!(
-                "{term} has no effect on this observer. The false-alarm rate, expected to be {}, is {}.",
+                "This observer has no effect of {words}. The false-alarm rate, expected to be {}, is {}.",
                 percent(self.sampling.alpha),
                 clauses(&|powers| self.false_alarms(powers))
             ),
             Some(Effect { logits, above, below }) => {
                 let logits = logits.map_or_else(String::new, |logits| format!("{} logits ", rounded(logits, 2)));
-                format!("{term} ({logits}between {above} and {below}): {}.", clauses(&|powers| self.fewest(powers)))
+                let [above, below] = [above, below].map(|level| names::level(known, term, level));
+                let enough = clauses(&|powers| self.fewest(powers));
+                format!("Effect of {words} ({logits}between {above} and {below}): {enough}.")
             }
         })
     }
@@ -100,20 +103,28 @@ impl Planned {
         let enough =
             format!("enough for a power of {} with {}", percent(self.target), self.test(powers[powers.len() - 1]));
         // More people can only help: a number is enough if all larger ones are enough too.
-        let short = powers.iter().rposition(|power| power.share() < self.target);
-        match (
-            powers.get(short.map_or(0, |last| last + 1)),
-            powers.iter().max_by(|l, r| l.share().total_cmp(&r.share())),
-        ) {
-            (Some(power), _) => {
+        let fewest = |share: fn(&Power) -> f64| {
+            let short = powers.iter().rposition(|power| share(power) < self.target);
+            powers.get(short.map_or(0, |last| last + 1))
+        };
+        let shown = |power: &Power| (people(power.participants), with_interval(power));
+        let (certain, likely) = (fewest(|power| power.interval().low), fewest(Power::share));
+        let most = powers.iter().max_by(|l, r| l.share().total_cmp(&r.share()));
+        match (certain, likely, most) {
+            (Some(power), ..) => {
+                let (people, share) = shown(power);
                 let are = if power.participants == 1 { "is" } else { "are" };
-                format!("{} {are} {enough}, {}", people(power.participants), with_interval(power))
+                format!("{people} {are} {enough}, {share}")
             }
-            (None, Some(most)) => {
-                let (share, people) = (with_interval(most), people(most.participants));
+            (None, Some(power), _) => {
+                let (people, share) = shown(power);
+                format!("{people} may be {enough}, {share}; only more simulated studies can tell")
+            }
+            (None, None, Some(most)) => {
+                let (people, share) = shown(most);
                 format!("no number tried is {enough}; the highest power is {share} with {people}")
             }
-            (None, None) => String::new(),
+            (None, None, None) => String::new(),
         }
     }
 
@@ -129,13 +140,13 @@ impl Planned {
     }
 
     /// States the limitations of the findings.
-    fn remarks(&self) -> Vec<String> {
+    fn remarks(&self, [effects, deviations]: [&str; 2]) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.plan.hypotheses().iter().all(|hypothesis| hypothesis.effect.is_none()) {
             let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
             let example = factor.and_then(|factor| Some(format!("{}:{}=0.5", factor.name, factor.levels.last()?)));
-            let example = example.map_or_else(String::new, |example| format!(", such as --effect {example}"));
-            remarks.push(format!("No factor has an effect on this observer. Add an effect with --effect{example}."));
+            let example = example.map_or_else(String::new, |example| format!(", such as {example}"));
+            remarks.push(format!("No factor has an effect on this observer. Add an effect with {effects}{example}."));
         }
         if self.powers.iter().any(|power| power.participants == 1) {
             let text =
@@ -149,7 +160,7 @@ impl Planned {
                  studies without the effect."
             ));
         }
-        remarks.push(self.differences());
+        remarks.push(self.differences(deviations));
         for slope in self.plan.unmodeled() {
             remarks.push(format!(
                 "The model has no random slope of {}, in which the simulated participants differ, so it finds too many \
@@ -160,21 +171,21 @@ impl Planned {
         remarks
     }
 
-    /// Says how the simulated participants differ.
-    fn differences(&self) -> String {
+    /// Says how the simulated participants differ, and where to say how much.
+    fn differences(&self, field: &str) -> String {
         let sd = self.plan.observer().subject_sd;
         let intercepts = if sd > 0.0 { format!("in their intercepts (sd {sd} logits)") } else { String::new() };
         let varied = |slope: &&Slope| slope.sd > 0.0;
         let slopes: Vec<String> = (self.plan.slopes().iter().filter(varied))
-            .map(|slope| format!("at each level of {} (sd {} logits)", slope.factor, slope.sd))
+            .map(|slope| format!("at each level of {} (sd {} logits)", self.in_words(&slope.factor), slope.sd))
             .collect();
         if slopes.is_empty() {
             let differ = if sd > 0.0 { format!("differ only {intercepts}") } else { "are identical".to_owned() };
             let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
-            let example = factor.map_or_else(String::new, |factor| format!(", such as --slope {}=0.5", factor.name));
+            let example = factor.map_or_else(String::new, |factor| format!(", such as {}=0.5", factor.name));
             return format!(
                 "The simulated participants {differ}. If real ones also differ in the size of the effects, power is \
-                 lower. Simulate that with --slope FACTOR=SD{example}."
+                 lower. Simulate that with {field}{example}."
             );
         }
         let and = if sd > 0.0 { " and " } else { "" };
@@ -189,15 +200,15 @@ fn people(number: u32) -> String {
     count(number.into(), "participant")
 }
 
-/// Formats a power with its interval: `83.5 % (77.6–88.4 %)`.
+/// Formats a power with its interval: `83.5 % (77.6–88.4 %)`. The unit is never on a line of its own.
 fn with_interval(power: &Power) -> String {
     let interval = power.interval();
     let [low, high] = [interval.low, interval.high].map(|end| rounded(100.0 * end, 1));
-    format!("{} ({low}–{high} %)", percent(power.share()))
+    format!("{} ({low}–{high}\u{a0}%)", percent(power.share()))
 }
 
 fn percent(share: f64) -> String {
-    format!("{} %", rounded(100.0 * share, 1))
+    format!("{}\u{a0}%", rounded(100.0 * share, 1))
 }
 
 /// Formats a number rounded to at most this many decimals, without trailing zeros.

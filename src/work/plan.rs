@@ -64,6 +64,9 @@ pub struct Plan {
     pub model: Model,
 }
 
+/// The options that give effects and deviations, for the sentences about a plan.
+pub const OPTIONS: [&str; 2] = ["--effect", "--slope"];
+
 /// A value for something that has a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assignment {

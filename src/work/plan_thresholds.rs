@@ -7,7 +7,7 @@ use super::{
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
-    report::tasks::task,
+    report::{names, tasks::task},
     store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
 };
@@ -214,16 +214,21 @@ impl PlannedThresholds {
             }
         }
         let sentence = |quantity: &Quantity| {
-            let reaches = |one: &&Precision| one.quantity == *quantity && one.share().0 >= self.target;
-            let name = self.name(quantity);
-            let target = format!("{:.0} %", 100.0 * self.target);
-            match self.found.iter().filter(reaches).min_by_key(|one| (one.participants, one.trials)) {
-                Some(Precision { participants, trials, .. }) => {
-                    format!(
-                        "{name}: {participants} participants with {trials} trials of each condition reach a power of {target}."
-                    )
+            let own = || self.found.iter().filter(|one| one.quantity == *quantity);
+            let size = |one: &&Precision| (one.participants, one.trials);
+            let certain = own().filter(|one| one.share().1.low >= self.target).min_by_key(size);
+            let likely = own().filter(|one| one.share().0 >= self.target).min_by_key(size);
+            let name = names::capitalized(&self.told(quantity));
+            let target = format!("a power of {:.0}\u{a0}%", 100.0 * self.target);
+            let study = |one: &Precision| {
+                format!("{} participants with {} trials of each condition", one.participants, one.trials)
+            };
+            match (certain, likely) {
+                (Some(one), _) => format!("{name}: {} reach {target}.", study(one)),
+                (None, Some(one)) => {
+                    format!("{name}: {} may reach {target}; only more simulated studies can tell.", study(one))
                 }
-                None => format!("{name}: none of these studies reaches a power of {target}."),
+                (None, None) => format!("{name}: none of these studies reaches {target}."),
             }
         };
         told.into_iter().map(sentence).collect()

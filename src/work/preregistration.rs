@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use super::{
-    plan::{Plan, Planned, in_order},
+    plan::{OPTIONS, Plan, Planned, in_order},
     plan_thresholds::{Found, PlannedThresholds},
     words,
 };
@@ -98,11 +98,13 @@ fn decision(tried: &[u32], enough: impl Fn(u32) -> bool, target: f64) -> String 
     let numbers = list(&tried.iter().map(ToString::to_string).collect::<Vec<_>>());
     match least {
         Some(people) => format!(
-            "{} will be tested: the smallest number tried ({numbers}) with a power of at least {target} for every effect above.",
+            "{} will be tested: the smallest number tried ({numbers}) with a power of at least {target} for every effect above, \
+             as the lower end of its 95 % interval.",
             count((*people).into(), "participant")
         ),
         None => format!(
-            "[N] participants will be tested. No number tried ({numbers}) has a power of at least {target} for every effect above."
+            "[N] participants will be tested. No number tried ({numbers}) has a power of at least {target} for every effect above, \
+             as the lower end of its 95 % interval."
         ),
     }
 }
@@ -161,7 +163,7 @@ impl Planned {
         let enough = |people: u32| {
             let own = |power: &&Power| power.participants == people && self.hypothesis(power).effect.is_some();
             let mut powers = self.powers.iter().filter(own).filter(|power| self.leads(power));
-            powers.clone().count() > 0 && powers.all(|power| power.share() >= self.target)
+            powers.clone().count() > 0 && powers.all(|power| power.interval().low >= self.target)
         };
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
         tried.dedup();
@@ -169,7 +171,7 @@ impl Planned {
         format!(
             "{decision} The data are not analyzed before all have been tested. [Say why effects of this size are of interest.] The \
              simulation found:\n\n{}",
-            bullets(self.sentences())
+            bullets(self.sentences(OPTIONS))
         )
     }
 
@@ -231,7 +233,8 @@ impl PlannedThresholds {
     }
 
     /// Returns what a precision is that of, in words.
-    fn told(&self, quantity: &Quantity) -> String {
+    #[must_use]
+    pub fn told(&self, quantity: &Quantity) -> String {
         let Quantity::Difference { factor, level, .. } = *quantity else { return self.name(quantity) };
         let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
         let [level, first] = [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
@@ -293,7 +296,7 @@ impl PlannedThresholds {
             let own = self.found.iter().filter(|one| one.participants == people && one.trials == most);
             let mut effects =
                 own.filter(|one| matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0));
-            effects.clone().count() > 0 && effects.all(|one| one.share().0 >= self.target)
+            effects.clone().count() > 0 && effects.all(|one| one.share().1.low >= self.target)
         };
         let row = |one: &Precision| {
             let number =

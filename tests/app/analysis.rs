@@ -173,6 +173,8 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     }
     window.get_by_label("108 ratings by 6 participants.");
     assert_document(&mut window, &study, &results);
+    click(&mut window, "Data quality");
+    assert_has(&window, "Dropped frames could not be counted: no screen was used");
     // The prediction of the vision model is computed only when its section is opened.
     click(&mut window, "What the vision model predicts");
     wait_for(&mut window, "the rank correlation between the prediction and the mean rating");
@@ -217,6 +219,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     let (folder, data_set) = study(4);
     let (study, _) = read(&data_set);
     let mut window = opened(&data_set);
+    let below = |window: &Window| window.get_by_label("Copy as command").rect();
+    let place = below(&window);
     click_and_rest(&mut window, "Participants: 4 of 4");
     click_and_rest(&mut window, "Participant S002");
     window.get_by_label("54 ratings by 3 participants. Filtered: 3 of 4 participants.");
@@ -273,7 +277,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
     // Existing files are never overwritten without a warning.
     click(&mut window, "Export");
-    assert_has(&window, "already exists");
+    assert_has(&window, "The folder has files from before");
+    assert_eq!(below(&window), place, "a message moves nothing");
     click(&mut window, "Replace");
     wait_for(&mut window, "files written to");
     // If the folder cannot be written to, the page says so.

@@ -3,7 +3,10 @@
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
-    experiment::task::{Adaptive, ChoiceShown, Method, Task},
+    experiment::{
+        FieldKind,
+        task::{Adaptive, ChoiceShown, Method, Task},
+    },
     store::definition,
 };
 
@@ -66,7 +69,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Welcome", "Willkommen");
     wait_for(&mut window, "4 practice and 18 trials");
     wait_for(&mut window, "9 conditions");
-    window.get_by_label("width 0.05; high 0.75; depth inf");
+    window.get_by_label("width 0.05; high 0.75; depth ∞");
     type_into(&mut window, "Folder", folder.path().to_str().unwrap());
     // An existing file is replaced only after a question.
     let path = folder.path().join("my-study.toml");
@@ -79,7 +82,8 @@ fn a_copy_is_edited_and_saved() {
 
     let original = definition::BUILT_IN.iter().find(|built_in| built_in.name == "quick").unwrap().text;
     let protocol = definition::open(&path).unwrap();
-    let expected = original
+    // The comment at the top is about the original.
+    let expected = original[original.find("schema").unwrap()..]
         .replace("\"quick\"", "\"my-study\"")
         .replace("A first look at Mach bands", "A first look at Mach bands (copy)")
         .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\nhigh = [0.75]\n")
@@ -99,6 +103,55 @@ fn a_copy_is_edited_and_saved() {
         ("Narrow band, clearly defined", '4'),
     ];
     assert!(scale.eq(expected), "{saved}");
+}
+
+/// A question of one's own has a name, which is its column in the data, and a kind.
+#[test]
+fn a_question_of_ones_own_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = duplicate("quick");
+    choose(&mut window, "Add a question", "Age");
+    choose(&mut window, "Add a question", "A question of your own");
+    type_into(&mut window, "Name of Question 2", "age");
+    window.get_by_label_contains("Enter a name that no other question has.");
+    type_into(&mut window, "Name of Question 2", "dominant_eye");
+    choose(&mut window, "Answers to Question 2", "one of several");
+    type_into(&mut window, "Answers of Question 2", "left, right, unknown");
+    type_into(&mut window, "Label of Question 2", "Your dominant eye");
+    choose(&mut window, "Add a question", "A question of your own");
+    choose(&mut window, "Answers to Question 3", "a number");
+    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+    click(&mut window, "Save");
+    let protocol = definition::open(folder.path().join("quick-copy.toml")).unwrap();
+    let fields = protocol.participant.0.iter().map(|field| (field.name.as_str(), field.kind()));
+    let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("question_1", FieldKind::Number)];
+    assert!(fields.eq(expected), "{:?}", protocol.participant);
+    assert_eq!(protocol.participant.0[1].choices(), ["left", "right", "unknown"]);
+    assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
+}
+
+/// A task that varies a level begins with a parameter that changes every picture. While there are errors, the preview says
+/// that it is older.
+#[test]
+fn a_task_begins_with_a_parameter_that_is_seen() {
+    let mut window = duplicate("quick");
+    click(&mut window, "Adjust");
+    window.run_steps(3);
+    // The other one, k, matters only at infinite depth.
+    assert_eq!(
+        ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
+        ["high", "0.375", "0.75"]
+    );
+    window.get_by_label("Label of left end");
+    window.get_by_label("One trial");
+    type_into(&mut window, "Repetitions", "many");
+    window.get_by_label("One trial, before the errors");
+    type_into(&mut window, "Repetitions", "1");
+    window.get_by_label("One trial");
+    click(&mut window, "Rating");
+    click(&mut window, "Category");
+    window.run_steps(3);
+    assert!(window.get_by_label("Label of rating 4").is_focused());
 }
 
 /// The form has every task, and their methods with levels to begin with.

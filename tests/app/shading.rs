@@ -141,7 +141,9 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
     let mut before = pixels(&mut window);
     let rect = picture(&window);
     let from = rect.center() + Vec2::new(-120.0, -60.0);
-    let turned = |window: &Window| value(window, "Rotate about y").trim_end_matches('°').parse::<f64>().unwrap();
+    let turned = |window: &Window| {
+        value(window, "Rotate about y").replace('−', "-").trim_end_matches('°').parse::<f64>().unwrap()
+    };
     let angle = turned(&window);
     drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
     assert!((turned(&window) - angle).abs() > 3.0);

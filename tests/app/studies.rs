@@ -190,6 +190,8 @@ fn a_plan_says_how_many_participants_are_enough() {
     wait_for(&mut window, "the observer has no such parameter");
     plan(&mut window, "3, 2");
     wait_for(&mut window, "With 2 participants");
+    let told = texts(&window);
+    assert!(told.iter().any(|text| text.contains("“People differ by”")) && !told.concat().contains("--"), "{told:#?}");
     click(&mut window, "Close");
     open_study(&mut window, "threshold-width");
     plan(&mut window, "2");
@@ -206,5 +208,5 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     click(&mut window, "Simulate");
     wait_for(&mut window, "18 ratings by 3 participants.");
     wait_for(&mut window, "These data are simulated");
-    assert!(folder.path().join("pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
+    assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
 }

@@ -368,6 +368,9 @@ fn a_preregistration_says_what_was_planned() {
     for expected in ["- width: ratings at 0.1 are higher", "no random slopes, conclusions about", "is its mean over"] {
         assert!(text.contains(expected), "{expected}: {text}");
     }
+    // Three studies that all find the effect are no proof that most would.
+    let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3", "2");
+    assert!(said.contains("6 participants may be enough"), "{said}");
     // Without an effect, no number of participants is enough.
     let line = "quick --participants 2 --studies 100 --terms orientation_deg --preregistration none.md";
     succeeds(folder.path(), line, "2");

@@ -53,9 +53,9 @@ enum BlockView {
 }
 
 impl DocumentView {
-    /// Creates a view of a document that has not been drawn yet. The images of `earlier` stay until the new ones are
-    /// ready.
-    pub fn new(document: Document, earlier: Option<Self>) -> Self {
+    /// Creates a view of a document that has not been drawn yet. The images of `earlier` ones, of which the last is the
+    /// newest, stay until the new ones are ready.
+    pub fn new(document: Document, earlier: impl IntoIterator<Item = Self>) -> Self {
         let mut pictures: Vec<FigureView> = (earlier.into_iter())
             .flat_map(|view| view.sections)
             .flat_map(|section| section.blocks)
@@ -89,13 +89,11 @@ impl DocumentView {
             return self.show_summary(ui, false);
         }
         let Some(section) = self.sections.iter_mut().find(|section| section.id == id) else { return false };
-        ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
-            show_blocks(ui, &mut section.blocks);
-        });
+        scrolled(ui, id, |ui| show_blocks(ui, &mut section.blocks));
         true
     }
 
-    /// Draws what will be the summary once a model is fitted: its figures, in the same place, and the description.
+    /// Draws what will be the summary once a model is fitted: its figures, in the same place.
     pub fn show_draft(&mut self, ui: &mut egui::Ui) {
         self.show_summary(ui, true);
     }
@@ -106,23 +104,17 @@ impl DocumentView {
         let is_figure = |block: &BlockView| matches!(block, BlockView::Figure(_));
         let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));
         let (Some(summary), description) = (place(SUMMARY), place("description").or_else(first)) else { return false };
-        ScrollArea::vertical().id_salt(SUMMARY).auto_shrink(false).show(ui, |ui| {
+        scrolled(ui, SUMMARY, |ui| {
             self.show_warnings(ui);
             let figures = description.map(|index| &mut self.sections[index].blocks);
             let key = figures.into_iter().flatten().filter(|block| is_figure(block));
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
-            let mut figures = 0;
-            let is_rest = |block: &&mut BlockView| {
-                figures += usize::from(is_figure(block));
-                let is_shown = is_draft && is_figure(block) && figures <= many;
-                !is_shown && !matches!(block, BlockView::Text(Block::Warning(_)))
-            };
             if is_draft {
-                hint(ui, "The tests are being computed. What follows is final: it needs no model.");
+                return hint(ui, "The tests are being computed. What needs no model, such as Description, is final.");
             }
-            let rest = if is_draft { description.unwrap_or(summary) } else { summary };
-            show_blocks(ui, self.sections[rest].blocks.iter_mut().filter(is_rest));
+            let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
+            show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));
         });
         true
     }
@@ -136,6 +128,15 @@ impl DocumentView {
             }
         }
     }
+}
+
+/// Draws what can be scrolled. It has the same width whether or not it is long enough for a scroll bar.
+fn scrolled(ui: &mut egui::Ui, id: &str, add: impl FnOnce(&mut egui::Ui)) {
+    let width = ui.available_width() - ui.spacing().scroll.allocated_width();
+    ScrollArea::vertical().id_salt(id).auto_shrink(false).show(ui, |ui| {
+        ui.set_max_width(width);
+        add(ui);
+    });
 }
 
 /// Draws blocks. Two ordinary figures that follow each other are side by side if there is room.

@@ -9,7 +9,9 @@ use eframe::egui;
 
 use crate::{
     app::ui::{
-        Dialog, FileKind, Saving, complain, full, hint, open, say, secondary,
+        Dialog, FileKind, Saving, complain, full, open, say,
+        text::two_lines,
+        theme::ink,
         work::{BackgroundTask, Progress},
     },
     report::{Provenance, study::shell_command},
@@ -27,6 +29,8 @@ pub struct Export {
     dialog: Dialog,
     work: Option<(PathBuf, BackgroundTask<Result<usize, StoreError>>)>,
     saving: Saving,
+    /// What was shown when the outcome of the last export was; it says nothing about other results.
+    of: Option<Analyze>,
     /// The folder with the last export.
     written: Option<PathBuf>,
 }
@@ -54,6 +58,12 @@ impl Export {
     /// Draws the controls. Nothing can be exported while no results are shown.
     pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
+        if let Some(Exported { request, .. }) = exported
+            && self.of.as_ref() != Some(request)
+        {
+            self.of = Some((*request).clone());
+            self.saving = Saving::default();
+        }
         let label = ui.label("Export to the folder");
         let width = ui.available_width();
         let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
@@ -66,16 +76,18 @@ impl Export {
                 self.start(ui.ctx(), folder, writer, exported);
             }
             changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
-            if self.work.is_some() {
-                ui.spinner();
-                ui.label(secondary("Writing…"));
-            }
         });
         if changed {
             self.forget();
         }
         self.dialog.missing_error(ui);
-        self.saving.show(ui);
+        let ink = ink(ui);
+        let (note, color) = match self.saving.told(ui.ctx()) {
+            _ if self.work.is_some() => ("Writing…", ink.dim),
+            Some(error) => (error, ink.bad),
+            None => ("", ink.dim),
+        };
+        two_lines(ui, note, color);
         let copy = self.open_buttons(ui, exported.is_some());
         if let Some(exported) = exported.filter(|_| copy) {
             let command = self.command(exported);
@@ -86,7 +98,7 @@ impl Export {
             Some("") | None => "all data.".to_owned(),
             Some(filter) => format!("only the data shown: {filter}."),
         };
-        hint(ui, format!("The export includes {all}"));
+        two_lines(ui, &format!("The export includes {all}"), ink.dim);
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {

@@ -37,8 +37,6 @@ use crate::{
 const MAX_ERRORS: usize = 200;
 /// In a window narrower than this, in points, the data and filters have a separate view.
 pub(super) const NARROW: f32 = 700.0;
-/// Opacity of results that a newer analysis is about to replace.
-pub(super) const STALE: f32 = 0.6;
 /// Address and heading of the view of data and filters.
 const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
@@ -62,10 +60,9 @@ pub struct OpenStudy {
     model: ModelControls,
     /// The last requested analysis, finished or not.
     last: Option<Analyze>,
-    work: Option<BackgroundTask<Option<(Outcome, Document)>>>,
-    /// What is computed at once: the description of the same data, without a model.
-    drafting: Option<BackgroundTask<Option<(Outcome, Document)>>>,
-    /// The view of it, while `work` is running.
+    /// The running analysis: first the description of the data without a model, then everything.
+    work: Option<(Stage, Analyzing)>,
+    /// The view of the description, while `work` is running.
     draft: Option<DocumentView>,
     /// The progress of the analysis in `work`.
     simulated: Arc<Steps>,
@@ -84,6 +81,17 @@ pub struct OpenStudy {
     extra: Vec<String>,
     /// The names of all columns of the files, once they are needed.
     columns: OnceCell<BTreeSet<String>>,
+}
+
+/// A running analysis; its result is `None` if nothing is selected.
+type Analyzing = BackgroundTask<Option<(Outcome, Document)>>;
+
+/// What is computed of an analysis.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// The description, which is there at once.
+    Draft,
+    Whole,
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
@@ -105,7 +113,6 @@ impl OpenStudy {
             model: ModelControls::default(),
             last: None,
             work: None,
-            drafting: None,
             draft: None,
             simulated: Arc::default(),
             shown: None,
@@ -145,7 +152,7 @@ impl OpenStudy {
 
     /// Draws the study. `Next` requests an action that only the page can perform.
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
-        self.take_outcome();
+        self.take_outcome(ui.ctx());
         self.analyze(ui.ctx());
         let narrow = ui.available_width() < NARROW;
         let mut back = false;
@@ -187,24 +194,22 @@ impl OpenStudy {
     }
 
     /// Takes the results of computations that have finished.
-    fn take_outcome(&mut self) {
-        match self.work.as_ref().map(BackgroundTask::poll) {
-            None | Some(Progress::Running) => {}
-            Some(Progress::Done(outcome)) => {
-                let earlier = self.shown.take().map(|(_, view)| view);
-                self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
-                (self.work, self.predicting) = (None, None);
-                (self.drafting, self.draft) = (None, None);
+    fn take_outcome(&mut self, ctx: &egui::Context) {
+        match self.work.as_ref().map(|(stage, task)| (*stage, task.poll())) {
+            None | Some((_, Progress::Running)) => {}
+            Some((Stage::Draft, Progress::Done(Some((_, document))))) => {
+                self.draft = Some(DocumentView::new(document, None));
+                self.start(ctx, Stage::Whole);
             }
-            Some(Progress::Lost) => {
+            Some((_, Progress::Done(outcome))) => {
+                let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
+                self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
+                (self.work, self.draft, self.predicting) = (None, None, None);
+            }
+            Some((_, Progress::Lost)) => {
                 self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 self.work = None;
             }
-        }
-        if let Some(Progress::Done(draft)) = self.drafting.as_ref().map(BackgroundTask::poll) {
-            let earlier = self.draft.take();
-            self.draft = draft.map(|(_, document)| DocumentView::new(document, earlier));
-            self.drafting = None;
         }
         if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
@@ -214,24 +219,25 @@ impl OpenStudy {
         }
     }
 
-    /// Runs one analysis at a time. Newer requests wait, and only the latest of them is run.
+    /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
         let ratings = self.asked.ratings.clone().excluding(self.filters.exclusions().clone());
         let request = Analyze { ratings, ..self.model.request() };
-        if self.work.is_some() || self.last.as_ref() == Some(&request) {
-            return;
+        if self.last.as_ref() != Some(&request) {
+            self.last = Some(request);
+            (self.error, self.draft, self.predicting) = (None, None, None);
+            self.start(ctx, Stage::Draft);
         }
-        self.error = None;
-        self.last = Some(request.clone());
+    }
+
+    /// Starts a stage of the last requested analysis. The stages follow each other, so that the first has all the threads.
+    fn start(&mut self, ctx: &egui::Context, stage: Stage) {
+        let Some(request) = self.last.clone() else { return };
         let filter = self.filters.sentence(&self.study.measured.counts);
         self.simulated = Arc::default();
-        self.draft = None;
-        let start = |is_draft| {
-            let (study, request, filter) = (self.study.clone(), request.clone(), filter.clone());
-            let simulated = self.simulated.clone();
-            BackgroundTask::start(ctx, move || Outcome::new(&study, request, filter, is_draft, &simulated))
-        };
-        (self.drafting, self.work) = (Some(start(true)), Some(start(false)));
+        let (study, simulated) = (self.study.clone(), self.simulated.clone());
+        let compute = move || Outcome::new(&study, request, filter, stage, &simulated);
+        self.work = Some((stage, BackgroundTask::stoppable(ctx, compute)));
     }
 
     fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
@@ -308,7 +314,7 @@ impl OpenStudy {
         // Results of an earlier selection stay, dimmed, until the new ones are there.
         let found = ui.scope(|ui| {
             if is_stale {
-                ui.multiply_opacity(STALE);
+                ui.multiply_opacity(theme::STALE);
             }
             view.show(ui, self.section)
         });
@@ -321,7 +327,7 @@ impl OpenStudy {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
                 let figures = outcome.figures.clone();
                 self.predicting =
-                    Some(BackgroundTask::start(ui.ctx(), move || with_prediction(&study, &results, figures)));
+                    Some(BackgroundTask::stoppable(ui.ctx(), move || with_prediction(&study, &results, figures)));
             }
         }
     }
@@ -452,12 +458,12 @@ pub(super) fn pinned(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
 }
 
 impl Outcome {
-    /// Analyzes the selected data; `None` if nothing is selected. A draft describes them without a model.
+    /// Analyzes the selected data; `None` if nothing is selected.
     fn new(
         study: &Study,
         request: Analyze,
         filter: String,
-        is_draft: bool,
+        stage: Stage,
         simulated: &Steps,
     ) -> Option<(Self, Document)> {
         let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
@@ -465,7 +471,7 @@ impl Outcome {
             return None;
         }
         let mut options = request.options(&study.source);
-        if is_draft {
+        if stage == Stage::Draft {
             // A model without coefficients is none, and nothing is simulated for it.
             (options.max_coefficients, options.checks) = (0, false);
         }

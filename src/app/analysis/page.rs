@@ -97,7 +97,7 @@ impl Analysis {
         self.dialog.forget();
         (self.error, self.order) = (None, None);
         let request = asked.clone();
-        let work = BackgroundTask::start(ctx, move || read(&request));
+        let work = BackgroundTask::stoppable(ctx, move || read(&request));
         self.reading = Some(Pending { asked, again, work });
     }
 

@@ -7,7 +7,7 @@ use eframe::egui::{self, CentralPanel, Frame, RichText, ScrollArea};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    open_study::{NARROW, Request, STALE, pinned, problems, side},
+    open_study::{NARROW, Request, pinned, problems, side},
     query::people,
 };
 use crate::{
@@ -106,7 +106,7 @@ impl OpenTask {
                 return;
             }
             if is_stale {
-                ui.multiply_opacity(STALE);
+                ui.multiply_opacity(theme::STALE);
             }
             if !self.view.show(ui, self.section) {
                 self.section = "summary";

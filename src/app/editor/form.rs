@@ -51,6 +51,8 @@ pub struct DefinitionForm {
     labels: BTreeMap<String, String>,
     /// The dialog that chooses a folder of pictures.
     pub pictures: Dialog,
+    /// The answer that was just added, whose label gets the focus.
+    pub added: Option<usize>,
 }
 
 impl DefinitionForm {
@@ -67,6 +69,7 @@ impl DefinitionForm {
             // Saving never replaces a file, whatever is said here.
             let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
             let number = (1..).find(|number| is_free(&copy(*number))).unwrap_or(1);
+            draft.remove_opening_comment();
             draft.set("name", &copy(number), Typed::Text);
             if let Some(title) = draft.get("title") {
                 let copy = if number == 1 { "copy".to_owned() } else { format!("copy {number}") };
@@ -89,6 +92,7 @@ impl DefinitionForm {
             shown: BTreeSet::new(),
             labels: BTreeMap::new(),
             pictures: Dialog::default(),
+            added: None,
         };
         form.check();
         form.hash = form.protocol.as_ref().map(definition::hash);
@@ -175,9 +179,14 @@ impl DefinitionForm {
         typed.unwrap_or_else(|| default.to_owned())
     }
 
+    /// Keeps what was typed in a field, without a change of the draft.
+    pub fn keep_typed(&mut self, key: &str, text: &str) {
+        self.typed.insert(key.to_owned(), text.to_owned());
+    }
+
     /// Stores what was typed in a field.
     pub fn type_value(&mut self, key: &str, text: &str, typed: Typed) {
-        self.typed.insert(key.to_owned(), text.to_owned());
+        self.keep_typed(key, text);
         self.edit(|draft| draft.set(key, text, typed));
     }
 

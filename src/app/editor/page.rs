@@ -204,11 +204,7 @@ impl Editor {
                 _ if form.lacks_pictures() => ui::hint(ui, "Choose the pictures first."),
                 [first, ..] => {
                     let count = count(form.errors().len() as u64, "error");
-                    let text = format!(
-                        "{count}, first in {}. The conditions shown are the last ones without errors.",
-                        form.label(first)
-                    );
-                    ui::show_error(ui, text);
+                    ui::show_error(ui, format!("{count}, first in {}.", form.label(first)));
                 }
             }
             clicked
@@ -269,8 +265,13 @@ impl Editor {
     fn conditions(&mut self, ui: &mut Ui) {
         let Ok(form) = &self.form else { return };
         let Some(protocol) = form.protocol() else { return };
-        self.preview.show(ui, protocol, form.revision());
-        self.thumbnails.show(ui, protocol, form.revision());
+        let is_stale = !form.errors().is_empty();
+        if is_stale {
+            ui.multiply_opacity(theme::STALE);
+        }
+        let when = if is_stale { ", before the errors" } else { "" };
+        self.preview.show(ui, protocol, form.revision(), when);
+        self.thumbnails.show(ui, protocol, form.revision(), when);
     }
 
     /// Asks whether to discard the changes; returns whether the user agreed.

@@ -45,18 +45,18 @@ pub struct Preview {
 
 impl Preview {
     /// Draws the first trial of the main part and, of an adaptive method, the levels that a simulated observer would see.
-    /// A rating is shown by its conditions alone.
-    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+    /// A rating is shown by its conditions alone. `when` follows the headings.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         if protocol.task.is_default() {
             return;
         }
-        self.trial(ui, protocol, revision);
+        self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot(ui, protocol, revision);
+            self.pilot(ui, protocol, revision, when);
         }
     }
 
-    fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+    fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let layout = protocol.task.layout();
         let [columns, rows] = if layout.intervals() > 1 { [layout.count(), 1] } else { layout.grid() };
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
@@ -82,8 +82,9 @@ impl Preview {
             let textures = images.iter().map(|image| pixels::texture_of(ctx, "trial", image)).collect();
             self.textures = Some((key, textures));
         }
-        ui::section(ui, "One trial");
-        let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), [protocol.recovery.level as f32; 3]);
+        ui::section(ui, format!("One trial{when}"));
+        let light = protocol.stimulus.field_light(protocol.recovery.level);
+        let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), light);
         let height = rows as f32 * (side + GAP) + GAP + CAPTION;
         let (rect, response) = ui.allocate_exact_size(vec2(room.x, height), Sense::hover());
         ui::describe(&response, "One trial");
@@ -114,7 +115,7 @@ impl Preview {
         ui::hint(ui, format!("{question} {answers}"));
     }
 
-    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let now = ui.input(|input| input.time);
         if self.changed.0 != revision {
             self.changed = (revision, now);
@@ -131,7 +132,7 @@ impl Preview {
             }
         });
         if let Some(Ok(Some(plot))) = self.pilot.get(&revision) {
-            ui::section(ui, "The levels of a simulated observer");
+            ui::section(ui, format!("The levels of a simulated observer{when}"));
             ui.scope(|ui| {
                 ui.set_max_width(PLOT.x);
                 plot.draw(ui, PLOT.y);

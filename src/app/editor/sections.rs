@@ -10,7 +10,8 @@ use super::{
 };
 use crate::{
     app::ui::{self, Field, FileKind, parameter, theme::Icon},
-    experiment::{Design, ParticipantFields, Recovery, Texts, ViewingPlan},
+    experiment::{Design, FieldSpec, ParticipantField, ParticipantFields, Recovery, Texts, ViewingPlan},
+    report::names::capitalized,
     stimulus::{
         KINDS, Parameter, Stimulus, catalog,
         picture::{Picture, PictureSize, ShownAs},
@@ -125,9 +126,14 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
         let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
         ui::hint(ui, format!("{count} pictures; levels from pictures.csv: {levels}. The data have their SHA-256."));
     } else {
-        ui::hint(ui, "Opaque PNG with 8 or 16 bits. A table pictures.csv beside them gives them levels of factors.");
+        ui::hint(
+            ui,
+            "Choose PNG files: opaque, with 8 or 16 bits. A table pictures.csv beside them gives them levels of factors.",
+        );
     }
-    ui::text::errors(ui, &form.own_error("stimulus"));
+    if !form.lacks_pictures() {
+        ui::text::errors(ui, &form.own_error("stimulus"));
+    }
     for (label, key, names, about) in [
         (
             "Shown",
@@ -304,23 +310,21 @@ fn viewing(form: &mut DefinitionForm, ui: &mut Ui) {
 /// What a session asks about the participant.
 fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Participant");
-    ui::hint(
-        ui,
-        "What a session asks before its first page. Answers are separated by commas; without any, text is typed.",
-    );
+    ui::hint(ui, "What a session asks before its first page. Answers to choose from are separated by commas.");
     ui::text::errors(ui, &form.own_error("participant"));
     let names = form.draft().keys("participant");
-    for name in &names {
-        question(form, ui, name);
+    for place in 0..names.len() {
+        question(form, ui, &names, place);
     }
     let known = ParticipantFields::KNOWN_NAMES.iter().map(|name| (*name).to_owned());
     let own = (1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
-    let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0);
+    let own = own.map(|name| (name, "A question of your own".to_owned()));
+    let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
+    let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
-        for name in known.filter(|name| !names.contains(name)).chain(own) {
-            let text = if name.starts_with("question_") { "a question of your own".to_owned() } else { name.clone() };
+        for (name, text) in known.chain(own) {
             if ui.selectable_label(false, text).clicked() {
-                form.edit(|draft| {
+                form.rebuild(|draft| {
                     draft.add_table(&format!("participant.{name}"));
                     if name == "consent" {
                         let text = "You can stop at any time, without giving a reason.";
@@ -333,56 +337,99 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::text::name(ui, &list.response, "Add a question");
 }
 
-fn question(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
+/// The kinds of questions of one's own.
+const ANSWERS: [&str; 3] = ["any text", "a number", "one of several"];
+
+/// Draws the question at a place among all `names`.
+fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usize) {
+    let name = &names[place];
     let key = format!("participant.{name}");
-    let error = form.error(&key);
-    let [label_key, choices_key] = ["label", "choices"].map(|part| format!("{key}.{part}"));
-    let text_key = format!("{key}.text");
-    let is_consent = form.draft().get(&text_key).is_some();
-    let is_known = ParticipantFields::KNOWN_NAMES.contains(&name);
-    let [mut label, mut choices, mut text] = [&label_key, &choices_key, &text_key].map(|key| form.value(key, ""));
-    let before = [label.clone(), choices.clone(), text.clone()];
-    let mut required = form.draft().get(&format!("{key}.required")).as_deref() != Some("false");
-    let was_required = required;
-    let shown = name.replace('_', " ");
-    let removed = Field::new(&shown).column(LABELS).slot().error(&error).show(ui, |ui, _| {
+    let is_known = |name: &str| ParticipantFields::KNOWN_NAMES.contains(&name);
+    let own = !is_known(name);
+    let shown = if own { format!("Question {}", place + 1) } else { capitalized(name) };
+    let draft = form.draft();
+    let spec =
+        FieldSpec { choices: draft.texts(&format!("{key}.choices")).unwrap_or_default(), ..FieldSpec::default() };
+    let asked = ParticipantField { name: name.clone(), spec };
+    let flag = |part: &str| draft.get(&format!("{key}.{part}"));
+    let is_consent = flag("text").is_some();
+    let was_required = flag("required").as_deref() != Some("false");
+    let kind_before = match (flag("number").as_deref(), flag("choices").is_some()) {
+        (Some("true"), _) => ANSWERS[1],
+        (_, true) => ANSWERS[2],
+        _ => ANSWERS[0],
+    };
+    let (mut required, mut kind) = (was_required, kind_before);
+    // What is typed is a name only while no other question has it.
+    let name_key = format!("{key}.name");
+    let before = form.value(&name_key, name);
+    let mut typed = before.clone();
+    let is_free = |typed: &str| !typed.is_empty() && !is_known(typed) && !names.iter().any(|other| other == typed);
+    let taken = if typed == *name || is_free(&typed) { "" } else { "Enter a name that no other question has." };
+    let error = [form.error(&key).as_str(), taken].join("\n");
+    let removed = Field::new(&shown).column(LABELS).slot().error(error.trim()).show(ui, |ui, _| {
         ui.horizontal_wrapped(|ui| {
-            if is_consent {
-                let edit = TextEdit::multiline(&mut text).id_salt(&text_key).desired_rows(2).desired_width(300.0);
-                let edit = ui.add(edit);
-                ui::text::name(ui, &edit, &format!("Text of {shown}"));
-            } else {
-                let hint = if is_known { "usual question" } else { "What the participant reads" };
-                let edit = TextEdit::singleline(&mut label).id_salt(&label_key).hint_text(hint).desired_width(160.0);
-                let edit = ui.add(edit);
-                ui::text::name(ui, &edit, &format!("Label of {shown}"));
-                let hint = if is_known { "usual answers" } else { "left, right" };
-                let edit =
-                    TextEdit::singleline(&mut choices).id_salt(&choices_key).hint_text(hint).desired_width(120.0);
-                let edit = ui.add(edit);
-                ui::text::name(ui, &edit, &format!("Answers of {shown}"));
-                ui.checkbox(&mut required, "required");
+            if own {
+                let edit = TextEdit::singleline(&mut typed).id_salt(("question", place)).desired_width(150.0);
+                let edit = ui.add(edit).on_hover_text("Its column in participants.tsv.");
+                ui::text::name(ui, &edit, &format!("Name of {shown}"));
+                let title = format!("Answers to {shown}");
+                Field::new("").named(&title).width(130.0).choice(ui, &mut kind, &ANSWERS, |kind| (*kind).to_owned());
+            }
+            if !is_consent {
+                let check = ui.checkbox(&mut required, "required");
+                ui::text::name(ui, &check, &format!("{shown} is required"));
             }
             ui::quiet(ui, Icon::Close, "", &format!("Remove {shown}")).clicked()
         })
         .inner
     });
-    for (key, typed, old, new) in [
-        (&label_key, Typed::Text, &before[0], &label),
-        (&choices_key, Typed::Values, &before[1], &choices),
-        (&text_key, Typed::Text, &before[2], &text),
-    ] {
-        if old != new && new.trim().is_empty() {
-            form.rebuild(|draft| draft.remove(key));
-        } else if old != new {
-            form.type_value(key, new, typed);
+    if typed != before {
+        if is_free(&typed) {
+            return form.rebuild(|draft| draft.rename("participant", name, &typed));
         }
+        form.keep_typed(&name_key, &typed);
+    }
+    if is_consent {
+        form.lines(ui, "", &format!("{key}.text"), "", "The text to agree to.");
+    } else {
+        let label = if own { "What the participant reads".to_owned() } else { asked.label() };
+        line(form, ui, &format!("Label of {shown}"), &format!("{key}.label"), Typed::Text, &label);
+        let choices = asked.choices();
+        if !choices.is_empty() {
+            let usual = if own { "left, right, unknown".to_owned() } else { choices.join(", ") };
+            line(form, ui, &format!("Answers of {shown}"), &format!("{key}.choices"), Typed::Values, &usual);
+        }
+    }
+    if kind != kind_before {
+        form.rebuild(|draft| {
+            ["number", "choices"].iter().for_each(|part| draft.remove(&format!("{key}.{part}")));
+            match kind {
+                "a number" => draft.set_flag(&format!("{key}.number"), true),
+                "one of several" => draft.set(&format!("{key}.choices"), "yes, no", Typed::Values),
+                _ => {}
+            }
+        });
     }
     if required != was_required {
         form.edit(|draft| draft.set_flag(&format!("{key}.required"), required));
     }
     if removed {
         form.rebuild(|draft| draft.remove(&key));
+    }
+}
+
+/// Draws a field for text of a question, which is removed when it is empty.
+fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Typed, hint: &str) {
+    let before = form.value(key, "");
+    let mut text = before.clone();
+    let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
+    Field::new("").column(LABELS).named(name).width(width).hint(hint).text(ui, &mut text);
+    if text == before {
+    } else if text.trim().is_empty() {
+        form.rebuild(|draft| draft.remove(key));
+    } else {
+        form.type_value(key, &text, typed);
     }
 }
 

@@ -9,10 +9,12 @@ use crate::{
         theme::{self, Icon},
     },
     experiment::{
-        CATEGORIES, ResponseScale, default_key,
+        CATEGORIES, Condition, Protocol, ResponseScale, default_key,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    stimulus::{Parameter, Stimulus, picture::Picture},
+    light::{Bits, Quantizer, Transfer},
+    report::names::capitalized,
+    stimulus::{Parameter, ParameterValue, Stimulus, picture::Picture},
     store::draft::{Draft, Typed},
 };
 
@@ -23,6 +25,8 @@ const PICTOGRAM: f32 = 28.0;
 const LIST: f32 = 200.0;
 /// What a list shows if there is no value.
 const NONE: &str = "none";
+/// Side of a picture that shows whether a parameter changes anything, pixels.
+const TRIED_PX: u32 = 32;
 /// Trials at each level of the method of constant stimuli, to begin with.
 const AT_EACH_LEVEL: usize = 10;
 
@@ -111,12 +115,6 @@ fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Res
     response.on_hover_text(about)
 }
 
-fn capitalized(name: &str) -> String {
-    let mut name = name.to_owned();
-    name[..1].make_ascii_uppercase();
-    name
-}
-
 /// Draws how levels are chosen.
 fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Method");
@@ -130,7 +128,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     let error = form.error("adaptive.method");
     let field = Field::new("Levels chosen by").column(LABELS).error(&error).width(LIST);
     let title = |name: &String| match name.as_str() {
-        NONE => "the factors alone".to_owned(),
+        NONE => "The factors alone".to_owned(),
         name => capitalized(&parameter::method(name)),
     };
     field.choice(ui, &mut chosen, &all, title);
@@ -169,9 +167,30 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
     };
     let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
     let found: Vec<_> = free.map(|parameter| (parameter.name, numbers(parameter))).collect();
+    let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
-    let with = |least: usize| found.iter().find(|(_, numbers)| numbers.len() >= least).cloned();
-    with(3).or_else(|| with(2))
+    let with =
+        |least: usize| found.iter().find(|(name, numbers)| numbers.len() >= least && is_seen(name, numbers)).cloned();
+    // Of a single number, the upper half is a range; of the largest, it is the widest.
+    let single = || {
+        let halves = found.iter().filter(|(_, numbers)| numbers.len() == 1);
+        let mut halves: Vec<_> = halves.map(|(name, one)| (*name, vec![one[0] / 2.0, one[0]])).collect();
+        halves.sort_by(|(_, l), (_, r)| r[1].total_cmp(&l[1]));
+        halves.into_iter().find(|(name, numbers)| is_seen(name, numbers))
+    };
+    with(3).or_else(|| with(2)).or_else(single)
+}
+
+/// Returns whether the ends of a range give different pictures in every condition.
+fn changes(protocol: &Protocol, parameter: &str, range: &[f64]) -> bool {
+    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+    let picture = |condition: &Condition, number: Option<&f64>| {
+        let mut stimulus = condition.stimulus.clone();
+        stimulus.set(parameter, &ParameterValue::Number(*number?)).ok()?;
+        Some(stimulus.codes(TRIED_PX, &quantizer))
+    };
+    let differs = |condition: &Condition| picture(condition, range.first()) != picture(condition, range.last());
+    protocol.conditions().iter().all(differs)
 }
 
 /// Gives a method levels to begin with.
@@ -355,11 +374,17 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     keys.truncate(labels.len());
     keys.extend((keys.len()..labels.len()).map(default));
     // Ratings are counted from 0, as in the data.
-    let (noun, first) = if task.answers().is_none() { ("rating", 0) } else { ("answer", 1) };
+    let named = |answer: usize| match (has_keys, answer) {
+        (false, 0) => "left end".to_owned(),
+        (false, _) => "right end".to_owned(),
+        _ if task.answers().is_none() => format!("rating {answer}"),
+        _ => format!("answer {}", answer + 1),
+    };
     let [mut labels_changed, mut keys_changed] = [false; 2];
     let (mut removed, mut errors) = (None, String::new());
     for answer in 0..labels.len() {
-        let shown = format!("{noun} {}", answer + first);
+        let shown = named(answer);
+        let is_new = form.added.take_if(|added| *added == answer).is_some();
         let label = capitalized(&shown);
         let wrong = ["labels", "keys"].map(|list| {
             let key = format!("response.{list}.{answer}");
@@ -383,6 +408,9 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 let label = TextEdit::singleline(&mut labels[answer]).id_salt(("label", answer)).desired_width(width);
                 let label = ui.add(label);
                 ui::text::name(ui, &label, &format!("Label of {shown}"));
+                if is_new {
+                    label.request_focus();
+                }
                 labels_changed |= label.on_hover_text("What this answer means.").changed();
                 if task.answers().is_none() {
                     ui.add_enabled_ui(labels.len() > *CATEGORIES.start(), |ui| {
@@ -405,6 +433,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
             let free = ('0'..='9').chain('a'..='z').map(String::from);
             keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
+            form.added = Some(labels.len());
             labels.push(String::new());
             [labels_changed, keys_changed] = [true; 2];
         }

@@ -3,9 +3,14 @@
 use eframe::egui::{self, Context, Sense, TextureHandle, Ui, Vec2};
 
 use crate::{
-    app::ui::{self, pixels, theme::GAP, work::Latest},
+    app::ui::{
+        self, pixels,
+        theme::{self, GAP},
+        work::Latest,
+    },
     experiment::{Condition, Factor, Protocol},
     light::{Bits, CodeImage, Quantizer, Transfer},
+    report::{document::numbers::count, names},
     stimulus::Stimulus,
 };
 
@@ -30,15 +35,15 @@ pub struct Thumbnails {
 
 struct Thumbnail {
     stimulus: Stimulus,
-    levels: String,
+    levels: Vec<String>,
     /// The levels with the names of their factors.
     description: String,
     texture: Option<TextureHandle>,
 }
 
 impl Thumbnails {
-    /// Draws the number of conditions and their stimuli.
-    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64) {
+    /// Draws the number of conditions, followed by `when`, and their stimuli.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let side = (SIDE * ui.ctx().pixels_per_point()).round() as u32;
         if self.of != Some((revision, side)) {
             self.refresh(protocol, self.of.is_some_and(|(_, old)| old == side));
@@ -46,7 +51,7 @@ impl Thumbnails {
         }
         self.draw_next(ui.ctx(), side);
         let n = self.conditions;
-        ui::section(ui, if n == 1 { "1 condition".to_owned() } else { format!("{n} conditions") });
+        ui::section(ui, count(n as u64, "condition") + when);
         let mut hint = Vec::new();
         if !self.factors.is_empty() {
             hint.push(format!("Captions: {}.", self.factors));
@@ -83,19 +88,22 @@ impl Thumbnails {
     fn refresh(&mut self, protocol: &Protocol, keep: bool) {
         let conditions = protocol.conditions();
         self.conditions = conditions.len();
-        let names: Vec<String> = protocol.factors.iter().map(|factor| ui::parameter::label(&factor.name)).collect();
+        let known = Some(protocol.stimulus.parameters());
+        let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
         self.factors = names.join("; ");
         let old = std::mem::take(&mut self.all);
         let thumbnail = |condition: &Condition| {
-            let level = |(factor, index): (&Factor, &usize)| factor.levels[*index].to_string();
+            let level = |(factor, index): (&Factor, &usize)| {
+                names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
+            };
             let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
             let described: Vec<String> =
                 names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
             let before = old.iter().find(|old| keep && old.stimulus == condition.stimulus);
             Thumbnail {
                 texture: before.and_then(|before| before.texture.clone()),
-                levels: levels.join("; ").replace("inf", "∞"),
                 description: described.join("; "),
+                levels,
                 stimulus: condition.stimulus.clone(),
             }
         };
@@ -132,7 +140,14 @@ impl Thumbnail {
             ui.set_width(SIDE);
             ui.spacing_mut().item_spacing.y = 2.0;
             self.picture(ui, SIDE);
-            ui::hint(ui, &self.levels);
+            // One after the other, so that no line begins with a space.
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = theme::SMALL_GAP;
+                for (index, level) in self.levels.iter().enumerate() {
+                    let end = if index + 1 < self.levels.len() { ";" } else { "" };
+                    ui.label(ui::secondary(format!("{level}{end}")));
+                }
+            });
         });
     }
 

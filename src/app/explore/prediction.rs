@@ -111,7 +111,10 @@ impl Prediction {
         match self.get(&(stimulus.clone(), size)) {
             Some(Ok(Predicted { visible, detection, .. })) => {
                 ui::paragraph(ui, sentence(visible));
-                ui::paragraph(ui, format!("The whole picture is {detection:.1} times the threshold."));
+                ui::paragraph(
+                    ui,
+                    format!("That there is a picture at all is predicted at {detection:.1} times the threshold."),
+                );
                 ui::hint(ui, format!("At 1, people just see the difference. {}", self.place.sentence(size)));
             }
             Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
@@ -129,7 +132,7 @@ fn sentence(visible: &Visible) -> String {
             seen(*bright)
         ),
         Visible::Surface(difference) => {
-            format!("It differs from the smooth surface by {difference:.1} times the threshold.")
+            format!("It is predicted to differ from the smooth surface by {difference:.1} times the threshold.")
         }
         Visible::Unknown => {
             "The model does not say how visible the bands of this stimulus are: it has no smooth reference.".to_owned()

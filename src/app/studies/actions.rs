@@ -7,7 +7,7 @@ use eframe::egui::{self, Align, Layout, Popup, RichText, Ui};
 use super::{
     form::Checked,
     grid::Cell,
-    jobs::Job,
+    jobs::{DEVIATIONS, EFFECTS, Job},
     page::{Destination, LIST, Open, Studies},
     request_form::RequestForm,
 };
@@ -186,21 +186,28 @@ impl Studies {
         let planned = protocol.plan.participants.map_or_else(|| "8, 16, 24".to_owned(), |planned| planned.to_string());
         let mut shown = vec![
             ("participants", "Numbers of participants", planned),
-            ("effects", "Effects", String::new()),
-            ("deviations", "People differ by", String::new()),
+            ("effects", EFFECTS, String::new()),
+            ("deviations", DEVIATIONS, String::new()),
             ("target", "Target power", String::new()),
             ("studies", "Simulated studies", "200".to_owned()),
         ];
         if let Some(adaptive) = &protocol.adaptive {
             shown.push(("trials", "Trials", adaptive.common.trials.to_string()));
         }
-        RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &[("experiment", self.experiment_name())])
+        let form =
+            RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &[("experiment", self.experiment_name())]);
+        let varied = protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
+        let Some((factor, level)) = varied.and_then(|factor| Some((&factor.name, factor.levels.last()?))) else {
+            return form;
+        };
+        form.hint("effects", format!("such as {factor}:{level}=0.5"))
+            .hint("deviations", format!("such as {factor}=0.5, a standard deviation"))
     }
 
     /// Returns the dialog that simulates a pilot.
     fn pilot(&self, protocol: &Protocol) -> RequestForm<Simulate> {
         // Simulated sessions never lie among those of people.
-        let beside = |number: u32| self.results().with_file_name(format!("pilot-{number}"));
+        let beside = |number: u32| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name));
         let free = (1..).map(beside).find(|folder| !matches!(found(folder), Ok(Some(_)))).unwrap_or_default();
         // The findings of the paper are about ratings.
         let observer = if protocol.task.is_default() { "paper" } else { "vision" };
@@ -232,6 +239,7 @@ impl Studies {
             }
         }
         self.error = None;
+        self.opening = true;
         self.open = Some(Open::Session);
     }
 

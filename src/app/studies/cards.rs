@@ -15,8 +15,8 @@ use crate::{
     },
     experiment::{Factor, Protocol},
     light::{Bits, Quantizer, Transfer},
-    report::document::numbers::count,
-    stimulus::{MachBand, Stimulus},
+    report::{document::numbers::count, names},
+    stimulus::{MachBand, ParameterValue, Stimulus},
     store::{session::overview::SessionState, settings::Settings},
 };
 
@@ -99,13 +99,15 @@ impl Studies {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
-                        ui::hint(ui, "Not begun. Enter begins it.");
+                        let is_filled_in = self.form.participant == cell.subject && self.form.session == cell.session;
+                        let enter = if is_filled_in { "begins it" } else { "opens New session for it" };
+                        ui::hint(ui, format!("Not begun. Enter {enter}."));
                         return;
                     };
                     let SessionState { rated, planned, complete, .. } = session;
                     let (icon, color) = if *complete { (Icon::Done, ink(ui).text) } else { (Icon::Part, ink(ui).warn) };
                     icon.show(ui, color);
-                    let text = format!("{rated} of {planned} trials, last used on {}", session.day());
+                    let text = format!("{rated} of {planned} trials with practice, last used on {}", session.day());
                     ui.label(RichText::new(text).small().color(color));
                     if !complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, monitor, checked, settings);
@@ -196,12 +198,14 @@ impl Studies {
         card(ui, &mut |ui| {
             ui.label(RichText::new("Stimuli").strong().size(SECTION));
             self.thumbnails.strip(ui, protocol);
+            let known = Some(protocol.stimulus.parameters());
             let levels = |factor: &Factor| {
-                let label = ui::parameter::label(&factor.name);
-                let (name, unit) = label.strip_suffix(", °").map_or((label.as_str(), ""), |name| (name, "°"));
-                let [first, last] = [factor.levels.first(), factor.levels.last()]
-                    .map(|level| level.map(|level| level.to_string().replace("inf", "∞") + unit).unwrap_or_default());
-                format!("{name} {first} to {last}")
+                let level = |level: &ParameterValue| names::level(known, &factor.name, &level.to_string()).to_string();
+                let levels = match factor.levels.as_slice() {
+                    [first, _, .., last] => format!("{} to {}", level(first), level(last)),
+                    few => few.iter().map(level).collect::<Vec<_>>().join(" and "),
+                };
+                format!("{} {levels}", names::factor(known, &factor.name))
             };
             let factors: Vec<String> = protocol.factors.iter().map(levels).collect();
             let n = protocol.conditions().len();

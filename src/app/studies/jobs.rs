@@ -20,6 +20,7 @@ use crate::{
         work::{BackgroundTask, Progress, Steps},
     },
     experiment::Protocol,
+    report::document::numbers::whole,
     work::{
         Export, Watcher,
         plan::Plan,
@@ -28,6 +29,10 @@ use crate::{
         verify::Verify,
     },
 };
+
+/// The labels of what is given for a plan.
+pub const EFFECTS: &str = "Effects";
+pub const DEVIATIONS: &str = "People differ by";
 
 /// What a job made.
 #[derive(Clone, Debug)]
@@ -50,14 +55,18 @@ pub struct Planned {
 impl Planned {
     fn of(found: &Found) -> Self {
         let planned = match found {
-            Found::Ratings(planned) => return Self { sentences: planned.sentences(), rows: Vec::new() },
+            Found::Ratings(planned) => {
+                let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
+                let sentences = planned.sentences(fields.each_ref().map(String::as_str));
+                return Self { sentences, rows: Vec::new() };
+            }
             Found::Thresholds(planned) => planned,
         };
         let row = |one: &Precision| {
             let is_there = matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
             let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
-            let power = if is_there { format!("{:.0} %", 100.0 * one.share().0) } else { String::new() };
-            [one.participants.to_string(), one.trials.to_string(), planned.name(&one.quantity), half_width, power]
+            let power = if is_there { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
+            [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
         };
         let unit = format!("Intervals are in {}.", planned.unit());
         let sentences = planned.sentences().into_iter().chain([unit]).collect();
@@ -177,7 +186,7 @@ impl Job {
     pub fn show(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             Icon::Part.show(ui, ink(ui).text);
-            self.state.steps.show(ui, |done, total| format!("{}: {done} of {total}", self.what));
+            self.state.steps.show(ui, |done, total| format!("{}: {} of {}", self.what, whole(done), whole(total)));
             if ui.button("Stop").clicked() {
                 self.state.stopped.store(true, Ordering::Relaxed);
             }

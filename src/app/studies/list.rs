@@ -72,7 +72,10 @@ impl StudyList {
             for index in 0..self.rows.len() {
                 if index == self.files.len() {
                     ui.add_space(if index > 0 { LARGE_GAP } else { 0.0 });
-                    ui::hint(ui, "Built in. Run one, or copy it to make it yours.");
+                    ui.horizontal(|ui| {
+                        ui.add_space(GAP);
+                        ui::hint(ui, "Built in. Run one, or copy it to make it yours.");
+                    });
                 }
                 let row = &mut self.rows[index];
                 if row.show(ui, row.experiment == chosen, &about) {

@@ -93,6 +93,8 @@ pub struct Studies {
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
+    /// Whether the dialog of a session was just opened, so that its first field gets the focus.
+    pub(super) opening: bool,
 }
 
 impl Studies {
@@ -127,6 +129,7 @@ impl Studies {
     pub fn refresh(&mut self, completed: bool, settings: &Settings) {
         if completed {
             self.form.participant.clear();
+            "1".clone_into(&mut self.form.session);
             self.selected = None;
         }
         self.checked = None;

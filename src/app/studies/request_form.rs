@@ -26,6 +26,8 @@ struct Shown {
     argument: Arg,
     /// What was typed or chosen; `true` for a box that is checked.
     value: String,
+    /// What is shown while nothing is typed.
+    hint: String,
 }
 
 /// The dialog and what was entered.
@@ -57,12 +59,21 @@ impl<T: Request> RequestForm<T> {
             let argument = find(name)?;
             let default = argument.get_default_values().first().map(|value| value.to_string_lossy().into_owned());
             let value = if value.is_empty() { default.unwrap_or_default() } else { value.clone() };
-            Some(Shown { label, argument, value })
+            Some(Shown { label, argument, value, hint: String::new() })
         };
         let fields = shown.iter().filter_map(field).collect();
         let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
         let (error, dialog, request) = Default::default();
         Self { title, action, about, fields, given, error, dialog, request }
+    }
+
+    /// Sets what is shown in a field while nothing is typed.
+    pub fn hint(mut self, name: &str, hint: String) -> Self {
+        self.fields
+            .iter_mut()
+            .filter(|field| field.argument.get_id() == name)
+            .for_each(|field| field.hint.clone_from(&hint));
+        self
     }
 
     /// Draws the dialog; returns the request once it is confirmed and possible.
@@ -110,8 +121,8 @@ impl Shown {
         let about = self.argument.get_help().map(ToString::to_string).unwrap_or_default();
         let choices = self.argument.get_possible_values();
         let names = self.argument.get_value_names().unwrap_or_default();
-        let form = names.first().map_or("", |name| name.as_str());
-        let field = Field::new(self.label).column(LABELS).width(FIELD).hint(form).slot().error(error);
+        let is_folder = names.first().is_some_and(|name| name == "DIR");
+        let field = Field::new(self.label).column(LABELS).width(FIELD).hint(&self.hint).slot().error(error);
         if matches!(self.argument.get_action(), ArgAction::SetTrue) {
             let mut checked = self.value == "true";
             Field::new("").column(LABELS).slot().show(ui, |ui, _| {
@@ -125,10 +136,11 @@ impl Shown {
                 choice.and_then(|choice| choice.get_help()).map_or_else(|| name.clone(), ToString::to_string)
             };
             field.width(FIELD + 120.0).choice(ui, &mut self.value, &names, title).on_hover_text(about);
-        } else if form == "DIR" {
+        } else if is_folder {
             field.show(ui, |ui, label| {
                 ui.horizontal_wrapped(|ui| {
-                    let edit = TextEdit::singleline(&mut self.value).desired_width(FIELD);
+                    // A path needs the whole line.
+                    let edit = TextEdit::singleline(&mut self.value).desired_width(ui.available_width() - GAP);
                     ui.add(edit).labelled_by(label).on_hover_text(about);
                     dialog.browse(ui, FileKind::Folder, "Choose the folder…", &mut self.value);
                 });

@@ -88,7 +88,11 @@ impl Studies {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
         }
         let SessionForm { participant, session, screen, .. } = &mut self.form;
-        checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, participant);
+        let first =
+            checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, participant);
+        if std::mem::take(&mut self.opening) {
+            first.request_focus();
+        }
         checked.field(ui, SessionField::Session).slot().hint("1, 2, … for the same participant").text(ui, session);
         checked.field(ui, SessionField::Distance).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use eframe::{
     egui::{self, Align, ComboBox, Id, Layout, Response, Slider, TextEdit, Ui, Widget},
-    emath::Numeric,
+    emath::{Numeric, format_with_decimals_in_range},
 };
 
 use super::{
@@ -153,6 +153,8 @@ impl<'a> Field<'a> {
             let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
                 .step_by(step)
                 .max_decimals(decimals as usize)
+                .custom_formatter(|value, decimals| text::signed(&format_with_decimals_in_range(value, decimals)))
+                .custom_parser(|typed| number(&typed.replace('−', "-")))
                 .suffix(self.suffix);
             let response = ui.add(slider);
             if response.changed() {

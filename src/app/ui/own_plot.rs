@@ -11,7 +11,12 @@ use crate::{
         Factor, Phase, Protocol, TaskAnswer, TrialRecord,
         task::{Answer, Measures, significant},
     },
+    report::names,
+    stimulus::ParameterValue,
 };
+
+/// Maximum number of lines that have a legend; a longer one would cover the plot.
+const MAX_LEGEND: usize = 6;
 
 /// A plot of one participant's answers.
 pub struct OwnPlot {
@@ -80,7 +85,7 @@ impl OwnPlot {
             .include_y(high + pad)
             .x_axis_label(self.x_label.clone())
             .y_axis_label(self.y_label.clone());
-        if self.lines.len() > 1 {
+        if (2..=MAX_LEGEND).contains(&self.lines.len()) {
             // The legend is beside the last points, not on them.
             let longest = self.lines.iter().flat_map(|(_, points)| points).map(|point| point[0]).fold(0.0, f64::max);
             let room = if self.places.is_empty() { 1.4 * longest } else { longest };
@@ -127,6 +132,12 @@ fn mark(at: i64) -> GridMark {
     GridMark { value: at as f64, step_size: 1.0 }
 }
 
+/// Returns a factor and its level as people read them: `orientation 90°`.
+fn shown(protocol: &Protocol, factor: &Factor, level: &str) -> String {
+    let known = Some(protocol.stimulus.parameters());
+    format!("{} {}", names::factor(known, &factor.name), names::level(known, &factor.name, level))
+}
+
 /// Plots the mean of a value by the level of a factor, with one line for each level of another.
 fn means(
     protocol: &Protocol,
@@ -150,18 +161,21 @@ fn means(
         values.entry(line).or_default().entry(x).or_default().push(value);
     }
     let lines = values.into_iter().map(|(line, points)| {
-        let name = by.map_or_else(|| "rating".to_owned(), |by| format!("{} {}", by.name, by.levels[line]));
+        let name = by.map_or_else(|| "rating".to_owned(), |by| shown(protocol, by, &by.levels[line].to_string()));
         let mean = |(x, values): (usize, Vec<f64>)| [x as f64, values.iter().sum::<f64>() / values.len() as f64];
         (name, points.into_iter().map(mean).collect())
     });
-    let by_name = by.map_or("experiment", |by| &by.name);
-    let caption = protocol.instructions.ratings.replace("{x}", &along.name).replace("{lines}", by_name);
+    let known = Some(protocol.stimulus.parameters());
+    let x = names::factor(known, &along.name);
+    let by_name = by.map_or_else(|| "experiment".to_owned(), |by| names::factor(known, &by.name));
+    let caption = protocol.instructions.ratings.replace("{x}", &x).replace("{lines}", &by_name);
+    let place = |level: &ParameterValue| names::level(known, &along.name, &level.to_string()).to_string();
     let caption = if y_label == protocol.instructions.mean_rating { caption } else { y_label.clone() };
     Some(OwnPlot {
         caption,
-        x_label: along.name.clone(),
+        x_label: x,
         y_label,
-        places: along.levels.iter().map(ToString::to_string).collect(),
+        places: along.levels.iter().map(place).collect(),
         y,
         log: false,
         lines: lines.collect(),
@@ -177,8 +191,7 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         if *target == Some(0) {
             continue;
         }
-        let level_of =
-            |factor: &Factor| row.level(protocol, &factor.name).map(|level| format!("{} {level}", factor.name));
+        let level_of = |factor: &Factor| row.level(protocol, &factor.name).map(|level| shown(protocol, factor, &level));
         let name = protocol.factors.iter().filter_map(level_of).collect::<Vec<_>>().join(", ");
         let name = if name.is_empty() { common.parameter.clone() } else { name };
         let line = lines.entry(name).or_default();

@@ -170,7 +170,9 @@ pub fn neutral_primary(ui: &mut Ui, text: &str, enabled: bool, hint: &str) -> bo
 }
 
 fn filled(ui: &mut Ui, text: &str, [fill, on_fill]: [Color32; 2], enabled: bool, hint: &str) -> bool {
-    let button = egui::Button::new(RichText::new(text).color(on_fill)).fill(fill);
+    // One that is disabled never stands out.
+    let button = egui::Button::new(if enabled { RichText::new(text).color(on_fill) } else { text.into() });
+    let button = if enabled { button.fill(fill) } else { button };
     let button = button.min_size(Vec2::new(3.0 * BIG_CONTROL, BIG_CONTROL));
     ui.horizontal(|ui| {
         let clicked = ui.add_enabled(enabled, button).clicked();

@@ -106,9 +106,7 @@ fn pick_color(ui: &mut Ui, name: &str, text: &mut String) {
         ui.color_edit_button_rgb(&mut rgb)
     });
     let button = button.inner;
-    // A white swatch has an edge on a white page too.
-    let edge = egui::Stroke::new(1.0, ink(ui).edge);
-    ui.painter().rect_stroke(button.rect, 4.0, edge, egui::StrokeKind::Inside);
+    swatch_edge(ui, &button);
     text::name(ui, &button, &format!("Pick the {name}"));
     if button.changed() {
         let [r, g, b] = rgb.map(|weight| (f64::from(weight.clamp(0.0, 1.0)) * 1e3).round() / 1e3);
@@ -118,6 +116,12 @@ fn pick_color(ui: &mut Ui, name: &str, text: &mut String) {
         *text = weights.parse().map_or(weights, |color: StimulusColor| color.to_string());
     }
     button.on_hover_text("Opens a color picker.");
+}
+
+/// Draws the edge of a swatch, so that a white one can be seen on a white page too.
+pub fn swatch_edge(ui: &Ui, swatch: &egui::Response) {
+    let edge = egui::Stroke::new(1.0, ink(ui).edge);
+    ui.painter().rect_stroke(swatch.rect, 4.0, edge, egui::StrokeKind::Inside);
 }
 
 /// Returns the color in `text`, written in every color model; empty if the parameter is not a color.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{Button, Ui};
+use eframe::egui::{Button, Context, Ui};
 
 use super::{status::say, text};
 use crate::store::{StoreError, Writer};
@@ -82,8 +82,12 @@ impl Saving {
     pub fn finish(&mut self, path: &Path, outcome: Result<String, StoreError>) {
         self.asked = matches!(outcome, Err(StoreError::Occupied(_))).then(|| path.to_owned());
         self.outcome = Some(outcome.map_err(|error| match error {
-            StoreError::Occupied(file) => {
+            StoreError::Occupied(file) if file == path => {
                 format!("{} already exists. Replace it, or type a different name.", full(&file).display())
+            }
+            StoreError::Occupied(file) => {
+                let file = file.file_name().unwrap_or_default().display();
+                format!("The folder has files from before, such as {file}. Replace them, or type a different name.")
             }
             error => error.to_string(),
         }));
@@ -91,14 +95,17 @@ impl Saving {
 
     /// Tells the outcome: an error here, anything else in the status line.
     pub fn show(&mut self, ui: &mut Ui) {
-        match &self.outcome {
-            Some(Err(error)) => text::show_error(ui, error),
-            Some(Ok(done)) => {
-                say(ui.ctx(), done);
-                self.outcome = None;
-            }
-            None => {}
+        if let Some(error) = self.told(ui.ctx()) {
+            text::show_error(ui, error);
         }
+    }
+
+    /// Tells in the status line what was done; returns the error, if there is one instead.
+    pub fn told(&mut self, ctx: &Context) -> Option<&str> {
+        if let Some(done) = self.outcome.take_if(|outcome| outcome.is_ok()).and_then(Result::ok) {
+            say(ctx, done);
+        }
+        self.outcome.as_ref()?.as_ref().err().map(String::as_str)
     }
 
     fn asks(&self, path: &Path) -> bool {

@@ -1,8 +1,11 @@
 //! Text: paragraphs, hints, notes, and errors.
 
-use eframe::egui::{self, Color32, Label, Response, RichText, Role, Sense, Ui, Vec2, WidgetInfo, WidgetText};
+use eframe::egui::{
+    self, Color32, FontId, Label, Response, RichText, Role, Sense, TextStyle, Ui, Vec2, WidgetInfo, WidgetText,
+    text::LayoutJob,
+};
 
-use super::theme::{ICON, Icon, SECTION, ink};
+use super::theme::{ICON, Icon, NOTE, SECTION, ink};
 use crate::experiment::Protocol;
 
 pub fn secondary(text: impl Into<String>) -> RichText {
@@ -36,6 +39,20 @@ pub fn success(ui: &mut Ui, text: impl Into<String>) {
 
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
+}
+
+/// Draws a note in the room of two lines, which it takes even if it is empty, so that it shifts nothing. The pointer on a
+/// longer one shows the rest.
+pub fn two_lines(ui: &mut Ui, text: &str, color: Color32) {
+    let font = FontId::proportional(NOTE);
+    let height = 2.0 * ui.text_style_height(&TextStyle::Small);
+    let size = Vec2::new(ui.available_width(), height);
+    ui.allocate_ui(size, |ui| {
+        ui.set_min_size(size);
+        let mut job = LayoutJob::simple(text.to_owned(), font, color, size.x);
+        job.wrap.max_rows = 2;
+        ui.add(Label::new(job));
+    });
 }
 
 /// Draws errors, one a line.

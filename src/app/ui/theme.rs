@@ -27,6 +27,8 @@ pub const TITLE: f32 = 26.0;
 pub const SECTION: f32 = 18.0;
 pub const BODY: f32 = 15.0;
 pub const NOTE: f32 = 13.0;
+/// Opacity of what a newer result is about to replace.
+pub const STALE: f32 = 0.6;
 /// Height of a control, of the main button of a session's page, of a row in a table, and of the line that keeps room for
 /// a message, points.
 pub const CONTROL: f32 = 32.0;

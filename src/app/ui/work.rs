@@ -1,17 +1,26 @@
 //! Long computations on separate threads, so that the window stays responsive.
 
-use std::sync::{
-    atomic::{AtomicU64, Ordering},
-    mpsc::{Receiver, TryRecvError, channel},
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+        mpsc::{Receiver, TryRecvError, channel},
+    },
+    thread::available_parallelism,
 };
 
 use eframe::egui;
+use rayon::ThreadPoolBuilder;
 
 use super::{text::secondary, theme::ink};
-use crate::system::run_on_thread;
+use crate::system::{run_on_thread, stop_with, threads};
 
 /// A running computation. If it is dropped before it is done, its result is lost.
-pub struct BackgroundTask<T>(Receiver<T>);
+pub struct BackgroundTask<T> {
+    result: Receiver<T>,
+    /// Becomes true when the task is dropped.
+    dropped: Arc<AtomicBool>,
+}
 
 /// The state of a computation.
 pub enum Progress<T> {
@@ -36,15 +45,38 @@ impl<T: Send + 'static> BackgroundTask<T> {
             // If newer work has replaced this, nobody needs the result.
             let _ = send.send(compute());
         });
-        Self(receive)
+        Self { result: receive, dropped: Arc::default() }
+    }
+
+    /// Starts a long computation, which ends at its next checkpoint once the task is dropped. It has its own threads, so
+    /// that no other computation waits for it.
+    pub fn stoppable(ctx: &egui::Context, compute: impl FnOnce() -> T + Send + 'static) -> Self {
+        let dropped = Arc::<AtomicBool>::default();
+        let stop = dropped.clone();
+        let mut task = Self::start(ctx, move || {
+            let Ok((count, begin)) = threads(available_parallelism().map_or(1, usize::from)) else { return compute() };
+            let pool = ThreadPoolBuilder::new().num_threads(count).start_handler(move |_| stop_with(stop.clone()));
+            match pool.spawn_handler(begin).build() {
+                Ok(pool) => pool.install(compute),
+                Err(_) => compute(),
+            }
+        });
+        task.dropped = dropped;
+        task
     }
 
     pub fn poll(&self) -> Progress<T> {
-        match self.0.try_recv() {
+        match self.result.try_recv() {
             Ok(result) => Progress::Done(result),
             Err(TryRecvError::Empty) => Progress::Running,
             Err(TryRecvError::Disconnected) => Progress::Lost,
         }
+    }
+}
+
+impl<T> Drop for BackgroundTask<T> {
+    fn drop(&mut self) {
+        self.dropped.store(true, Ordering::Relaxed);
     }
 }
 

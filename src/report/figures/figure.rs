@@ -74,7 +74,9 @@ impl Figure {
         let scale = width as f32 / tree.size().width();
         let height = (tree.size().height() * scale).ceil() as u32;
         let mut pixmap = Pixmap::new(width, height).ok_or(FigureError::Size(width, height))?;
-        resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixmap.as_mut());
+        // The background covers the last row entirely.
+        let down = height as f32 / tree.size().height();
+        resvg::render(&tree, Transform::from_scale(scale, down), &mut pixmap.as_mut());
         // The background is opaque everywhere, so there is no alpha to remove.
         let rgb = pixmap.data().as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         Ok(Pixels { width, height, rgb })

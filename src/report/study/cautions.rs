@@ -1,6 +1,6 @@
 //! Cautions for readers about the data, the model, and how participants answered.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, path::Path};
 
 use super::{
     findings::{self, ALPHA},
@@ -11,7 +11,7 @@ use crate::{
     analysis::{Note, Results, results::SubjectResults, terms::Term},
     report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit, whole},
     statistics::Z_95,
-    store::{FileError, ratings::Source},
+    store::{FileError, definition::built_in, ratings::Source},
 };
 
 /// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
@@ -70,10 +70,16 @@ fn one_participant(source: &Source, results: &Results) -> Option<String> {
     if results.people() != 1 {
         return None;
     }
-    let plan = source.protocol.as_ref().map_or_else(String::new, |p| format!(" {} --participants 4,8,12", p.name));
+    let plan = match &source.protocol {
+        Some(p) if built_in(Path::new(&p.name)).is_some() => {
+            format!("“machband plan {} --participants 4,8,12”", p.name)
+        }
+        Some(_) => "Plan… on the page of the study, or “machband plan” with its definition,".to_owned(),
+        None => "“machband plan”".to_owned(),
+    };
     Some(format!(
         "There is only one participant: tests and intervals are about this participant’s repeated trials and say nothing \
-         about other people. “machband plan{plan}” estimates how many participants a statement about people needs."
+         about other people. {plan} estimates how many participants a statement about people needs."
     ))
 }
 

@@ -130,10 +130,10 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
     let measured =
         || exclusions::sessions(source, results).filter_map(|session| Some((session.dropped?, session.rated)));
     if measured().next().is_none() {
-        section.text("No session recorded its frames.");
+        section.text("Dropped frames could not be counted: no screen was used, or its refresh rate is unknown.");
     } else {
         section.text(format!(
-            "In {} of {} with recorded frames, at least one frame was dropped.",
+            "In {} of {} in which frames were counted, at least one was dropped.",
             whole(measured().map(|(dropped, _)| dropped).sum()),
             count(measured().map(|(_, rated)| rated).sum(), "trial")
         ));

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
 use crate::{
-    app::ui::{Field, text, theme::ink},
+    app::ui::{Field, parameter::swatch_edge, text, theme::ink},
     light::{Depth, Transfer},
     shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
     stimulus::Renderer,
@@ -47,32 +47,32 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     ui.label(RichText::new(place).strong().color(ink(ui).sides()[which]));
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
-    field("shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
+    field("Shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
     if shade.has_gradients() {
         let title = |gradients: &Gradients| match gradients {
             Gradients::Curvature => "mesh curvature".to_owned(),
             Gradients::Ring => "plane through neighbors".to_owned(),
             Gradients::Quadric => "quadric through neighbors".to_owned(),
         };
-        field("slopes from", &name("slopes"))
+        field("Slopes from", &name("slopes"))
             .choice(ui, &mut shade.gradients, Gradients::ALL, title)
             .on_hover_text("How the slope of the light at a vertex is estimated.");
     }
     if shade.has_strip() {
         let depths: Vec<Depth> = (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]).collect();
-        field("depth n", &name("depth n"))
+        field("Depth n", &name("depth n"))
             .choice(ui, &mut shade.depth, &depths, |depth| depth_title(*depth))
             .on_hover_text("The continuity depth: n − 1 derivatives vanish at the ends of the strip.");
-        field("strip b", &name("strip b"))
+        field("Strip b", &name("strip b"))
             .slider(ui, &mut shade.boundary, 0.0..=1.0 / 3.0, 0.01)
             .on_hover_text("The width of the strip along each edge, as a barycentric weight.");
     }
     if shade.shader.interpolates_light() {
         let title = |correction: &Correction| correction.name().to_owned();
-        field("vertex", &name("vertex"))
+        field("Vertex", &name("vertex"))
             .choice(ui, &mut shade.vertex, Correction::ALL, title)
             .on_hover_text("The paper's correction at the vertices, as printed or repaired.");
-        field("reweight", &name("reweight"))
+        field("Reweight", &name("reweight"))
             .choice(ui, &mut shade.reweight, Correction::ALL, title)
             .on_hover_text("The paper's correction by the length of the normal, as printed or repaired.");
     } else {
@@ -80,7 +80,7 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         (shade.vertex, shade.reweight) = (Correction::Off, Correction::Off);
     }
     if !shade.shader.lights_pixels() {
-        let response = ui.checkbox(&mut side.naive, "ignore gamma: interpolate codes");
+        let response = ui.checkbox(&mut side.naive, "Ignore gamma: interpolate codes");
         text::name(ui, &response, &name("ignores gamma"));
         response.on_hover_text("Interpolates the codes of the vertices instead of their light, as older programs do.");
     }
@@ -93,13 +93,13 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     if let MeshChoice::File(_) = compared.mesh {
         meshes.push(compared.mesh.clone());
     }
-    field("mesh", "Mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
+    field("Mesh", "Mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
     if let MeshChoice::Named(shape, vertices) = &mut compared.mesh
         && shape.has_vertices()
     {
         // Another shape may need more vertices.
         *vertices = (*vertices).max(shape.min_vertices());
-        field("vertices", "Vertices").show(ui, |ui, _| {
+        field("Vertices", "Vertices").show(ui, |ui, _| {
             ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
             let range = shape.min_vertices() as f64..=MAX_VERTICES;
             let mut number = *vertices as f64;
@@ -111,7 +111,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             }
         });
     }
-    let names = [("rotate x", "Rotate about x"), ("rotate y", "Rotate about y"), ("rotate z", "Rotate about z")];
+    let names = [("Rotate x", "Rotate about x"), ("Rotate y", "Rotate about y"), ("Rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {
         field(label, name).suffix("°").slider(ui, degrees, -180.0..=180.0, 1.0);
     }
@@ -121,8 +121,8 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
 pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
     let before = compared.light_deg();
     let [mut right, mut up] = before;
-    field("light, right", "Light, degrees to the right").suffix("°").slider(ui, &mut right, -180.0..=180.0, 1.0);
-    field("light, up", "Light, degrees upward").suffix("°").slider(ui, &mut up, -90.0..=90.0, 1.0);
+    field("Light, right", "Light, degrees to the right").suffix("°").slider(ui, &mut right, -180.0..=180.0, 1.0);
+    field("Light, up", "Light, degrees upward").suffix("°").slider(ui, &mut up, -90.0..=90.0, 1.0);
     if [right, up] != before {
         compared.set_light_deg([right, up]);
     }
@@ -130,11 +130,12 @@ pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
 
 /// Draws the controls of how the surface reflects light.
 pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
-    field("color", "Color").show(ui, |ui, _| {
+    field("Color", "Color").show(ui, |ui, _| {
         ui.horizontal(|ui| {
             let mut color = scene.color.as_vec3().to_array();
             let response = ui.color_edit_button_rgb(&mut color);
             text::name(ui, &response, "Color");
+            swatch_edge(ui, &response);
             if response.changed() {
                 scene.color = DVec3::from_array(color.map(f64::from));
             }
@@ -145,17 +146,17 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
             }
         });
     });
-    field("ambient", "Ambient").slider(ui, &mut scene.ambient, SHARE, 0.01);
-    field("diffuse", "Diffuse").slider(ui, &mut scene.diffuse, SHARE, 0.01);
-    field("specular", "Specular").slider(ui, &mut scene.specular, SHARE, 0.01);
+    field("Ambient", "Ambient").slider(ui, &mut scene.ambient, SHARE, 0.01);
+    field("Diffuse", "Diffuse").slider(ui, &mut scene.diffuse, SHARE, 0.01);
+    field("Specular", "Specular").slider(ui, &mut scene.specular, SHARE, 0.01);
     if scene.specular > 0.0 {
         let title = |shape: &Highlight| shape.name().replace('-', "–");
-        field("highlight", "Highlight model").choice(ui, &mut scene.highlight, Highlight::ALL, title);
-        field("exponent", "Highlight exponent").slider(ui, &mut scene.shininess, 1.0..=200.0, 1.0);
+        field("Highlight", "Highlight model").choice(ui, &mut scene.highlight, Highlight::ALL, title);
+        field("Exponent", "Highlight exponent").slider(ui, &mut scene.shininess, 1.0..=200.0, 1.0);
     }
-    field("background", "Background").slider(ui, &mut scene.background, SHARE, 0.01);
+    field("Background", "Background").slider(ui, &mut scene.background, SHARE, 0.01);
     let mut perspective = scene.distance.is_finite();
-    if ui.checkbox(&mut perspective, "perspective").changed() {
+    if ui.checkbox(&mut perspective, "Perspective").changed() {
         scene.distance = if perspective { PERSPECTIVE } else { f64::INFINITY };
     }
 }
@@ -168,5 +169,5 @@ pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
         Transfer::Linear => "linear".to_owned(),
         other => other.to_string().replace("gamma:", "gamma "),
     };
-    field("display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
+    field("Display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
 }

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{
     canvas::{Layer, ViewSettings},
     comparison::Comparison,
-    measures::{SHORTER_SIDE_DEG, predicted_size},
+    measures::{SHORTER_SIDE_DEG, SIDE_PX},
 };
 use crate::{
     app::ui::{Field, Saving, ending, saved},
@@ -68,7 +68,7 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
             "show": "visible difference from the smooth surface",
             "right_from_column": column,
             "shorter_side_deg": SHORTER_SIDE_DEG,
-            "judged_from_px": predicted_size(size),
+            "judged_from_px": [SIDE_PX, SIDE_PX],
             "full_scale": full_scale,
         }),
     };

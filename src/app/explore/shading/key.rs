@@ -19,7 +19,9 @@ pub fn difference(ui: &mut egui::Ui, factor: u8) {
 
 /// Draws the key to the creases. `full_scale` is the jump of slope with the last color, once it is known.
 pub fn creases(ui: &mut egui::Ui, full_scale: Option<f64>) {
-    let most = full_scale.map_or_else(String::new, |most| format!("{most:.1e} light per pixel or more: "));
+    // Two significant digits.
+    let digits = |most: f64| (1.0 - most.log10().floor()).clamp(0.0, 9.0) as usize;
+    let most = full_scale.map_or_else(String::new, |most| format!("{most:.*} light per pixel or more: ", digits(most)));
     key(ui, "no jump of slope", heat, &format!("{most}the steepest 5 % of Gouraud's"));
 }
 

@@ -19,9 +19,9 @@ use crate::{
     vision::luminance,
 };
 
-/// Length of the shorter side of the image used for predictions, pixels. A larger image would take longer and change the
-/// prediction little.
-const SIDE_PX: u32 = 512;
+/// Side of the square image used for predictions, pixels, which shows the whole mesh: the prediction does not depend on the
+/// room for the picture. A larger image would take longer and change it little.
+pub const SIDE_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
@@ -115,23 +115,13 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
     })
 }
 
-/// Returns the size of the image used for predictions of images of `size` pixels. The aspect ratio is the same, but the
-/// shorter side is always the same, so that the prediction does not depend on the room for the picture.
-#[must_use]
-pub fn predicted_size(size: [u32; 2]) -> [u32; 2] {
-    let shorter = f64::from(size[0].min(size[1]).max(1));
-    // The middle of the picture is between two pixels in every case.
-    size.map(|side| 2 * (f64::from(side) * f64::from(SIDE_PX) / shorter / 2.0).round() as u32)
-}
-
 /// The color of a map beside the mesh, encoded.
 const BESIDE: [f64; 3] = [0.2; 3];
 
 /// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
 pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
-    let [width, height] = predicted_size(size);
-    let frame = compared.scene.frame(surface, width, height).unpainted();
-    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG * f64::from(width) / f64::from(width.min(height)));
+    let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
+    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
     let judged = Judged::known(&frame);
     let judge = |side: &Renderer| {
         let found = judged.difference(&viewing, &compared.shot(side, &frame).emitted());
@@ -144,11 +134,17 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
     };
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
-        let (times, (across, down)) = (side.map.enlarged(), (size[0], size[1]));
-        let from = |place: u32, side: u32, values: u32| (place * values / side.max(1)).min(values - 1) as usize;
+        let (times, [across, down]) = (side.map.enlarged(), size);
+        // The square is in the middle of the picture.
+        let shorter = across.min(down).max(1);
+        let from = |place: u32, side: u32| {
+            let place = place.checked_sub((side - shorter) / 2)? * SIDE_PX / shorter;
+            (place < SIDE_PX).then_some(place as usize)
+        };
         let color = |x: u32, y: u32| {
-            let pixel = from(y, down, height) * width as usize + from(x, across, width);
-            let color = if judged.shown()[pixel] { crease::color(times[pixel] / full_scale) } else { BESIDE };
+            let pixel = from(x, across).zip(from(y, down)).map(|(x, y)| y * SIDE_PX as usize + x);
+            let shown = pixel.filter(|pixel| judged.shown()[*pixel]);
+            let color = shown.map_or(BESIDE, |pixel| crease::color(times[pixel] / full_scale));
             color.map(|encoded| (encoded * 255.0).round() as u8)
         };
         let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));

@@ -278,11 +278,14 @@ impl ShadingPage {
             DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
             DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
         };
-        ui.horizontal(|ui| match self.settings.layer {
-            Layer::Split => _ = ui.add(Label::new(secondary(drag)).truncate()),
-            Layer::Difference => key::difference(ui, self.settings.factor),
-            Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
-            Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
+        ui.horizontal(|ui| {
+            ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
+            match self.settings.layer {
+                Layer::Split => text::two_lines(ui, drag, ink(ui).dim),
+                Layer::Difference => key::difference(ui, self.settings.factor),
+                Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
+                Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
+            }
         });
     }
 
