@@ -162,11 +162,10 @@ impl QuestPlus {
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
         }
-        if let Some(second) = &self.second {
-            if second.levels.len() < 2 || second.gradient.is_empty() {
-                let message = "second has too few values; expected at least two levels and one gradient";
-                errors.add("adaptive.second", message);
-            }
+        if let Some(second) = &self.second
+            && (second.levels.len() < 2 || second.gradient.is_empty())
+        {
+            errors.add("adaptive.second", "second has too few values; expected at least two levels and one gradient");
         }
         let second = self.second.as_ref().map_or(1, |second| second.levels.len());
         let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);
