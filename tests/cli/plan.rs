@@ -330,7 +330,7 @@ fn wrong_usage_is_reported() {
         ("--participants 2 --terms widht", "did you mean width?"),
         ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),
         ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
-        ("--participants 0", "0 is not in 1..=10000"),
+        ("--participants 0", "outside 1…10000"),
         ("--participants 2 --alpha 0", "expected a number between 0 and 1"),
         ("", "--participants"),
     ] {
