@@ -170,7 +170,7 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
 fn presets_set_the_values() {
     let mut window = open();
     choose(&mut window, "Preset", "Figure 8 (h): fixed (5, 0.2)");
-    assert_eq!(value(&window, "Mesh"), "cube");
+    assert_eq!(value(&window, "Shape of the mesh"), "cube");
     assert_eq!(value(&window, "Right shader"), "Fixed, as printed");
     assert_eq!(value(&window, "Right depth n"), "5");
     assert_eq!(value(&window, "Right strip b"), "0.20");
@@ -203,21 +203,21 @@ fn presets_set_the_values() {
 fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open();
-    let mesh = value(&window, "Mesh");
+    let mesh = value(&window, "Shape of the mesh");
     let bad = folder.path().join("bad.obj");
     std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();
     for path in [folder.path().join("none.obj"), bad] {
         type_into(&mut window, "Mesh file", &path.display().to_string());
         click(&mut window, "Open the file");
         window.get_by_label_contains("expected");
-        assert_eq!(value(&window, "Mesh"), mesh);
+        assert_eq!(value(&window, "Shape of the mesh"), mesh);
     }
     let good = folder.path().join("good.obj");
     std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
     type_into(&mut window, "Mesh file", &good.display().to_string());
     click(&mut window, "Open the file");
     assert!(window.query_by_label_contains("cannot be opened").is_none());
-    assert_eq!(value(&window, "Mesh"), "good.obj");
+    assert_eq!(value(&window, "Shape of the mesh"), "good.obj");
 }
 
 /// Steps until all numbers are available.
@@ -234,8 +234,15 @@ pub fn await_numbers(window: &mut Window) {
 #[test]
 fn everything_has_a_name_and_fits_a_small_window() {
     let mut window = opened(builder([900.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
-    for label in ["Preset", "Left shader", "Right shader", "Mesh", "Rotate about x", "Light, degrees upward", "Diffuse"]
-    {
+    for label in [
+        "Preset",
+        "Left shader",
+        "Right shader",
+        "Shape of the mesh",
+        "Rotate about x",
+        "Light, degrees upward",
+        "Diffuse light",
+    ] {
         let rect = window.get_by_label(label).rect();
         assert!(rect.left() >= 140.0 && rect.right() <= 440.0, "{label}: {rect:?}");
     }

@@ -128,7 +128,7 @@ fn a_study_is_edited_in_place() {
     click(&mut window, "Edit");
     click(&mut window, "Remove rating 4");
     type_into(&mut window, "Label of rating 0", "nothing");
-    window::choose(&mut window, "Add a question", "age");
+    window::choose(&mut window, "Add a question", "Age");
     click(&mut window, "Save");
     wait_for(&mut window, "of 3 participants planned");
     let protocol = definition::open(&path).unwrap();
@@ -183,7 +183,7 @@ fn a_plan_says_how_many_participants_are_enough() {
     };
     let mut window = opened(folder.path(), DEFINITION);
     plan(&mut window, "0");
-    window.get_by_label_contains("0 is not in 1..=10000");
+    window.get_by_label_contains("outside 1…10000");
     type_into(&mut window, "Numbers of participants", "3, 2");
     type_into(&mut window, "Effects", "nothing=1");
     click(&mut window, "Simulate");

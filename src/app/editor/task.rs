@@ -171,25 +171,22 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
     // Two numbers are hardly a range.
     let with =
         |least: usize| found.iter().find(|(name, numbers)| numbers.len() >= least && is_seen(name, numbers)).cloned();
-    // Of a single number, the upper half is a range; of the largest, it is the widest.
-    let single = || {
-        let halves = found.iter().filter(|(_, numbers)| numbers.len() == 1);
-        let mut halves: Vec<_> = halves.map(|(name, one)| (*name, vec![one[0] / 2.0, one[0]])).collect();
-        halves.sort_by(|(_, l), (_, r)| r[1].total_cmp(&l[1]));
-        halves.into_iter().find(|(name, numbers)| is_seen(name, numbers))
-    };
-    with(3).or_else(|| with(2)).or_else(single)
+    with(3).or_else(|| with(2))
 }
 
-/// Returns whether the ends of a range give different pictures in every condition.
+/// Returns whether both ends of a range are possible in every condition, and give different pictures.
 fn changes(protocol: &Protocol, parameter: &str, range: &[f64]) -> bool {
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let picture = |condition: &Condition, number: Option<&f64>| {
         let mut stimulus = condition.stimulus.clone();
         stimulus.set(parameter, &ParameterValue::Number(*number?)).ok()?;
+        stimulus.validate().ok()?;
         Some(stimulus.codes(TRIED_PX, &quantizer))
     };
-    let differs = |condition: &Condition| picture(condition, range.first()) != picture(condition, range.last());
+    let differs = |condition: &Condition| {
+        let ends = [range.first(), range.last()].map(|end| picture(condition, end));
+        ends[0] != ends[1] && ends.iter().all(Option::is_some)
+    };
     protocol.conditions().iter().all(differs)
 }
 

@@ -201,7 +201,7 @@ impl Studies {
             return form;
         };
         form.hint("effects", format!("such as {factor}:{level}=0.5"))
-            .hint("deviations", format!("such as {factor}=0.5, a standard deviation"))
+            .hint("deviations", format!("such as {factor}=0.5"))
     }
 
     /// Returns the dialog that simulates a pilot.

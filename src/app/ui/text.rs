@@ -1,8 +1,8 @@
 //! Text: paragraphs, hints, notes, and errors.
 
 use eframe::egui::{
-    self, Color32, FontId, Label, Response, RichText, Role, Sense, TextStyle, Ui, Vec2, WidgetInfo, WidgetText,
-    text::LayoutJob,
+    self, Align, Color32, FontId, Label, Layout, Response, RichText, Role, Sense, TextStyle, Ui, UiBuilder, Vec2,
+    WidgetInfo, WidgetText, text::LayoutJob,
 };
 
 use super::theme::{ICON, Icon, NOTE, SECTION, ink};
@@ -46,13 +46,10 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
 pub fn two_lines(ui: &mut Ui, text: &str, color: Color32) {
     let font = FontId::proportional(NOTE);
     let height = 2.0 * ui.text_style_height(&TextStyle::Small);
-    let size = Vec2::new(ui.available_width(), height);
-    ui.allocate_ui(size, |ui| {
-        ui.set_min_size(size);
-        let mut job = LayoutJob::simple(text.to_owned(), font, color, size.x);
-        job.wrap.max_rows = 2;
-        ui.add(Label::new(job));
-    });
+    let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
+    let mut job = LayoutJob::simple(text.to_owned(), font, color, rect.width());
+    job.wrap.max_rows = 2;
+    ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Min))).add(Label::new(job).wrap());
 }
 
 /// Draws errors, one a line.

@@ -93,19 +93,19 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
     if let MeshChoice::File(_) = compared.mesh {
         meshes.push(compared.mesh.clone());
     }
-    field("Mesh", "Mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
+    field("Mesh", "Shape of the mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
     if let MeshChoice::Named(shape, vertices) = &mut compared.mesh
         && shape.has_vertices()
     {
         // Another shape may need more vertices.
         *vertices = (*vertices).max(shape.min_vertices());
-        field("Vertices", "Vertices").show(ui, |ui, _| {
+        field("Vertices", "Number of vertices").show(ui, |ui, _| {
             ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
             let range = shape.min_vertices() as f64..=MAX_VERTICES;
             let mut number = *vertices as f64;
             let slider = Slider::new(&mut number, range).logarithmic(true).step_by(1.0).max_decimals(0);
             let response = ui.add(slider);
-            text::name(ui, &response, "Vertices");
+            text::name(ui, &response, "Number of vertices");
             if response.changed() {
                 *vertices = number as usize;
             }
@@ -130,11 +130,11 @@ pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
 
 /// Draws the controls of how the surface reflects light.
 pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
-    field("Color", "Color").show(ui, |ui, _| {
+    field("Color", "Color of the surface").show(ui, |ui, _| {
         ui.horizontal(|ui| {
             let mut color = scene.color.as_vec3().to_array();
             let response = ui.color_edit_button_rgb(&mut color);
-            text::name(ui, &response, "Color");
+            text::name(ui, &response, "Color of the surface");
             swatch_edge(ui, &response);
             if response.changed() {
                 scene.color = DVec3::from_array(color.map(f64::from));
@@ -146,15 +146,15 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
             }
         });
     });
-    field("Ambient", "Ambient").slider(ui, &mut scene.ambient, SHARE, 0.01);
-    field("Diffuse", "Diffuse").slider(ui, &mut scene.diffuse, SHARE, 0.01);
-    field("Specular", "Specular").slider(ui, &mut scene.specular, SHARE, 0.01);
+    field("Ambient", "Ambient light").slider(ui, &mut scene.ambient, SHARE, 0.01);
+    field("Diffuse", "Diffuse light").slider(ui, &mut scene.diffuse, SHARE, 0.01);
+    field("Specular", "Specular light").slider(ui, &mut scene.specular, SHARE, 0.01);
     if scene.specular > 0.0 {
         let title = |shape: &Highlight| shape.name().replace('-', "–");
         field("Highlight", "Highlight model").choice(ui, &mut scene.highlight, Highlight::ALL, title);
         field("Exponent", "Highlight exponent").slider(ui, &mut scene.shininess, 1.0..=200.0, 1.0);
     }
-    field("Background", "Background").slider(ui, &mut scene.background, SHARE, 0.01);
+    field("Background", "Light of the background").slider(ui, &mut scene.background, SHARE, 0.01);
     let mut perspective = scene.distance.is_finite();
     if ui.checkbox(&mut perspective, "Perspective").changed() {
         scene.distance = if perspective { PERSPECTIVE } else { f64::INFINITY };
