@@ -150,6 +150,7 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     click(&mut window, "Category");
     window.run_steps(3);
     assert!(window.get_by_label("Label of rating 4").is_focused());
+    let mut window = duplicate("quick");
     choose(&mut window, "Scale", "slider");
     window.get_by_label("Label of left end");
     window.get_by_label("Label of right end");

@@ -236,7 +236,7 @@ fn no_command_writes_over_a_session() {
         let error = fails(folder.path(), &split(&format!("{command} --out z/quick/data --force")), 2);
         assert!(error.contains("is inside the data folder"), "{error}");
     }
-    for (out, expected) in [("z/quick/data/bids", "is inside z"), ("copy", "is not empty")] {
+    for (out, expected) in [("z/quick/data/bids", "is inside the data folder"), ("z/bids", "is inside z"), ("copy", "is not empty")] {
         let error = fails(folder.path(), &["export", "z", "--format", "bids", "--out", out], 2);
         assert!(error.contains(expected), "{error}");
     }
