@@ -279,7 +279,7 @@ def test_generators_of_numpy_are_seeds():
         ([{"subject_id": "a", "rating": 1}], {}, TypeError, "dict is not a path; expected .* dict of columns"),
         (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "w", "w"]), {}, machband.Error, "two columns are named 'w'"),
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
-        ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: 0 is not in 99"),
+        ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),
         ({"subject_id": ["a"], "rating": [1]}, {"large": "no"}, TypeError, "large is 'no'; expected True or False"),
     ],

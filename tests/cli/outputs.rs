@@ -236,7 +236,9 @@ fn no_command_writes_over_a_session() {
         let error = fails(folder.path(), &split(&format!("{command} --out z/quick/data --force")), 2);
         assert!(error.contains("is inside the data folder"), "{error}");
     }
-    for (out, expected) in [("z/quick/data/bids", "is inside the data folder"), ("z/bids", "is inside z"), ("copy", "is not empty")] {
+    for (out, expected) in
+        [("z/quick/data/bids", "is inside the data folder"), ("z/bids", "is inside z"), ("copy", "is not empty")]
+    {
         let error = fails(folder.path(), &["export", "z", "--format", "bids", "--out", out], 2);
         assert!(error.contains(expected), "{error}");
     }
@@ -421,7 +423,7 @@ fn stimuli_keeps_the_images_of_others() {
     assert!(run("").status.success());
     assert!(everything(&folder.path().join("s")) == whole);
     let shown = Path::new("s").join(first.file_name().unwrap()).display().to_string();
-    refused("--bits 16", &shown);
+    refused("--bits 16", "manifest.csv");
     fs::write(first, "precious").unwrap();
     refused("", &shown);
     assert!(run("--force").status.success() && everything(&folder.path().join("s")) == whole);

@@ -63,7 +63,7 @@ fn words_keep_the_rest_of_a_request_with_a_strange_path() {
 #[test]
 fn a_wrong_request_names_its_field() {
     for (given, expected) in [
-        (json!({ "draws": 3 }), "draws 3: 3 is not in 99..=1000000"),
+        (json!({ "draws": 3 }), "draws 3: outside 99…1000000; expected a whole number in this range"),
         (
             json!({ "link": "probits" }),
             "link \"probits\" is not known; expected one of logit, probit; did you mean probit?",
