@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use thiserror::Error;
 
 use super::table::{CountRow, Counts, Excluded, Measured};
-use crate::text::names::expected_one_of;
+use crate::{analysis::levels::number_of, text::names::expected_one_of};
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
 pub const MISSING: &str = "NA";
@@ -138,7 +138,15 @@ impl Counts {
     /// # Errors
     /// A name is not known.
     pub fn check_levels(&self, named: &[(String, Vec<String>)]) -> Result<(), ExclusionError> {
-        named.iter().try_for_each(|(name, own)| levels(self, name, own).map(drop))
+        named.iter().try_for_each(|(name, own)| {
+            let factor = self.factors.iter().find(|factor| factor.name == *name);
+            let numbers: Vec<f64> =
+                factor.iter().flat_map(|factor| &factor.levels).filter_map(|level| number_of(level)).collect();
+            // A number names a level however it is written: 2.0 is 2.
+            let is_number = |level: &&String| number_of(level).is_some_and(|number| numbers.contains(&number));
+            let texts: Vec<String> = own.iter().filter(|level| !is_number(level)).cloned().collect();
+            levels(self, name, &texts).map(drop)
+        })
     }
 }
 
