@@ -356,8 +356,8 @@ impl Compare {
             Ok((difference.map(), difference.center()))
         };
         let is_lit = |light: &[f64]| light.iter().all(|light| *light > 0.0 && light.is_finite());
-        let at_fault = if is_lit(&mine) && !is_lit(&theirs) { &reference.name } else { &shown.name };
-        let (map, center) = judged().map_err(|error| wrong(at_fault, &error))?;
+        let at_fault = || if is_lit(&mine) && !is_lit(&theirs) { &reference.name } else { &shown.name };
+        let (map, center) = judged().map_err(|error| wrong(at_fault(), &error))?;
         Ok(Compared {
             picture: shown.name,
             reference: reference.name,

@@ -294,10 +294,12 @@ const ZEROS: &str = "contains zero bytes";
 
 /// Returns what looks like an interrupted write, if this is the last row.
 fn interrupted(row: &Row<'_>) -> Option<&'static str> {
+    if !row.last {
+        return None;
+    }
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    let what = if raw.contains(&0) { Some(ZEROS) } else { (!is_ended).then_some("is cut off") };
-    what.filter(|_| row.last)
+    if raw.contains(&0) { Some(ZEROS) } else { (!is_ended).then_some("is cut off") }
 }
 
 fn left_behind(what: &str) -> String {
