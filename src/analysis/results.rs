@@ -344,11 +344,7 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (
     let name = |factor: usize| counts.factors[factor].name.clone();
     let is_varied = |factor: &usize| counts.factors[*factor].levels.len() > 1 && options.items != Some(name(*factor));
     let varied: Vec<usize> = (0..counts.factors.len()).filter(is_varied).collect();
-    let determined = |own: usize| {
-        let is_other =
-            |other: &usize| counts.determines(own, *other) && !(own < *other && counts.determines(*other, own));
-        varied.iter().copied().find(is_other).filter(|_| !covariates.contains(&own))
-    };
+    let determined = |own: usize| counts.determined_by(own, &varied).filter(|_| !covariates.contains(&own));
     let nested = |own: &usize| determined(*own).map(|other| Note::Nested { factor: name(*own), other: name(other) });
     let main = |own: usize| {
         let variable =

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    fmt::Write as _,
     io::ErrorKind,
     path::{Path, PathBuf},
 };
@@ -26,7 +27,10 @@ const MAX_MESSAGE: usize = 2000;
 
 impl std::fmt::Display for FileError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.file)?;
+        // An error is one line, whatever a file is called.
+        for c in self.file.chars() {
+            if c.is_control() { write!(f, "{}", c.escape_default())? } else { f.write_char(c)? }
+        }
         if let Some((line, column)) = self.position {
             write!(f, ":{line}:{column}")?;
         }

@@ -173,9 +173,8 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
             }
             _ => fail(error.to_string()),
         })?;
-        let cells = others(&record).into_iter().map(|cell| cell.parse().unwrap_or_else(|never| match never {}));
         let name = record.get(file).unwrap_or_default().trim().to_owned();
-        if levels.insert(name.clone(), cells.collect()).is_some() {
+        if levels.insert(name.clone(), others(&record)).is_some() {
             return Err(fail(format!("{name} appears twice; expected one row for each picture")));
         }
     }
@@ -187,5 +186,14 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
     if let Some(name) = names.iter().find(reserved) {
         return Err(fail(format!("the column {name:?} is not the name of a factor; expected letters, digits and _")));
     }
-    Ok((names, levels))
+    // A number is one only if nothing is lost: 007 and 7, or 1 and 1.0, are different levels.
+    let number =
+        |cell: &String| cell.parse().ok().filter(|number: &f64| number.is_finite() && number.to_string() == *cell);
+    let are_numbers: Vec<bool> =
+        (0..names.len()).map(|at| levels.values().all(|cells| number(&cells[at]).is_some())).collect();
+    let level = |(cell, is_number): (String, &bool)| {
+        number(&cell).filter(|_| *is_number).map_or_else(|| ParameterValue::Text(cell), ParameterValue::Number)
+    };
+    let typed = |cells: Vec<String>| cells.into_iter().zip(&are_numbers).map(level).collect();
+    Ok((names, levels.into_iter().map(|(file, cells)| (file, typed(cells))).collect()))
 }

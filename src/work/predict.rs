@@ -179,9 +179,10 @@ impl Predict {
         match &study.source.protocol {
             Some(rated) if rated.stimulus != protocol.stimulus || rated.factors != protocol.factors => {
                 let path = self.fit[0].display();
+                let [other, own] = [rated, protocol].map(|protocol| &protocol.name);
+                let version = if other == own { " in another version" } else { "" };
                 let message = format!(
-                    "{path}: these are ratings of other stimuli, those of {}; expected those of {}",
-                    rated.name, protocol.name
+                    "{path}: these are ratings of other stimuli, those of {other}{version}; expected those of {own}"
                 );
                 Err(RequestError::whole(message).into())
             }

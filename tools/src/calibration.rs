@@ -16,11 +16,10 @@ use serde_json::Value;
 const ALPHA: f64 = 0.05;
 
 /// What the columns of the table count: for each statistic, whether it was given, and whether it rejected or covered.
-const COLUMNS: [&str; 14] = [
+const COLUMNS: [&str; 13] = [
     "LR",
     "Friedman",
     "interaction",
-    "odds",
     "comparison",
     "coefficient",
     "mean",
@@ -166,8 +165,6 @@ fn tally(results: &Results, truth: &Value) -> Tally {
             tally.add("drift", order.drift_p.map(|p| p < ALPHA));
             tally.add("lag-one", Some(order.lag_one_p < ALPHA));
         }
-        let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
-        tally.add("odds", (!odds.is_empty()).then(|| odds.iter().any(|p| *p < ALPHA)));
         for coefficient in &report.model.coefficients {
             tally.add("coefficient", covers(coefficient.interval, &truth["coefficients"][&coefficient.name]));
         }

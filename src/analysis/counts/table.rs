@@ -198,6 +198,13 @@ impl Counts {
             && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
     }
 
+    /// Returns a factor among `others` that this one determines. Of two that determine each other, only the later one has
+    /// such a factor.
+    pub fn determined_by(&self, own: usize, others: &[usize]) -> Option<usize> {
+        let is_other = |other: &usize| self.determines(own, *other) && !(own < *other && self.determines(*other, own));
+        others.iter().copied().find(is_other)
+    }
+
     /// Returns whether a factor describes the participants and not what they saw: numbers that are the same in all ratings of
     /// each participant, with at least four different ones.
     pub fn is_covariate(&self, factor: usize) -> bool {

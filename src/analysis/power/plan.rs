@@ -110,13 +110,15 @@ impl Plan {
         model: &ModelChoice,
     ) -> Result<Self, PlanError> {
         let scenario = Scenario::new(protocol, observer, shifts, slopes)?;
-        let varied = scenario.empty.factors.iter().filter(|factor| factor.levels.len() > 1);
-        let varied: Vec<&str> = varied.map(|factor| factor.name.as_str()).collect();
-        let terms = model.terms.clone().unwrap_or_else(|| Terms::factors(&varied));
+        let outline = scenario.outline();
+        let varied: Vec<usize> =
+            (0..outline.factors.len()).filter(|own| outline.factors[*own].levels.len() > 1).collect();
+        let free = varied.iter().filter(|own| outline.determined_by(**own, &varied).is_none());
+        let free: Vec<&str> = free.map(|own| outline.factors[*own].name.as_str()).collect();
+        let terms = model.terms.clone().unwrap_or_else(|| Terms::factors(&free));
         if terms.is_empty() {
             return Err(PlanError::NothingVaries);
         }
-        let outline = scenario.outline();
         if !model.large {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }

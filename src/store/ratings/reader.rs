@@ -115,15 +115,21 @@ fn read_inputs<T>(
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
     let known = Known { numbers: AreNumbers::new(&selection, &tables), missing: &options.missing, unfinished };
     let mut all = new(&selection.shape);
-    let mut reports = Vec::new();
+    let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
         if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
             read.sha256 = Some(file::sha256(&bytes));
-            notes.extend(Some(input).filter(|input| input.layout == Layout::Long && is_doubled(&bytes)).map(|input| {
+            let text = input.header.converted.as_ref().map_or(&bytes, |converted| &converted.bytes);
+            if input.layout == Layout::Long && is_doubled(text) {
                 let message = "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
-                FileError::whole(&input.name, message)
-            }));
+                notes.push(FileError::whole(&input.name, message));
+            }
+            let is_repeated = input.layout != Layout::Results;
+            if let Some(other) = is_repeated.then(|| contents.insert(file::sha256(text), &input.name)).flatten() {
+                let message = format!("has the same content as {other}; expected each rating once");
+                notes.push(FileError::whole(&input.name, message));
+            }
         }
         errors.extend(file_errors(input, rows, &selection.inputs));
         reports.push(read);
@@ -136,11 +142,6 @@ fn read_inputs<T>(
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
-    let mut known = HashMap::new();
-    warnings.extend(reports.iter().filter(|report| report.layout != Layout::Results).filter_map(|report| {
-        let other = known.insert(report.sha256.clone()?, report.path.display())?;
-        Some(FileError::whole(&report.path, format!("has the same content as {other}; expected each rating once")))
-    }));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
