@@ -3,7 +3,7 @@
 
 use machband::{
     analysis::{
-        Options, Resampling, Results, analyze,
+        Comparison, Options, Resampling, Results, analyze,
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },
@@ -407,6 +407,26 @@ fn a_covariate_has_a_slope_at_each_level() {
         );
         assert_eq!(all.contains("A term such as age*cond"), terms.is_none(), "{all}");
         let report = results.model.as_ref().unwrap();
+        let slope = |level: &str| {
+            let has = |own: &&Comparison| own.at.as_ref().is_some_and(|(_, at)| at == level);
+            report
+                .comparisons
+                .iter()
+                .find(has)
+                .filter(|own| own.factor == "age" && own.level == "64" && own.other == "20")
+        };
+        assert_eq!(slope("a").is_some(), terms.is_some());
+        for (level, used) in [("a", 1), ("b", 2)] {
+            let Some(Comparison { estimate, interval, .. }) = slope(level) else { continue };
+            let own = report.model.coefficients.iter().filter(|c| c.name.contains("age")).take(used);
+            let expected: f64 = own.map(|c| 44.0 * c.estimate).sum();
+            assert!((estimate - expected).abs() < 1e-9, "{level}: {estimate}, {expected}");
+            let interval = interval.unwrap();
+            assert!(
+                interval.low < *estimate && *estimate < interval.high && (interval.low > 0.0) == (level == "b"),
+                "{interval:?}"
+            );
+        }
         let checks = report.checks.as_ref().unwrap();
         let margins = report.margins.iter().map(|margin| &margin.factor);
         assert!(margins.chain(checks.proportions.iter().map(|own| &own.factor)).all(|factor| factor == "cond"));

@@ -18,7 +18,7 @@ use super::{
     terms::{Term, TermPart, Variable},
 };
 use crate::{
-    analysis::{counts::Counts, frame::find_factor},
+    analysis::{counts::Counts, frame::find_factor, levels::number_of},
     statistics::{Interval, Z_95, holm, normal_two_sided},
 };
 
@@ -134,24 +134,25 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
 }
 
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere, and, for each
-/// interaction of two factors, of each factor at each level of the other (simple effects).
+/// interaction of two factors, of each factor at each level of the other (simple effects); likewise of the lowest and the
+/// highest value of a number at each level of the factor with which it interacts.
 /// For a simple effect, the limit is the larger one of the interaction and the main effect.
 pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[Result<f64, Withheld>]) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
-    let is_factor = |term: &&Term| term.variables.iter().all(|variable| matches!(variable, Variable::Factor(_)));
     let mut all = Vec::new();
-    for (term, &limit) in terms.iter().zip(limits) {
-        if !is_factor(&term) || terms.is_marginal(term) {
-            continue;
-        }
+    for (term, &limit) in terms.iter().zip(limits).filter(|(term, _)| !terms.is_marginal(term)) {
         let with_main = |factor: &Variable| {
             let main = terms.iter().position(|term| term.variables == [factor.clone()]);
             let main = main.map_or(limit, |main| limits[main]);
             limit.and_then(|limit| main.map(|main| main.max(limit)))
         };
         match &term.variables[..] {
-            [factor] => all.extend(compare(fitted, model, factor, None, limit)),
-            [first, second] => {
+            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, None, limit)),
+            [number @ Variable::Number(_), factor @ Variable::Factor(_)]
+            | [factor @ Variable::Factor(_), number @ Variable::Number(_)] => {
+                all.extend(slopes(fitted, model, number, factor, with_main(number)).unwrap_or_default());
+            }
+            [first @ Variable::Factor(_), second @ Variable::Factor(_)] => {
                 all.extend(compare(fitted, model, first, Some(second), with_main(first)));
                 all.extend(compare(fitted, model, second, Some(first), with_main(second)));
             }
@@ -180,8 +181,7 @@ fn compare(
     if pairs > MAX_COMPARISONS {
         return Vec::new();
     }
-    // With few participants, the limit is larger than that of the χ² distribution.
-    let widening = limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt());
+    let widening = widening(limit);
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
         Some(cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?.row_mean().transpose())
     };
@@ -198,10 +198,6 @@ fn compare(
         (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
         (None, None) => None,
     };
-    let coefficients = DVector::from_iterator(fitted.x.columns.len(), model.coefficients.iter().map(|c| c.estimate));
-    let first = model.thresholds.len();
-    let size = coefficients.len();
-    let covariance: DMatrix<f64> = model.covariance.view((first, first), (size, size)).into_owned();
     let pairs_of = |stratum: Option<u32>| {
         let pairs = |(place, &level): (usize, &u32)| levels[..place].iter().map(move |&lower| (stratum, level, lower));
         levels.iter().enumerate().flat_map(pairs).collect::<Vec<_>>()
@@ -209,11 +205,7 @@ fn compare(
     let pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
     let compare = |(stratum, level, lower): (Option<u32>, u32, u32)| {
         let difference = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b)?;
-        let estimate = super::estimates::dot_ignoring_zero_weights(difference.iter(), coefficients.iter());
-        let used: Vec<usize> =
-            (0..size).filter(|&i| covariance[(i, i)].is_finite() || difference[i].abs() > 1e-12).collect();
-        let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
-        let se = pairs.map(|(i, j)| difference[i] * difference[j] * covariance[(i, j)]).sum::<f64>().sqrt();
+        let (estimate, se) = estimated(model, &difference);
         // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
         // the ratio.
         // A difference of many standard errors is clear without it.
@@ -235,7 +227,77 @@ fn compare(
             withheld: limit.err(),
         })
     };
-    let mut comparisons: Vec<Comparison> = pairs.into_par_iter().filter_map(compare).collect();
+    corrected(pairs.into_par_iter().filter_map(compare).collect())
+}
+
+/// Compares the lowest and the highest value of a number at each level of a factor, by the number's coefficient there. `None`
+/// if the number interacts with another variable too, so that it has no single coefficient there.
+fn slopes(
+    fitted: &Fitted,
+    model: &Model,
+    number: &Variable,
+    factor: &Variable,
+    limit: Result<f64, Withheld>,
+) -> Option<Vec<Comparison>> {
+    let counts = fitted.frame.counts;
+    let others = fitted.spec.terms.iter().flat_map(|term| term.variables.contains(number).then_some(&term.variables));
+    if others.flatten().any(|variable| variable != number && variable != factor) {
+        return None;
+    }
+    let ((own, is_inverse), (other, _)) = (find_factor(counts, number).ok()?, find_factor(counts, factor).ok()?);
+    let value = |level: &str| number_of(level).map(|value| if is_inverse { value.recip() } else { value });
+    let names = |factor: usize| {
+        let mut levels = fitted.frame.levels(factor);
+        levels.sort_unstable();
+        levels.into_iter().map(move |level| &counts.factors[factor].levels[level as usize])
+    };
+    let mut values: Vec<(f64, &String)> = names(own).filter_map(|name| Some((value(name)?, name))).collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let ((low, lowest), (high, highest)) = (*values.first()?, *values.last()?);
+    let at_level = |at: &String| {
+        let is_own = |part: &TermPart| part.variable == *number || part.level.as_ref() == Some(at);
+        let is_there = |column: &Column| {
+            column.parts.iter().any(|part| part.variable == *number) && column.parts.iter().all(is_own)
+        };
+        let weights = fitted.x.columns.iter().map(|column| if is_there(column) { high - low } else { 0.0 });
+        let (estimate, se) = estimated(model, &DVector::from_iterator(fitted.x.columns.len(), weights));
+        let se = Some(se * widening(limit)).filter(|se| se.is_finite() && *se > 0.0);
+        Comparison {
+            factor: counts.factors[own].name.clone(),
+            level: highest.clone(),
+            other: lowest.clone(),
+            at: Some((counts.factors[other].name.clone(), at.clone())),
+            estimate,
+            se,
+            interval: Interval::around(estimate, se, Z_95),
+            p: se.map(|se| normal_two_sided(estimate / se)),
+            p_holm: None,
+            withheld: limit.err(),
+        }
+    };
+    Some(corrected(names(other).map(at_level).collect()))
+}
+
+/// Returns by how much intervals are wider than with the limit of the χ² distribution, which is too small with few
+/// participants; NaN if there is no limit.
+fn widening(limit: Result<f64, Withheld>) -> f64 {
+    limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt())
+}
+
+/// Returns a weighted sum of the coefficients and its standard error.
+fn estimated(model: &Model, weights: &DVector<f64>) -> (f64, f64) {
+    let coefficients = model.coefficients.iter().map(|coefficient| &coefficient.estimate);
+    let estimate = super::estimates::dot_ignoring_zero_weights(weights.iter(), coefficients);
+    let first = model.thresholds.len();
+    let covariance = |i: usize, j: usize| model.covariance[(first + i, first + j)];
+    let used: Vec<usize> =
+        (0..weights.len()).filter(|&i| covariance(i, i).is_finite() || weights[i].abs() > 1e-12).collect();
+    let pairs = used.iter().flat_map(|i| used.iter().map(move |j| (*i, *j)));
+    (estimate, pairs.map(|(i, j)| weights[i] * weights[j] * covariance(i, j)).sum::<f64>().sqrt())
+}
+
+/// Corrects the probabilities of the comparisons of a factor by Holm's method.
+fn corrected(mut comparisons: Vec<Comparison>) -> Vec<Comparison> {
     let corrected = holm(&comparisons.iter().map(|comparison| comparison.p).collect::<Vec<_>>());
     comparisons.iter_mut().zip(corrected).for_each(|(comparison, p)| comparison.p_holm = p);
     comparisons

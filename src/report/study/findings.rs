@@ -11,7 +11,7 @@ use crate::{
         rank_tests::PMethod,
         results::{FactorResults, factor_results},
         summary::Group,
-        terms::{Term, TermPart, Variable},
+        terms::{Term, Variable},
     },
     report::document::{
         Shown,
@@ -380,19 +380,18 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
 
 /// Describes the effect of a covariate over its range at each level of a factor with which it interacts in the model.
 fn slopes(results: &Results, covariate: &str, at: &FactorResults) -> Option<String> {
-    let coefficients = &results.model.as_ref().ok()?.model.coefficients;
-    let variable = Variable::Number(covariate.to_owned());
-    let (range, what) = range_of(results, &variable)?;
-    let is_slope = |part: &TermPart| part.variable == variable;
-    let main = coefficients.iter().find(|c| c.parts.iter().all(is_slope))?;
+    let (_, what) = range_of(results, &Variable::Number(covariate.to_owned()))?;
+    let value = |estimate: f64| on_scale(results, estimate);
     let at_level = |level: &Group| {
-        let own = |part: &TermPart| is_slope(part) || part.level.as_ref() == level.names.first();
-        let differs = coefficients.iter().find(|c| c.parts.len() == 2 && c.parts.iter().all(own));
-        let slope = main.estimate + differs.map_or(0.0, |c| c.estimate);
-        let level = names::level_of(results, at, level);
-        format!("{} at {} {level}", on_scale(results, range * slope), names::factor(results, &at.name))
+        let place = Some((&at.name, level.names.first()?));
+        let is_own =
+            |c: &&Comparison| c.factor == covariate && c.at.as_ref().map(|(name, level)| (name, level)) == place;
+        let found = results.model.as_ref().ok()?.comparisons.iter().find(is_own)?;
+        let (factor, level) = (names::factor(results, &at.name), names::level_of(results, at, level));
+        Some(format!("{}{} at {factor} {level}", value(found.estimate), with_interval(found.interval, value)))
     };
-    Some(format!(" {what} {}.", list(&at.levels.iter().map(at_level).collect::<Vec<_>>())))
+    let levels: Vec<String> = at.levels.iter().filter_map(at_level).collect();
+    (!levels.is_empty()).then(|| format!(" {what} {}.", list(&levels)))
 }
 
 /// Formats a difference on the latent scale: as an odds ratio, or in standard deviations.
