@@ -181,7 +181,6 @@ fn compare(
     if pairs > MAX_COMPARISONS {
         return Vec::new();
     }
-    let widening = widening(limit);
     let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
         Some(cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?.row_mean().transpose())
     };
@@ -212,20 +211,10 @@ fn compare(
         let is_clear = estimate.abs() > CLEAR * se;
         let implied = quantity(level, lower).filter(|_| !is_clear).and_then(|quantity| ratio_at_zero(fitted, quantity));
         let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
-        let se = Some(implied.unwrap_or(se) * widening).filter(|se| se.is_finite() && *se > 0.0);
         let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
-        Some(Comparison {
-            factor: factor.name().to_owned(),
-            level: name(own, level),
-            other: name(own, lower),
-            at: other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum))),
-            estimate,
-            se,
-            interval: Interval::around(estimate, se, Z_95),
-            p: se.map(|se| normal_two_sided(estimate / se)),
-            p_holm: None,
-            withheld: limit.err(),
-        })
+        let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
+        let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
+        Some(Comparison::new(names, (estimate, implied.unwrap_or(se)), limit))
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())
 }
@@ -261,12 +250,27 @@ fn slopes(
         };
         let weights = fitted.x.columns.iter().map(|column| if is_there(column) { high - low } else { 0.0 });
         let (estimate, se) = estimated(model, &DVector::from_iterator(fitted.x.columns.len(), weights));
-        let se = Some(se * widening(limit)).filter(|se| se.is_finite() && *se > 0.0);
-        Comparison {
-            factor: counts.factors[own].name.clone(),
-            level: highest.clone(),
-            other: lowest.clone(),
-            at: Some((counts.factors[other].name.clone(), at.clone())),
+        let at = Some((counts.factors[other].name.clone(), at.clone()));
+        Comparison::new((&counts.factors[own].name, [highest, lowest].map(Clone::clone), at), (estimate, se), limit)
+    };
+    Some(corrected(names(other).map(at_level).collect()))
+}
+
+impl Comparison {
+    /// Creates a comparison of two levels, at a level of another factor, from the difference and its standard error.
+    /// `limit` is that of the term's likelihood ratio: with few participants, it is larger than that of the χ² distribution.
+    fn new(
+        (factor, [level, other], at): (&str, [String; 2], Option<(String, String)>),
+        (estimate, se): (f64, f64),
+        limit: Result<f64, Withheld>,
+    ) -> Self {
+        let widening = limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt());
+        let se = Some(se * widening).filter(|se| se.is_finite() && *se > 0.0);
+        Self {
+            factor: factor.to_owned(),
+            level,
+            other,
+            at,
             estimate,
             se,
             interval: Interval::around(estimate, se, Z_95),
@@ -274,14 +278,7 @@ fn slopes(
             p_holm: None,
             withheld: limit.err(),
         }
-    };
-    Some(corrected(names(other).map(at_level).collect()))
-}
-
-/// Returns by how much intervals are wider than with the limit of the χ² distribution, which is too small with few
-/// participants; NaN if there is no limit.
-fn widening(limit: Result<f64, Withheld>) -> f64 {
-    limit.map_or(f64::NAN, |limit| (limit / chi_squared_limit(1)).sqrt())
+    }
 }
 
 /// Returns a weighted sum of the coefficients and its standard error.
