@@ -180,7 +180,9 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
     let row = |(name, sd, se, interval): (String, f64, Option<f64>, Option<Interval>)| {
-        vec![name.into(), fixed(sd, 3), fixed(se, 3), range(interval, |sd| fixed(sd, 2))]
+        let decimals = decimals(sd, se);
+        let of_interval = if decimals > 3 { decimals } else { 2 };
+        vec![name.into(), fixed(sd, decimals), fixed(se, decimals), range(interval, |sd| fixed(sd, of_interval))]
     };
     let caption = if random.items.is_some() {
         "Standard deviations between participants and between items, on the latent scale"
@@ -448,15 +450,20 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     }
 }
 
+/// Returns the decimals of an estimate: more than three if it is small, as that of a number with a large range.
+fn decimals(estimate: f64, se: Option<f64>) -> usize {
+    let size = estimate.abs().max(se.unwrap_or(0.0));
+    if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
+}
+
 /// Adds a table of coefficients, with odds ratios if requested.
 fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficient], odds: bool) {
     let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
     numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
     let row = |c: &Coefficient| {
-        // The coefficient of a number with a large range is small.
-        let size = c.estimate.abs().max(c.se.unwrap_or(0.0));
-        let is_small = c.parts.iter().any(|part| part.level.is_none()) && size > 0.0 && size < 0.01;
-        let decimals = if is_small { (2.0 - size.log10().floor()) as usize } else { 3 };
+        let is_of_number = c.parts.iter().any(|part| part.level.is_none());
+        let decimals = if is_of_number { decimals(c.estimate, c.se) } else { 3 };
+        let is_small = decimals > 3;
         let odds_ratio = |x: f64| if is_small { fixed(x.exp(), decimals) } else { ratio(x.exp()) };
         let mut cells = vec![
             names::coefficient(results, &c.parts).into(),
