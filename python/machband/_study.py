@@ -259,12 +259,12 @@ def analyze(
     seed
         Seed of the simulated studies.
     correct
-        Column with the number of right answers, or of answers yes; 1 or 0 if each row is one trial.
+        Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
     total
         Column with the number of trials [default: each row is one trial].
     guess
-        Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of
-        answers yes.
+        Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of yes
+        answers.
     function
         Shape of the psychometric function [default: normal].
     easier

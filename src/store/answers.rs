@@ -15,7 +15,7 @@ use crate::text::names::expected_one_of;
 pub struct AnswerColumns {
     /// The level.
     pub level: String,
-    /// The number of right answers, or of answers yes.
+    /// The number of right answers, or of yes answers.
     pub correct: String,
     /// The number of trials; without it, each row is one trial.
     pub total: Option<String>,

@@ -106,10 +106,11 @@ fn check_definition(protocol: Protocol) -> Result<Checked, StoreError> {
     let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
     Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
     let sentence = format!(
-        "definition {}: {} practice and {} main trials, order {}",
+        "definition {}: {} practice and {} main {}, order {}",
         protocol.name,
         protocol.design.practice,
         protocol.main_trials(),
+        if protocol.main_trials() == 1 { "trial" } else { "trials" },
         protocol.design.order
     );
     let (_, missing) = fonts::covering(&protocol.foreign_letters());

@@ -97,9 +97,10 @@ pub(super) fn gallery(
         }
     }
     for picture in all.iter_mut().take(shown.len()).filter(|_| !factors.is_empty()) {
-        match name_of(&picture.file).and_then(|name| levels.get(name)) {
+        let name = name_of(&picture.file).unwrap_or_default();
+        match levels.get(name) {
             Some(own) => picture.levels.clone_from(own),
-            None => failed(format!("{} has no row for {}; expected one for each picture", TABLE, picture.file)),
+            None => failed(format!("{TABLE} has no row with the {FILE} {name}; expected one for each picture")),
         }
     }
     gallery.references = all.split_off(shown.len().min(all.len()));

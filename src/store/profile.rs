@@ -64,7 +64,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
         luminance: luminance(&form, &mut document),
         name: form.name,
         primaries: form.primaries,
-        bits: form.bits,
+        bits: form.bits.map(|bits| u8::try_from(bits).unwrap_or(u8::MAX)),
         measured: form.measured,
         screen_width_cm: form.screen_width_cm,
         native_px: form.native_px,
@@ -72,7 +72,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     for (key, value, least, most) in [
         ("black_cd_m2", form.black_cd_m2, 0.0, 100_000.0),
         ("white_cd_m2", form.white_cd_m2, 0.0, 100_000.0),
-        ("bits", profile.bits.map(f64::from), 1.0, 16.0),
+        ("bits", form.bits.map(f64::from), 1.0, 16.0),
         ("screen_width_cm", profile.screen_width_cm, 1.0, 1000.0),
     ] {
         value.iter().for_each(|value| document.check_range(key, *value, least, most));
@@ -89,6 +89,19 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
                 );
             }
         }
+        // Twice the areas of the triangles of two primaries and white, which lies inside if all have one sign.
+        let area = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| {
+            (ax - white[0]) * (by - white[1]) - (bx - white[0]) * (ay - white[1])
+        };
+        let areas = [area(red, green), area(green, blue), area(blue, red)];
+        if !areas.iter().all(|area| *area > 1e-6) && !areas.iter().all(|area| *area < -1e-6) {
+            let message =
+                "white does not lie within the triangle of red, green and blue; expected the primaries of a screen";
+            document.error("primaries", message.to_owned());
+        }
+    }
+    if profile.name.trim().is_empty() {
+        document.error("name", "name is empty; expected the name of the screen".to_owned());
     }
     document.finish(profile)
 }
@@ -105,7 +118,7 @@ struct ProfileForm {
     linear: Option<Vec<f64>>,
     black_cd_m2: Option<f64>,
     white_cd_m2: Option<f64>,
-    bits: Option<u8>,
+    bits: Option<u32>,
     screen_width_cm: Option<f64>,
     native_px: Option<[u32; 2]>,
     #[serde(default, deserialize_with = "measured")]
@@ -156,7 +169,7 @@ impl From<&DisplayProfile> for ProfileForm {
             linear,
             black_cd_m2: profile.luminance.map(|range| range.black_cd_m2),
             white_cd_m2: profile.luminance.map(|range| range.white_cd_m2),
-            bits: profile.bits,
+            bits: profile.bits.map(u32::from),
             screen_width_cm: profile.screen_width_cm,
             native_px: profile.native_px,
             measured: profile.measured.clone(),

@@ -28,11 +28,10 @@ use crate::{
 };
 
 /// The fields that apply to every task; the others are about ratings.
-const OF_TASKS: [&str; 4] = ["paths", "exclude", "seed", "draws"];
+const OF_TASKS: [&str; 3] = ["paths", "exclude", "seed"];
 /// Those that apply to a table of answers at levels.
-const OF_LEVELS: [&str; 13] = [
-    "paths", "exclude", "seed", "draws", "subject", "factors", "level", "correct", "total", "guess", "function",
-    "easier", "log",
+const OF_LEVELS: [&str; 12] = [
+    "paths", "exclude", "seed", "subject", "factors", "level", "correct", "total", "guess", "function", "easier", "log",
 ];
 
 /// What to analyze, and how.
@@ -69,13 +68,13 @@ pub struct AnswersAtLevels {
     /// Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     #[arg(long, value_name = "COL", requires_all = ["correct", "guess"])]
     pub level: Option<String>,
-    /// Column with the number of right answers, or of answers yes; 1 or 0 if each row is one trial.
+    /// Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
     #[arg(long, value_name = "COL", requires = "level")]
     pub correct: Option<String>,
     /// Column with the number of trials [default: each row is one trial].
     #[arg(long, value_name = "COL", requires = "level")]
     pub total: Option<String>,
-    /// Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of answers yes.
+    /// Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of yes answers.
     #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<GuessRate>,
     /// Shape of the psychometric function [default: normal].

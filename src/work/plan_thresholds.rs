@@ -293,6 +293,6 @@ const COLUMNS: [(&str, &str, &str); 20] = [
     ("subject_sd", "", "Standard deviation of their thresholds, on the scale of the method."),
     ("slope", "", "Slope of their psychometric functions, on the scale of the method."),
     ("lapse", "", "Their lapse rate."),
-    ("false_alarm_rate", "", "Their rate of answers yes to stimuli without a target."),
+    ("false_alarm_rate", "", "Their rate of yes answers to stimuli without a target."),
     ("seed", "", "Seed of the simulation."),
 ];

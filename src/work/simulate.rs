@@ -1,7 +1,7 @@
 //! Sessions with a simulated observer.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::PathBuf,
     sync::{
         OnceLock,
@@ -237,10 +237,12 @@ impl Simulation<'_> {
         let options = SessionOptions { pages: 0, frames: FrameCount::Off };
         let mut session = Session::new(course, &resumed, options);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
-        let mut shown = BTreeMap::new();
+        let (mut shown, mut conditions) = (BTreeMap::new(), BTreeSet::new());
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {
             self.advance(1);
-            if !protocol.task.is_default() {
+            if protocol.task.is_default() {
+                conditions.insert(schedule.trials[response.trial].condition);
+            } else {
                 shown.extend(response.shown.stimuli.iter().map(|stimulus| (stimulus.key(), stimulus.clone())));
             }
             store.append(&TrialRecord::new(&context, response, after(origin, response.onset)))?;
@@ -251,16 +253,15 @@ impl Simulation<'_> {
         }
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
-        if complete {
-            let conditions: Vec<&Stimulus> = schedule.conditions.iter().map(|condition| &condition.stimulus).collect();
-            if protocol.task.is_default() {
-                let hashes = self.hashes.get_or_init(|| self.hash(&conditions));
-                store.note_pictures(conditions.into_iter().zip(hashes.iter().cloned()));
-            } else {
-                let shown: Vec<&Stimulus> = shown.values().collect();
-                let hashes = self.hash(&shown);
-                store.note_pictures(shown.into_iter().zip(hashes));
-            }
+        let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
+        if complete && protocol.task.is_default() {
+            let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
+            store.note_pictures(all().zip(hashes.iter().cloned()));
+        } else {
+            let rated = all().enumerate().filter_map(|(i, stimulus)| conditions.contains(&i).then_some(stimulus));
+            let shown: Vec<&Stimulus> = shown.values().chain(rated).collect();
+            let hashes = self.hash(&shown);
+            store.note_pictures(shown.into_iter().zip(hashes));
         }
         store.finish(complete, now().to_string(), None)?;
         rated

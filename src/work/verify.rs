@@ -97,17 +97,22 @@ impl Verified {
 
 /// Summarizes the findings about one session.
 fn sentence(found: &verify::Verified) -> String {
-    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, errors, notes } = found;
+    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, accepted, errors, notes } = found;
     let mut parts = vec![
-        format!(
-            "{}, {rated} of {planned} trials answered, {} rendered again",
-            count(*rows as u64, "row"),
-            count(*pictures as u64, "picture")
-        ),
+        // A session that could not be read has no plan.
+        if *planned == 0 {
+            "could not be read".to_owned()
+        } else {
+            format!(
+                "{}, {rated} of {planned} trials answered, {} rendered again",
+                count(*rows as u64, "row"),
+                count(*pictures as u64, "picture")
+            )
+        },
         if !errors.is_empty() {
             count(errors.len() as u64, "error")
         } else if *sealed {
-            "unchanged since it was recorded".to_owned()
+            format!("unchanged since {}", if *accepted { "changes were accepted" } else { "it was recorded" })
         } else {
             "no errors".to_owned()
         },

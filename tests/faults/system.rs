@@ -178,6 +178,8 @@ fn a_signal_closes_the_sitting() {
             assert!(sidecar["sittings"][0]["ended_at"].is_string(), "{name}: {sidecar}");
             let sitting = &sidecar["sittings"][0];
             assert!(sitting["seal"].is_object() && sitting["complete"] == (rows == trials), "{name}: {sidecar}");
+            let hashes = &sitting["pictures"]["sha256"];
+            assert!(rows == 0 || hashes.as_object().is_some_and(|all| !all.is_empty()), "{name}: {sidecar}");
             closed += usize::from((1..trials).contains(&rows));
         }
         assert!(rows == trials || ended.stderr.contains(&format!("ended by SIG{what}")), "{name}: {ended:?}");

@@ -393,11 +393,12 @@ fn display_profiles_and_observers_are_validated_too() {
     let cases = [
         (full, "200", "0.1", "5:1", "not above black_cd_m2"),
         (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 is given without white_cd_m2"),
-        (full, "bits = 8", "bits = 80", "6:1", "bits 80"),
+        (full, "bits = 8", "bits = 800", "6:1", "bits 800"),
         (full, "[1920, 1080]", "[1920]", "7:1", "native_px"),
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
         (full, "[0.3, 0.6]", "[0.3, 0.8]", "9:35", "primaries.green"),
         (full, "blue = [0.15, 0.06], ", "", "9:1", "primaries.blue is missing"),
+        (full, "[0.3, 0.6]", "[0.64, 0.33]", "9:1", "white does not lie within the triangle"),
         (full, "gamma:2/gog:2.2,1,-0.02/srgb", "srgb/srgb", "3:1", "expected one, or three"),
         (each, "\"gamma:2.1\"", "\"gamma:2.1/srgb/srgb\"", "8:1", "expected only one"),
         (each, "[channels.blue]\ntransfer = \"srgb\"\n", "", "3:2", "channels.blue is missing"),

@@ -38,6 +38,11 @@ fn an_unchanged_session_is_confirmed_and_another_picture_is_named() {
     edit(&csv.with_extension("json"), |text| text.replacen("\"size\": 256", "\"size\": 255", 1));
     let found = errors(&csv);
     assert!(found.iter().any(|error| error.contains("condition 24 of sitting 1 renders to sha256")), "{found:?}");
+    // An unreadable row does not hide that the file is another one.
+    edit(&csv, |text| text.replacen("S001_1_main_0002_1,", "", 1));
+    let found = errors(&csv);
+    assert!(found.len() == 3 && found[1].contains("was changed since the session ended"), "{found:?}");
+    assert!(text(&machband(folder.path(), &["verify", "results"]).stdout).contains("could not be read; 3 errors"));
 }
 
 /// Without a seal, the hash of the definition still shows that it was changed.

@@ -39,7 +39,7 @@ pub struct ThresholdObserver {
     pub slope: f64,
     /// The share of answers that do not depend on the stimulus, 0…0.5.
     pub lapse: f64,
-    /// The share of answers yes to a stimulus without a target, 0…0.9, in tasks in which it depends on the participant.
+    /// The share of yes answers to a stimulus without a target, 0…0.9, in tasks in which it depends on the participant.
     pub false_alarms: f64,
 }
 

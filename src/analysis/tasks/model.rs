@@ -18,7 +18,7 @@ pub struct Point {
     /// The level, on the scale of the curve: its decadic logarithm on a logarithmic axis; infinite in catch trials
     /// ([`Model::unseen`]).
     pub x: f64,
-    /// Number of correct answers, or of answers yes.
+    /// Number of correct answers, or of yes answers.
     pub correct: u32,
     /// Number of trials.
     pub total: u32,
@@ -45,7 +45,7 @@ impl Point {
 pub enum Guess {
     /// A known probability, at least 0 and below 1: 1/n for n alternatives.
     Fixed(f64),
-    /// Estimated, 0…½, as for answers yes and no.
+    /// Estimated, 0…½, as for answers of yes and no.
     Free,
 }
 

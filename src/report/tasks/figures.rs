@@ -65,7 +65,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let curves: Vec<Curve> = conditions.iter().map(curve).collect();
     let axis = study.asked.axis(&common.parameter, common.log);
     let caption = format!(
-        "Proportion of correct answers, or of answers yes, by level; the area of a marker stands for the number of trials. \
+        "Proportion of correct answers, or of yes answers, by level; the area of a marker stands for the number of trials. \
          Lines are the functions {}; {}, {}.{}",
         if study.people.len() == 1 {
             "of the participant"

@@ -50,7 +50,7 @@ const PERSON: (&str, &str) = ("subject_id", "Participant.");
 fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     let last = [
         ("level", "", "Level of the adapted parameter."),
-        ("correct", "", "Number of correct answers, or of answers yes."),
+        ("correct", "", "Number of correct answers, or of yes answers."),
         ("total", "", "Number of trials with a target."),
     ];
     let rows = results.functions.iter().flat_map(|function| {

@@ -98,7 +98,9 @@ impl Recorded {
         let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
         changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
         let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
-        let rows = results::parse(&csv.display().to_string(), &whole, &columns)?;
+        // Rows that cannot be read say nothing about whether the file is the one that was sealed.
+        let rows = results::parse(&csv.display().to_string(), &whole, &columns)
+            .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
         let course = Course::new(protocol.clone(), schedule.clone());
         let replays = replay(csv, course, (&identity, &sidecar), &rows);
         let left = replays.left();

@@ -22,6 +22,9 @@ use crate::store::{
     open::{Complete, open_regular},
 };
 
+/// How the incident begins that a user accepted a change of a file.
+pub(super) const ACCEPTED: &str = "accepted a change of ";
+
 /// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
 const MAX_HASHED: u64 = 4 << 30;
 
@@ -59,8 +62,8 @@ impl Difference {
         let file = self.path.file_name().unwrap_or_default().to_string_lossy();
         match (&self.was, &self.is) {
             (None, _) => format!("accepted that sitting {} has no seal in {file}", self.sitting + 1),
-            (Some(was), Ok(is)) => format!("accepted a change of {file}: sha256 {was} when sealed, {is} now"),
-            (Some(was), Err(why)) => format!("accepted a change of {file}: sha256 {was} when sealed; it {why}"),
+            (Some(was), Ok(is)) => format!("{ACCEPTED}{file}: sha256 {was} when sealed, {is} now"),
+            (Some(was), Err(why)) => format!("{ACCEPTED}{file}: sha256 {was} when sealed; it {why}"),
         }
     }
 }

@@ -142,7 +142,12 @@ impl Sidecar {
 
     /// True if damaged lines were moved from the data file.
     pub(in crate::store) fn is_repaired(&self) -> bool {
-        self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(REPAIRED))
+        self.has_incident(REPAIRED)
+    }
+
+    /// True if a sitting has an incident that begins like this.
+    pub(super) fn has_incident(&self, beginning: &str) -> bool {
+        self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(beginning))
     }
 
     /// Reads a sidecar; `None` if the file does not exist.

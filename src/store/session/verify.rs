@@ -13,6 +13,7 @@ use super::{
     chain,
     frames::{self, FrameRow},
     recorded::Recorded,
+    seal::ACCEPTED,
     sidecar::Sidecar,
     sitting::OtherPicture,
 };
@@ -33,6 +34,8 @@ pub struct Verified {
     pub pictures: usize,
     /// True if the session was sealed when it ended, so that later changes to its files can be detected.
     pub sealed: bool,
+    /// True if a change to its files was accepted when it was resumed.
+    pub accepted: bool,
     /// Everything that is wrong with the session.
     pub errors: Vec<FileError>,
     /// Other information.
@@ -106,6 +109,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
                 found.errors.extend(errors);
             }
             check_pictures(&recorded, renderer, &mut found);
+            found.accepted = recorded.sidecar.has_incident(ACCEPTED);
             for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
                 found.notes.extend(sitting.incidents.iter().map(|incident| format!("sitting {number}: {incident}")));
             }
