@@ -34,7 +34,8 @@ struct Share {
 }
 
 /// Returns Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and participants as coders.
-/// Returns `None` if no condition was rated by two participants or all ratings are the same.
+/// Returns `None` if fewer than two conditions were rated by two participants, because a single one is 0 by construction,
+/// or if all ratings are the same.
 ///
 /// With one rating per participant and condition, this is the published coefficient. Repeated ratings by a participant
 /// are all used, but they are compared only with ratings by other participants.
@@ -52,6 +53,9 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
         }
     }
     units.retain(|shares| shares.len() > 1);
+    if units.len() < 2 {
+        return None;
+    }
     // If each unit has few participants, as in a design between them, leaving one out changes too much.
     let enough = units.iter().all(|shares| shares.len() >= LEAST_PER_UNIT);
     let people = counts.subjects.len();

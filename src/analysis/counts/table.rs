@@ -258,7 +258,7 @@ impl Counts {
         let total: u64 = n.iter().sum();
         let is_common = |code: &usize| 50 * n[*code] >= total;
         let common: Vec<f64> = used.iter().filter(|code| is_common(code)).map(|code| numbers[*code]).collect();
-        let step = common.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let step = common.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         for chain in used.chunk_by(|a, b| numbers[*b] - numbers[*a] <= step + 1e-9).filter(|_| common.len() > 1) {
             found.extend(chain.iter().filter(|_| !chain.iter().any(is_common)));
         }

@@ -4,6 +4,8 @@
 //! orthogonal to the columns of the model. If there is no interaction, each participant's scores might as well have the
 //! opposite sign, however participants differ. The statistic is the squared sum of the scores in units of their
 //! information, and its distribution that over these signs (a score bootstrap: Kline & Santos 2012, J. Econom. Methods 1).
+//! It is shown in units in which its mean over the signs is that of χ², the number of degrees of freedom: the information
+//! does not know how participants differ, least of all in what varies only between them.
 //! The same signs for all interactions give the distribution of the smallest p, which corrects for their number (Westfall &
 //! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs, and items are shared by participants:
 //! likelihood ratios of wider models in simulated studies take their place.
@@ -123,7 +125,9 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
         }
         if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
-            (pair.chi_squared, pair.df, pair.draws) = (Some(*statistic), scores.nrows(), patterns);
+            let df = scores.nrows();
+            let chi_squared = statistic * df as f64 / scores.norm_squared();
+            (pair.chi_squared, pair.df, pair.draws) = (Some(chi_squared), df, patterns);
             (pair.p, pair.withheld) = (Some(reaching as f64 / patterns as f64), None);
         }
         tested.push(pair);

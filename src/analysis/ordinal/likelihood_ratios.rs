@@ -12,7 +12,7 @@ use super::{
     search::MixedFitEnd,
     terms::{Term, Terms, Variable},
 };
-use crate::statistics::chi_squared_tail;
+use crate::statistics::{chi_squared_quantile, chi_squared_tail};
 
 /// A likelihood-ratio test of one term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -237,7 +237,8 @@ pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)>
         let largest = finite.len() / 5;
         let from = finite[finite.len() - 1 - largest];
         let mean = finite.iter().rev().take(largest).map(|ratio| ratio - from).sum::<f64>() / largest as f64;
-        let bound = mean * (1.0 + 1.645 / (largest as f64).sqrt());
+        let df = 2.0 * largest as f64;
+        let bound = mean * df / chi_squared_quantile(0.05, df);
         (largest as f64 / number as f64 * (-(observed - from) / bound).exp()).max(LEAST_P)
     };
     enough.then(|| (if larger == 0 && number >= 50 { counted.min(tail()) } else { counted }, number))

@@ -25,7 +25,7 @@ const LONG_S: f64 = 60.0;
 /// A participant with at least this proportion of ratings in one category hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
 /// Minimum number of ratings needed to judge how a participant uses the scale.
-const FEW_RATINGS: u64 = 10;
+pub(super) const FEW_RATINGS: u64 = 10;
 /// A median response time below this, in seconds, is too short to look and decide.
 const HASTY_S: f64 = 0.3;
 /// A participant's median time is unusual if it is this many times longer or shorter than the typical median.

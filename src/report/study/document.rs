@@ -114,13 +114,17 @@ impl Study {
         let (nobodys, _) = source.left_out(Reason::NoParticipant);
         let is_affected =
             |file: &&FileRead| file.erroneous > file.repeated || file.left_out.contains_key(&Reason::NoParticipant);
-        let file = source.files.iter().find(is_affected).map_or(Path::new("."), |file| &file.path);
+        let file = source.files.iter().find(is_affected).or(source.files.first());
+        let file = file.map_or(Path::new("."), |file| &file.path);
+        let of_files = if source.files.len() > 1 { format!(" of {} files", source.files.len()) } else { String::new() };
         if UNREADABLE * (unreadable + nobodys) > rows {
             let share = 100 / UNREADABLE;
             let what = match (unreadable, nobodys) {
-                (_, 0) => format!("{unreadable} of {rows} rows cannot be read"),
-                (0, _) => format!("{nobodys} of {rows} rows have no participant (merged cells have only one)"),
-                _ => format!("{unreadable} of {rows} rows cannot be read, and {nobodys} have no participant"),
+                (_, 0) => format!("{unreadable} of {rows} rows{of_files} cannot be read"),
+                (0, _) => {
+                    format!("{nobodys} of {rows} rows{of_files} have no participant (merged cells have only one)")
+                }
+                _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
             };
             let message = format!(
                 "{what}, so nothing is concluded from the others; expected at most {share}\u{a0}% of such rows"

@@ -2,7 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{cautions::unusual_behavior, exclusions, sittings};
+use super::{
+    cautions::{FEW_RATINGS, unusual_behavior},
+    exclusions, sittings,
+};
 use crate::{
     analysis::Results,
     report::document::{
@@ -73,12 +76,18 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         let mut looked_at = Vec::new();
         looked_at.extend(results.times.iter().any(Option::is_some).then_some("response times"));
         looked_at.extend(results.kappa.is_some().then_some("repeated ratings"));
-        section.text(if looked_at.is_empty() {
-            "Every participant used several categories. There are no response times, and no repeated ratings in a known \
-             order, to check."
-                .to_owned()
+        let enough = results.subjects.iter().filter(|subject| subject.group.summary.n >= FEW_RATINGS).count();
+        let who = if enough == results.subjects.len() {
+            "Every participant used several categories".to_owned()
+        } else if enough > 0 {
+            format!("Every participant with at least {FEW_RATINGS} ratings used several categories")
         } else {
-            format!("Every participant used several categories, and no {} are unusual.", looked_at.join(" or "))
+            format!("No participant gave {FEW_RATINGS} ratings, so it is not said who used one category only")
+        };
+        section.text(if looked_at.is_empty() {
+            format!("{who}. There are no response times, and no repeated ratings in a known order, to check.")
+        } else {
+            format!("{who}. No {} are unusual.", looked_at.join(" or "))
         });
     }
     section

@@ -120,7 +120,7 @@ pub(super) fn agreement(results: &Results) -> Section {
             );
         }
         None if results.is_inferential() => section.text(
-            "No condition was rated by two participants, or all ratings are the same: agreement cannot be computed.",
+            "Fewer than two conditions were rated by two participants, or all ratings are the same: agreement cannot be computed.",
         ),
         None => section.text("Agreement between participants requires at least two participants."),
     }

@@ -8,12 +8,12 @@ use crate::{
     analysis::{
         ModelReport, Results,
         results::{FactorResults, SubjectResults},
-        summary::category_values,
     },
     report::document::{
         Section,
         numbers::{count, list, mean, unit, with_interval},
     },
+    statistics::mean_and_sd,
     store::ratings::Source,
 };
 
@@ -91,9 +91,9 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         });
     }
     if counts.total() > 0 {
-        let values = category_values(counts);
-        let sum: f64 = counts.rows.iter().map(|row| row.count as f64 * values[row.rating as usize]).sum();
-        lead.push(format!("Their overall mean is {}.", mean(sum / counts.total() as f64)));
+        // As in every mean, each participant counts equally.
+        let of_people: Vec<f64> = results.subjects.iter().map(|subject| subject.group.summary.mean).collect();
+        lead.push(format!("Their overall mean is {}.", mean(mean_and_sd(&of_people).0)));
     }
     if (2..FEW_PEOPLE).contains(&results.people()) {
         lead.push(format!("With only {who}, intervals are wide, and only large and consistent effects can be found."));

@@ -175,17 +175,18 @@ fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Ro
 /// Returns a warning for each kind of missing value.
 fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileError> {
     let named: String = named.iter().map(|text| format!("{text}, ")).collect();
-    let rows: u64 = reports.iter().map(|report| report.rows).sum();
     [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
         move |(why, what)| {
             let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
-            let (first, found) = (reports.iter().find(|report| of(report) > 0)?, reports.iter().map(of).sum::<u64>());
+            let affected: Vec<&FileRead> = reports.iter().filter(|report| of(report) > 0).collect();
+            let (found, rows) = affected.iter().fold((0, 0), |(found, rows), one| (found + of(one), rows + one.rows));
+            let files = if affected.len() > 1 { format!(" of {} files, of which this is the first,", affected.len()) } else { String::new() };
             let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
             let message = format!(
-                "{found} of {rows} rows {have} no {what} (an empty cell, NA, {named}or another text that means so) and {are} left out; \
+                "{found} of {rows} rows{files} {have} no {what} (an empty cell, NA, {named}or another text that means so) and {are} left out; \
              expected a {what} in every row"
             );
-            Some(FileError::whole(&first.path, message))
+            Some(FileError::whole(&affected.first()?.path, message))
         },
     )
 }
