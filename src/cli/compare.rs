@@ -131,14 +131,11 @@ impl Case {
         let place =
             found.places.first().map_or_else(String::new, |place| format!(", most at ({}, {})", place.x, place.y));
         let line = format!(
-            "{}: {:.3} times threshold{place}; {:.3} for a gaze at the middle ({}; white {} cd/m², black {} cd/m²; {})",
+            "{}: {:.3} times threshold{place}; {:.3} for a gaze at the middle ({})",
             printable(&found.picture),
             found.times_threshold,
             found.center,
-            degrees(found.window_deg),
-            found.white_cd_m2,
-            found.black_cd_m2,
-            found.light
+            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
         );
         let json = serde_json::to_value(&found)?;
         Ok(Self { name, times: Ok(found.times_threshold), line, json, note: found.note() })
@@ -155,14 +152,11 @@ impl Case {
         };
         let rounded = found.rounded.map_or_else(String::new, |times| format!("; rounded to 8 bits {times:.3}"));
         let line = format!(
-            "{}: steps {:.3} times threshold{rounded}; with blue-noise dither {:.3}, which is grain; {remedy} ({}; white {} cd/m², black {} cd/m²; {})",
+            "{}: steps {:.3} times threshold{rounded}; with blue-noise dither {:.3}, which is grain; {remedy} ({})",
             printable(&found.picture),
             found.steps,
             found.dithered,
-            degrees(found.window_deg),
-            found.white_cd_m2,
-            found.black_cd_m2,
-            found.light
+            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
         );
         Ok(Self {
             name: found.picture.clone(),
@@ -174,8 +168,9 @@ impl Case {
     }
 }
 
-fn degrees(window_deg: f64) -> String {
-    format!("{window_deg}° wide")
+/// Says how pictures are seen, and what their codes mean.
+fn seen([window_deg, white, black]: [f64; 3], light: &str) -> String {
+    format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
 }
 
 /// Returns text without the characters that XML cannot contain; [`printable`] escapes the others.

@@ -86,11 +86,7 @@ impl ShadedMesh {
         if self.mesh.has_vertices() && (self.vertices as usize) < least {
             return fault("vertices", &self.vertices, &format!("is below the {least} that a {} needs", self.mesh));
         }
-        let corrected = [("vertex", self.vertex), ("reweight", self.reweight)];
-        if let Some((name, correction)) = corrected.into_iter().find(|(_, correction)| *correction != Correction::Off)
-            && !self.shader.interpolates_light()
-        {
-            let problem = format!("corrects interpolated light, which {} does not use", self.shader);
+        if let Some((name, correction, problem)) = self.shade().idle_correction() {
             return fault(name, &correction, &problem);
         }
         if self.high + self.highlight > 1.0 {

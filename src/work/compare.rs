@@ -222,8 +222,8 @@ impl Compare {
         for (of, all, wanted) in [(others, &counterparts, &names), (folder, &names, &counterparts)] {
             let missing: Vec<&str> = wanted.iter().filter(|name| !all.contains(name)).map(String::as_str).collect();
             if let [first, ..] = missing.as_slice() {
-                let (of, number) = (of.display(), missing.len());
-                anyhow::bail!("{of}: lacks {first}{}; expected the same names in both folders", more(number));
+                let more = if missing.len() > 1 { format!(" and {} more", missing.len() - 1) } else { String::new() };
+                anyhow::bail!("{}: lacks {first}{more}; expected the same names in both folders", of.display());
             }
         }
         if names.is_empty() {
@@ -505,16 +505,8 @@ fn pictures(folder: &Path) -> anyhow::Result<[Vec<String>; 2]> {
         None => Err(anyhow::anyhow!("{}: the name is not Unicode; expected one that is", path.display())),
     };
     let pictures = store::image::listed(folder)?;
-    let is_other = |path: &PathBuf| !pictures.contains(path) && !path.file_name().is_some_and(is_hidden);
     let lossy = |path: PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let others = entries(folder)?.into_iter().filter(is_other).map(lossy).collect();
+    let others = entries(folder)?.into_iter().filter(|path| !pictures.contains(path)).map(lossy);
+    let others = others.filter(|name| !name.starts_with('.')).collect();
     Ok([pictures.into_iter().map(name).collect::<Result<_, _>>()?, others])
-}
-
-fn is_hidden(name: &std::ffi::OsStr) -> bool {
-    name.as_encoded_bytes().starts_with(b".")
-}
-
-fn more(number: usize) -> String {
-    if number > 1 { format!(" and {} more", number - 1) } else { String::new() }
 }

@@ -2,6 +2,7 @@
 
 use std::{
     collections::HashSet,
+    fmt::Display,
     path::{Path, PathBuf},
 };
 
@@ -16,12 +17,12 @@ use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
     shading::{
-        self, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Mirrors, Normals, Scene, Shader,
+        self, Body, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Mirrors, Normals, Scene, Shader,
         Surface, Truth, crease,
         shapes::{self, Shape},
     },
     stimulus::{
-        Judged, Renderer, Residual, Shot, StimulusColor, SurfaceDifference, Triple, Undershoot, ViewingConditions,
+        Judged, Renderer, Residual, StimulusColor, SurfaceDifference, Triple, Undershoot, ViewingConditions,
         describe_scene,
     },
     store::{self, scene::SceneFile},
@@ -51,7 +52,7 @@ pub struct Shade {
 /// One mesh, and how it is shaded and seen.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct OneMesh {
-    #[arg(long, value_name = "MESH", default_value = "blob", help = mesh_help())]
+    #[arg(long, value_name = "MESH", default_value = "blob", help = format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", ")))]
     #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
@@ -145,11 +146,6 @@ const MASKED: f64 = 0.5;
 
 /// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
 const KNOWN: &str = "known";
-
-/// Says which meshes there are.
-fn mesh_help() -> String {
-    format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", "))
-}
 
 /// Parses the path of a scene. What is the name of a mesh here would otherwise be a contradiction with every other option.
 fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
@@ -295,10 +291,10 @@ impl Shade {
             let message = "draws the smooth surface itself; expected no --shader, or a file of the smooth surface, with which the picture is compared";
             return Err(RequestError::new("truth", message).into());
         }
-        let FoundMesh { mesh, note } = given.map_or_else(|| one.mesh(), Ok)?;
+        let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
-        let drawing = one.drawing(mesh, self.image.pixels.size, encoded.transfers, viewing)?;
-        let mut notes: Vec<String> = [note, drawing.non_manifold()].into_iter().flatten().collect();
+        let mut notes = Vec::new();
+        let drawing = one.drawing(found, self.image.pixels.size, encoded.transfers, viewing, &mut notes)?;
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
@@ -315,6 +311,10 @@ impl Shade {
     /// Draws a scene of several meshes.
     fn scene(&self, scene: &Path, transfers: Transfers) -> anyhow::Result<Shaded> {
         let SceneFile { composition, text, mut notes } = store::scene::read(scene)?;
+        let of_body = |(i, body): (usize, &Body)| {
+            non_manifold(&format_args!("{}, mesh {}", scene.display(), i + 1), &body.surface)
+        };
+        notes.extend(composition.bodies.iter().enumerate().filter_map(of_body));
         let (size, bits) = (self.image.pixels.size, self.image.pixels.bits);
         let image = composition.image(size, size);
         notes.extend(clipped(&image));
@@ -347,17 +347,6 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// Says how many edges cannot be shaded smoothly, if any.
-    fn non_manifold(&self) -> Option<String> {
-        let found = self.surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
-        let name = self.one.mesh.display();
-        (found > 0).then(|| {
-            format!(
-                "{name}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({found} found)"
-            )
-        })
-    }
-
     /// Returns the light of the picture.
     fn image(&self) -> LinearImage {
         let shot = self.renderer.shoot(&self.frame, &self.transfers);
@@ -410,9 +399,16 @@ impl Drawing<'_> {
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
         notes.extend(self.doubts(&judged));
+        let unseen = |error: VisionError| RequestError::value("window_deg", format!("{}: {error}", viewing.window_deg));
         let measured = |renderer: &Renderer| {
-            let creases = renderer.shoot(&plain, transfers).creases();
-            one.measured(creases, &renderer.shoot(&seen, transfers), &judged, viewing)
+            let shot = renderer.shoot(&seen, transfers);
+            let emitted = shot.emitted();
+            Ok::<_, RequestError>(Measured {
+                creases: renderer.shoot(&plain, transfers).creases(),
+                difference: judged.difference(viewing, &emitted).map_err(unseen)?,
+                residual: judged.residual(viewing, &emitted),
+                undershoot: shot.undershoot(),
+            })
         };
         let own = measured(renderer)?;
         let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
@@ -461,6 +457,16 @@ impl Drawing<'_> {
     }
 }
 
+/// Says how many edges of a mesh cannot be shaded smoothly, if any.
+fn non_manifold(name: &dyn Display, surface: &Surface) -> Option<String> {
+    let found = surface.edges.edges.iter().filter(|edge| edge.kind == EdgeKind::NonManifold).count();
+    (found > 0).then(|| {
+        format!(
+            "{name}: shading is not smooth across edges that belong to more than two triangles, or to neighbors with opposite winding ({found} found)"
+        )
+    })
+}
+
 /// Says how many pixels are brighter than white, if any.
 fn clipped(image: &LinearImage) -> Option<String> {
     let is_clipped = |pixel: &&[f32]| pixel.iter().any(|light| *light > 1.0);
@@ -489,15 +495,17 @@ impl OneMesh {
     /// Puts a mesh in its place.
     fn drawing(
         &self,
-        mesh: Mesh,
+        FoundMesh { mesh, note }: FoundMesh,
         size: u32,
         transfers: Transfers,
         viewing: ViewingConditions,
+        notes: &mut Vec<String>,
     ) -> anyhow::Result<Drawing<'_>> {
         let (renderer, scene) = (self.renderer()?, self.scene()?);
         let surface = Surface::new(mesh.estimated(self.normals));
         let frame = scene.frame(&surface, size, size);
         let name = self.mesh.display();
+        notes.extend(note.into_iter().chain(non_manifold(&name, &surface)));
         if self.truth.is_some() && self.fine_file().is_none() && frame.smooth.is_none() {
             let message = format!("the smooth surface behind {name} is not known; expected the file of a finer mesh");
             return Err(RequestError::new("truth", message).into());
@@ -505,7 +513,13 @@ impl OneMesh {
         if frame.triangles.is_empty() {
             anyhow::bail!("{name}: no triangle faces the viewer and is large enough to be seen; expected at least one");
         }
-        let (fine, description) = (self.fine()?, self.describe(&scene, &renderer, size));
+        // A smooth surface is not flat for want of normals.
+        let fine = self.fine_file().map(|file| self.read(file, Normals::Best)).transpose()?;
+        let fine = fine.map(|FoundMesh { mesh, note }| {
+            notes.extend(note);
+            Surface::new(mesh)
+        });
+        let description = self.describe(&scene, &renderer, size);
         Ok(Drawing { one: self, renderer, scene, viewing, transfers, surface, frame, fine, description })
     }
 
@@ -513,13 +527,11 @@ impl OneMesh {
         let Self { depth, boundary, vertex, reweight, gradients, naive, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
-        let corrections = [("vertex", vertex), ("reweight", reweight)];
-        let corrected = corrections.iter().find(|(_, correction)| *correction != Correction::Off);
-        if let Some((field, _)) = corrected.filter(|_| !shader.interpolates_light()) {
-            let message = format!("the correction needs interpolated light; expected off for {shader}");
-            return Err(RequestError::new(field, message));
+        let shade = shading::Shade { shader, depth, boundary, vertex, reweight, gradients };
+        match shade.idle_correction() {
+            Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
+            None => Ok(Renderer { shade, naive }),
         }
-        Ok(Renderer { shade: shading::Shade { shader, depth, boundary, vertex, reweight, gradients }, naive })
     }
 
     fn scene(&self) -> Result<Scene, RequestError> {
@@ -528,22 +540,8 @@ impl OneMesh {
             let message = format!("{} is too short or long; expected a length from 1e-6 to 1e6", self.light);
             return Err(RequestError::value("light", message));
         }
-        let mirrors =
-            [("facet_slope", self.facet_slope), ("facet_c1", self.facet_c1), ("facet_index", self.facet_index)];
-        for (name, value) in mirrors {
-            let is_used = if name == "facet_c1" {
-                self.highlight == Highlight::TorranceSparrow
-            } else {
-                self.highlight.has_mirrors()
-            };
-            if value.is_some() && !is_used {
-                let message = format!(
-                    "has no effect with the highlight {}; expected torrance-sparrow{}",
-                    self.highlight,
-                    if name == "facet_c1" { "" } else { " or cook-torrance" }
-                );
-                return Err(RequestError::new(name, message));
-            }
+        if let Some((name, problem)) = self.highlight.idle_option([self.facet_slope, self.facet_c1, self.facet_index]) {
+            return Err(RequestError::value(name, problem));
         }
         let mirrors = Mirrors {
             slope: self.facet_slope,
@@ -566,29 +564,6 @@ impl OneMesh {
         })
     }
 
-    /// Combines the measurements with the difference from the smooth surface.
-    fn measured(
-        &self,
-        creases: Creases,
-        shot: &Shot<'_>,
-        judged: &Judged,
-        viewing: &ViewingConditions,
-    ) -> Result<Measured, RequestError> {
-        let emitted = shot.emitted();
-        let difference = judged.difference(viewing, &emitted).map_err(|error| self.unseen(&error))?;
-        Ok(Measured {
-            creases,
-            difference,
-            residual: judged.residual(viewing, &emitted),
-            undershoot: shot.undershoot(),
-        })
-    }
-
-    /// Says why nothing can be judged.
-    fn unseen(&self, error: &VisionError) -> RequestError {
-        RequestError::value("window_deg", format!("{}: {error}", self.window_deg))
-    }
-
     /// True if the picture is the smooth surface's.
     fn draws_truth(&self) -> bool {
         self.shader.is_none()
@@ -596,13 +571,6 @@ impl OneMesh {
 
     fn fine_file(&self) -> Option<&Path> {
         self.truth.as_deref().filter(|file| *file != KNOWN)
-    }
-
-    /// Reads the fine mesh, if one is given.
-    fn fine(&self) -> anyhow::Result<Option<Surface>> {
-        // A smooth surface is not flat for want of normals.
-        let read = |file: &Path| Ok(Surface::new(store::mesh::read(file, self.crease, Normals::Best)?.mesh));
-        self.fine_file().map(read).transpose()
     }
 
     /// Returns the smooth surface in `frame`, if it is known.
@@ -625,14 +593,15 @@ impl OneMesh {
             return Ok(FoundMesh { mesh, note: None });
         }
         if path.extension().is_none() && matches!(found(path), Ok(None)) {
-            let name = path.display().to_string();
-            let message =
-                format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED);
-            return Err(RequestError::new("mesh", message).into());
+            return Err(RequestError::new("mesh", Shape::missing(&path.to_string_lossy())).into());
         }
-        let file = store::mesh::read(path, self.crease, self.normals)?;
-        let note = file.note(path);
-        Ok(FoundMesh { mesh: file.mesh, note })
+        self.read(path, self.normals)
+    }
+
+    /// Reads a mesh from a file.
+    fn read(&self, path: &Path, normals: Normals) -> anyhow::Result<FoundMesh> {
+        let file = store::mesh::read(path, self.crease, normals)?;
+        Ok(FoundMesh { note: file.note(path), mesh: file.mesh })
     }
 
     /// Describes all parameters of the image.

@@ -89,12 +89,17 @@ fn every_error_has_its_own_message() {
     for (options, status, words) in [
         ("goraud", 2, "goraud"),
         ("fixed --depth 0", 2, "1…32"),
-        ("flat --mesh teapot", 2, "teapot"),
+        ("flat --mesh teapot", 2, "no shape \"teapot\", and no file of this name was found; expected one of cube, "),
+        ("flat --facet-c1 1 --highlight cook-torrance", 2, "--facet-c1 has no effect with the highlight cook-torrance"),
         ("flat --mesh blob --vertices 3", 2, "--vertices"),
         ("flat --light 0,0,0", 2, "too short or long"),
         ("flat --rotate 1,2", 2, "three numbers"),
         ("flat --distance 0.5", 2, "outside 1.05…1000000"),
-        ("phong --reweight repaired", 2, "expected off for phong"),
+        (
+            "phong --reweight repaired",
+            2,
+            "--reweight corrects interpolated light, which phong does not use; expected off",
+        ),
         ("flat --metrics x.png", 2, "is another output"),
         ("flat --window 0", 2, "'0' for '--window <DEG>': outside 0.5…170"),
         ("flat --mesh none.obj", 1, "none.obj"),
@@ -205,6 +210,13 @@ fn a_doubtful_truth_is_named() {
     };
     let (_, notes, fine) = run("fine.obj");
     assert!(notes.is_empty() && fine["difference"]["largest"].as_f64().unwrap() > 0.0, "{notes} {fine}");
+    // What was repaired in the file of the surface is told as for any mesh.
+    let turned = fs::read_to_string(folder.path().join("fine.obj")).unwrap();
+    let (rest, last) = turned.trim_end().rsplit_once("f ").unwrap();
+    let last: Vec<&str> = last.split(' ').rev().collect();
+    fs::write(folder.path().join("turned.obj"), format!("{rest}f {}\n", last.join(" "))).unwrap();
+    let (_, notes, same) = run("turned.obj");
+    assert!(notes.contains("turned.obj: 1 face was reversed") && same["residual"] == fine["residual"], "{notes}");
     let (line, notes, far) = run("far.obj");
     assert!(far["difference"].is_null() && far["residual"].is_null() && far["masked"] == 1.0, "{far}");
     assert!(line.contains("nothing can be compared") && notes.contains("no pixel of own.obj"), "{line} {notes}");
@@ -232,6 +244,12 @@ fn a_scene_is_drawn() {
         let error = fails(folder.path(), &split(&format!("shade {options}")), status);
         assert!(error.contains(words) && !folder.path().join("x.png").exists(), "{options}: {error}");
     }
+    let fan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
+    fs::write(folder.path().join("fan.obj"), fan).unwrap();
+    fs::write(folder.path().join("fan.toml"), scene.replace("\"sphere\"", "\"fan.obj\"")).unwrap();
+    let notes = text(&machband(folder.path(), &split("shade fan.toml --size 50 --out fan.png")).stderr);
+    let note = "fan.toml, mesh 2: shading is not smooth across edges that belong to more than two triangles";
+    assert!(notes.contains(note) && !notes.contains("mesh 1"), "{notes}");
     fs::write(folder.path().join("bad.toml"), scene.replace("1.5", "\"glass\"")).unwrap();
     let error = fails(folder.path(), &split("shade bad.toml --out x.png"), 1);
     assert!(error.contains("bad.toml:10:1: "), "{error}");

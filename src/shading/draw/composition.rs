@@ -12,7 +12,7 @@ use crate::{
     shading::{
         frame::{Frame, Outline, View, coverage},
         lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Transparency},
-        mesh::Surface,
+        mesh::{Mesh, Surface},
         shaders::Shade,
     },
     system::checkpoint,
@@ -64,17 +64,6 @@ const LEAST: f64 = 1e-7;
 const ROWS: usize = 16;
 
 impl Composition {
-    /// Returns the center and radius of the sphere that the picture shows, around all bodies.
-    fn sphere(&self) -> (DVec3, f64) {
-        let used = || {
-            let meshes = self.bodies.iter().map(|body| &body.surface.mesh);
-            meshes.flat_map(|mesh| mesh.triangles.iter().flatten().map(|v| mesh.vertices[*v as usize].position))
-        };
-        let (low, high) = used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
-        let center = low + (high - low) / 2.0;
-        (center, used().map(|p| p.distance(center)).fold(0.0, f64::max))
-    }
-
     /// Draws the scene in linear light, `width` × `height` pixels, each sampled at its center.
     ///
     /// At every pixel, the bodies' shaders give the light of all surfaces in front of the nearest opaque one, and
@@ -85,7 +74,7 @@ impl Composition {
     pub fn image(&self, width: u32, height: u32) -> LinearImage {
         let view = View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) };
         let view = view.rotated(self.rotate_deg);
-        let sphere = self.sphere();
+        let sphere = Mesh::bounds_of(&self.bodies.iter().map(|body| &body.surface.mesh).collect::<Vec<_>>());
         let lamps: Vec<Lamp> = self.lamps.iter().map(|lamp| in_eye_space(lamp, view.rotation, sphere)).collect();
         let frames: Vec<Frame> = self
             .bodies

@@ -69,25 +69,12 @@ pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
 /// farther part.
 #[must_use]
 pub fn interior_mask(frame: &Frame) -> Vec<bool> {
-    let (width, height) = (frame.width as usize, frame.height as usize);
     let seen = visible(frame);
     let mut inside: Vec<bool> = seen.iter().map(|triangle| *triangle != NONE).collect();
-    let mut split = |a: usize, b: usize| {
+    for (a, b) in neighbors(frame) {
         let (one, other) = (seen[a], seen[b]);
-        if one == other || one != NONE && other != NONE && is_joined(frame, one as usize, other as usize, a, b) {
-            return;
-        }
-        (inside[a], inside[b]) = (false, false);
-    };
-    for y in 0..height {
-        for x in 0..width {
-            let here = y * width + x;
-            if x + 1 < width {
-                split(here, here + 1);
-            }
-            if y + 1 < height {
-                split(here, here + width);
-            }
+        if one != other && (one == NONE || other == NONE || !is_joined(frame, one as usize, other as usize, a, b)) {
+            (inside[a], inside[b]) = (false, false);
         }
     }
     for crease in &frame.creases {
@@ -102,6 +89,17 @@ pub fn interior_mask(frame: &Frame) -> Vec<bool> {
         }
     }
     inside
+}
+
+/// Returns each pixel of the frame with the one to its right, and with the one below, as indices.
+pub(crate) fn neighbors(frame: &Frame) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (width, count) = (frame.width as usize, frame.width as usize * frame.height as usize);
+    let of = move |here: usize| {
+        let [right, below] = [here + 1, here + width];
+        let right = (!right.is_multiple_of(width)).then_some((here, right));
+        right.into_iter().chain((below < count).then_some((here, below)))
+    };
+    (0..count).flat_map(of)
 }
 
 /// Returns the pixels of the frame that are at most one pixel from the pixel at `place`, as indices.

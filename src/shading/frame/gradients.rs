@@ -2,11 +2,15 @@
 //! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
 use glam::{DVec2, DVec3};
+use nalgebra::{RowSVector, SMatrix, SVector};
 use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
 use crate::{
-    shading::cubic::{self, Gradient, Slope},
+    shading::{
+        cubic::{self, Gradient, Slope},
+        mesh::Rings,
+    },
     system::checkpoint,
     text::names::named,
 };
@@ -104,38 +108,14 @@ fn is_on_surface(ring: &Ring<'_>, vertex: &FrameVertex) -> bool {
 struct Ring<'f> {
     frame: &'f Frame,
     field: Field,
-    /// The neighbors of all fans: for each fan, the other vertices of its drawn triangles, each once.
-    neighbors: Vec<u32>,
-    /// Where the neighbors of each fan begin and end.
-    ranges: Vec<(u32, u32)>,
+    /// The neighbors of each fan in its drawn triangles.
+    neighbors: Rings,
 }
 
 impl<'f> Ring<'f> {
     fn of(frame: &'f Frame, field: Field) -> Self {
-        // First, the place that each fan may need: two neighbors per triangle.
-        let mut ranges = vec![(0, 0); frame.fans.len()];
-        for fan in frame.triangles.iter().flat_map(|triangle| triangle.fans) {
-            ranges[fan as usize].1 += 2;
-        }
-        let mut total = 0;
-        for range in &mut ranges {
-            let most = range.1;
-            *range = (total, total);
-            total += most;
-        }
-        let mut neighbors = vec![0; total as usize];
-        for triangle in &frame.triangles {
-            for k in 0..3 {
-                let (start, end) = &mut ranges[triangle.fans[k] as usize];
-                for other in [triangle.vertices[(k + 1) % 3], triangle.vertices[(k + 2) % 3]] {
-                    if !neighbors[*start as usize..*end as usize].contains(&other) {
-                        neighbors[*end as usize] = other;
-                        *end += 1;
-                    }
-                }
-            }
-        }
-        Ring { frame, field, neighbors, ranges }
+        let triangles = frame.triangles.iter().map(|triangle| (triangle.fans, triangle.vertices));
+        Ring { frame, field, neighbors: Rings::new(frame.fans.len(), triangles) }
     }
 
     /// Returns the vertex of a fan.
@@ -147,8 +127,8 @@ impl<'f> Ring<'f> {
     /// position on the screen.
     fn differences(&self, fan: usize) -> impl Iterator<Item = (DVec2, DVec3)> + '_ {
         let own = self.vertex(fan);
-        let (start, end) = self.ranges[fan];
-        self.neighbors[start as usize..end as usize]
+        self.neighbors
+            .of(fan)
             .iter()
             .map(|other| &self.frame.vertices[*other as usize])
             .map(move |other| (other.screen - own.screen, self.field.at(other) - self.field.at(own)))
@@ -178,39 +158,20 @@ fn quadric(fan: usize, ring: &Ring<'_>) -> Option<Gradient> {
     }
     // In units of the ring's size, all unknowns have similar magnitudes.
     let size = (steps.iter().map(|(offset, _)| offset.length_squared()).sum::<f64>() / steps.len() as f64).sqrt();
-    // Five unknowns, followed by the right-hand sides of the three components.
-    let mut rows = [[0.0; 8]; 5];
+    let (mut matrix, mut right_sides) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 5, 3>::zeros());
     for (offset, change) in &steps {
-        let (d, l) = (*offset / size, change.to_array());
-        let terms = [d.x, d.y, d.x * d.x, d.x * d.y, d.y * d.y, l[0], l[1], l[2]];
-        let weight = 1.0 / d.length_squared();
-        for (row, term) in rows.iter_mut().zip(terms) {
-            for (sum, other) in row.iter_mut().zip(terms) {
-                *sum += weight * term * other;
-            }
-        }
+        let d = *offset / size;
+        let terms = SVector::from([d.x, d.y, d.x * d.x, d.x * d.y, d.y * d.y]);
+        let weighted = terms / d.length_squared();
+        matrix += weighted * terms.transpose();
+        right_sides += weighted * RowSVector::from(change.to_array());
     }
-    let solved = eliminate(&mut rows)?;
-    Some([0, 1, 2].map(|c| [solved[0][c] / size, solved[1][c] / size]))
-}
-
-/// Gaussian elimination with pivots from the diagonal, which suits a symmetric positive-definite matrix.
-fn eliminate(rows: &mut [[f64; 8]; 5]) -> Option<[[f64; 3]; 5]> {
-    let largest = (0..5).map(|i| rows[i][i]).fold(0.0, f64::max);
-    for i in 0..5 {
-        let pivot = rows[i][i];
-        if pivot.is_nan() || pivot <= UNSETTLED * largest {
-            return None;
-        }
-        let own = rows[i];
-        for (j, row) in rows.iter_mut().enumerate() {
-            if j != i {
-                let factor = row[i] / pivot;
-                for (value, own) in row.iter_mut().zip(own) {
-                    *value -= factor * own;
-                }
-            }
-        }
+    let factors = matrix.cholesky()?;
+    // The pivots of Gaussian elimination.
+    let least = factors.l().diagonal().min().powi(2);
+    if least.is_nan() || least <= UNSETTLED * matrix.diagonal().max() {
+        return None;
     }
-    Some([0, 1, 2, 3, 4].map(|i| [5, 6, 7].map(|c| rows[i][c] / rows[i][i])))
+    let solved = factors.solve(&right_sides) / size;
+    Some([0, 1, 2].map(|c| [solved[(0, c)], solved[(1, c)]]))
 }

@@ -119,33 +119,27 @@ impl Truth {
     /// Returns the pixels that are at least `margin` pixels from outlines, meant creases and, with `lamps`, terminators,
     /// and where the surface faces the eye by at least the cosine `least`.
     fn inside(&self, frame: &Frame, least: f64, lamps: bool, margin: usize) -> Vec<bool> {
-        let (width, height) = (frame.width as usize, frame.height as usize);
         let meshed = coverage::interior_mask(frame);
         let faces =
             |point: &Option<Point>| point.as_ref().is_some_and(|p| p.normal.dot(frame.view.to_viewer(p.eye)) >= least);
         let mut inside: Vec<bool> =
             self.points.iter().zip(meshed).map(|(point, meshed)| faces(point) && meshed).collect();
-        for y in 0..height {
-            for x in 0..width {
-                let here = y * width + x;
-                for (there, step) in [(here + 1, DVec2::X), (here + width, DVec2::NEG_Y)] {
-                    let is_inside = if step.x > 0.0 { x + 1 < width } else { y + 1 < height };
-                    if is_inside && !self.is_joined(frame, lamps, here, there, step) {
-                        (inside[here], inside[there]) = (false, false);
-                    }
-                }
+        for (here, there) in coverage::neighbors(frame) {
+            if !self.is_joined(frame, lamps, here, there) {
+                (inside[here], inside[there]) = (false, false);
             }
         }
         for _ in 0..margin {
-            inside = eroded(&inside, width);
+            inside = eroded(&inside, frame.width as usize);
         }
         inside
     }
 
-    /// True if the surface continues from one pixel to its neighbor, which is `step` pixels away with y up, and, with
-    /// `lamps`, every lamp lights both or neither.
-    fn is_joined(&self, frame: &Frame, lamps: bool, here: usize, there: usize, step: DVec2) -> bool {
+    /// True if the surface continues from one pixel to its neighbor to the right or below, and, with `lamps`, every lamp
+    /// lights both or neither.
+    fn is_joined(&self, frame: &Frame, lamps: bool, here: usize, there: usize) -> bool {
         let (Some(a), Some(b)) = (&self.points[here], &self.points[there]) else { return false };
+        let step = if there == here + 1 { DVec2::X } else { DVec2::NEG_Y };
         // A plane with the point's normal rises by this per step toward the eye, in a parallel projection.
         let rise = |point: &Point| (point.normal.truncate().dot(step) / point.normal.z.max(1e-3)).abs();
         let pixel = 1.0 / frame.view.pixels_per_unit();

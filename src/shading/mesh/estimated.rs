@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::triangles::Mesh;
+use super::{rings::Rings, triangles::Mesh};
 use crate::text::names::named;
 
 named! {
@@ -63,9 +63,11 @@ impl Mesh {
         if !matches!(normals, Normals::Cubic | Normals::Best) {
             return self;
         }
-        let (rings, areas) = (self.rings(), (normals == Normals::Best).then(|| self.means(Weights::Areas)));
+        let rings = Rings::new(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
+        let areas = (normals == Normals::Best).then(|| self.means(Weights::Areas));
         for _ in 0..PASSES {
-            let fits: Vec<Option<Fit>> = (0..rings.len()).into_par_iter().map(|v| self.fitted(v, &rings[v])).collect();
+            let fits: Vec<Option<Fit>> =
+                (0..self.vertices.len()).into_par_iter().map(|v| self.fitted(v, rings.of(v))).collect();
             for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
                 let Some(areas) = &areas else {
                     vertex.normal = fit.map_or(vertex.normal, |fit| fit.normal);
@@ -109,22 +111,6 @@ impl Mesh {
             }
         }
         sums
-    }
-
-    /// Returns the other vertices of the triangles at each vertex, each once.
-    fn rings(&self) -> Vec<Vec<u32>> {
-        let mut rings: Vec<Vec<u32>> = vec![Vec::new(); self.vertices.len()];
-        for corners in &self.triangles {
-            for k in 0..3 {
-                let ring = &mut rings[corners[k] as usize];
-                for other in [corners[(k + 1) % 3], corners[(k + 2) % 3]] {
-                    if !ring.contains(&other) {
-                        ring.push(other);
-                    }
-                }
-            }
-        }
-        rings
     }
 
     /// Returns the normal at vertex `v` of the surface z = g₁x + g₂y + a cubic polynomial without a constant, over the

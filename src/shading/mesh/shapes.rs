@@ -64,6 +64,15 @@ impl Shape {
         !matches!(self, Shape::Cube | Shape::Pyramid)
     }
 
+    /// Says that there is neither a shape nor a file of this name.
+    #[must_use]
+    pub fn missing(name: &str) -> String {
+        let expected = Shape::EXPECTED;
+        format!(
+            "there is no shape {name:?}, and no file of this name was found; expected {expected}, or an OBJ, PLY, glTF or GLB file"
+        )
+    }
+
     /// The fewest vertices that the shape can have.
     #[must_use]
     pub const fn min_vertices(self) -> usize {

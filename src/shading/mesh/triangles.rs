@@ -52,7 +52,12 @@ impl Mesh {
     /// the farthest vertex from it.
     #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
-        let used = || self.triangles.iter().flatten().map(|v| self.vertices[*v as usize].position);
+        Mesh::bounds_of(&[self])
+    }
+
+    /// Returns [`Mesh::bounds`] of several meshes together.
+    pub(crate) fn bounds_of(meshes: &[&Mesh]) -> (DVec3, f64) {
+        let used = || meshes.iter().flat_map(|mesh| (0..mesh.triangles.len()).flat_map(|t| mesh.corners(t)));
         let (low, high) =
             used().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         let center = low + (high - low) / 2.0;

@@ -84,6 +84,15 @@ impl Shade {
         }
     }
 
+    /// Returns the name of a correction that has no effect on this shader, its value, and why.
+    #[must_use]
+    pub fn idle_correction(&self) -> Option<(&'static str, Correction, String)> {
+        let corrections = [("vertex", self.vertex), ("reweight", self.reweight)];
+        let (name, value) = corrections.into_iter().find(|(_, correction)| *correction != Correction::Off)?;
+        let why = || format!("corrects interpolated light, which {} does not use", self.shader);
+        (!self.shader.interpolates_light()).then(|| (name, value, why()))
+    }
+
     /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓.
     #[must_use]
     pub fn strip(&self) -> f64 {

@@ -63,17 +63,23 @@ pub enum Curve<T> {
         /// C(n−1+k, k), k < n.
         sums: Vec<T>,
     },
-    /// The curve of n = ∞, as printed.
-    Printed(Interpolation),
-    /// The curve of n = ∞, stretched to reach 0 and 1.
-    Stretched(Interpolation),
+    /// The curve of n = ∞, stretched to reach 0 and 1 by what it misses of them; as printed, by nothing.
+    Infinite {
+        /// The curve as printed.
+        interpolation: Interpolation,
+        /// T(0), or 0.
+        missing: f64,
+    },
 }
 
 impl<T: Constant> Curve<T> {
     /// Makes the curve of depth `depth` that reaches 0 and 1.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
-        let Depth::Finite(n) = depth else { return Curve::Stretched(Interpolation::new(depth)) };
+        let Depth::Finite(n) = depth else {
+            let interpolation = Interpolation::new(depth);
+            return Curve::Infinite { missing: interpolation.value(0.0), interpolation };
+        };
         let n = u32::from(n.clamp(1, Depth::MAX_FINITE));
         let mut sums = vec![1.0];
         for k in 1..n {
@@ -86,7 +92,7 @@ impl<T: Constant> Curve<T> {
     #[must_use]
     pub fn printed(depth: Depth) -> Self {
         match Curve::new(depth) {
-            Curve::Stretched(interpolation) => Curve::Printed(interpolation),
+            Curve::Infinite { interpolation, .. } => Curve::Infinite { interpolation, missing: 0.0 },
             finite => finite,
         }
     }
@@ -109,25 +115,11 @@ impl<T: Constant> Curve<T> {
                 let value = power(low, *n) * sum;
                 N::select(half.below(u), one - value, value)
             }
-            Curve::Printed(interpolation) => each(u, |u| interpolation.value(u)),
-            Curve::Stretched(interpolation) => each(u, |u| stretched(interpolation, u)),
+            Curve::Infinite { interpolation, missing } => {
+                let stretched = |u| (interpolation.value(u) - missing) / (1.0 - 2.0 * missing);
+                let [value] = N::each([u], |[u]| [stretched(u).clamp(0.0, 1.0)]);
+                value
+            }
         }
-    }
-}
-
-#[inline(always)]
-fn each<N: Number>(u: N, of: impl Fn(f64) -> f64) -> N {
-    let [value] = N::each([u], |[u]| [of(u)]);
-    value
-}
-
-fn stretched(interpolation: &Interpolation, u: f64) -> f64 {
-    let residual = interpolation.value(0.0);
-    if u <= 0.0 {
-        0.0
-    } else if u >= 1.0 {
-        1.0
-    } else {
-        (interpolation.value(u) - residual) / (1.0 - 2.0 * residual)
     }
 }
