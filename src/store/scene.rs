@@ -17,6 +17,7 @@ use crate::{
         Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals,
         Shade, Shader, Surface, Transparency, View, shapes,
     },
+    system::found,
     text::names::named,
 };
 
@@ -99,7 +100,7 @@ struct MeshTable {
     shininess: f64,
     facet_slope: Option<f64>,
     facet_c1: Option<f64>,
-    facet_index: f64,
+    facet_index: Option<f64>,
     transparency: Transmits,
     transmission: f64,
     filter: [f64; 3],
@@ -132,7 +133,7 @@ impl Default for MeshTable {
             shininess: material.shininess,
             facet_slope: None,
             facet_c1: None,
-            facet_index: Mirrors::default().index,
+            facet_index: None,
             transparency: Transmits::Opaque,
             transmission: 0.5,
             filter: [1.0; 3],
@@ -170,7 +171,14 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
     let (table, mut document) = toml::read::<SceneTable>(&file, &text)?;
     check(&table, &mut document);
     let mut shape = |(i, table): (usize, &MeshTable)| {
-        let made = shapes::mesh(table.mesh.parse().ok()?, table.vertices);
+        let Ok(shape) = table.mesh.parse() else {
+            let file = path.with_file_name(&table.mesh);
+            if !table.mesh.is_empty() && file.extension().is_none() && matches!(found(&file), Ok(None)) {
+                document.error(&format!("mesh.{i}.mesh"), shapes::Shape::missing(&table.mesh));
+            }
+            return None;
+        };
+        let made = shapes::mesh(shape, table.vertices);
         made.map_err(|error| document.error(&format!("mesh.{i}.vertices"), format!("vertices: {error}"))).ok()
     };
     let shapes: Vec<Option<Mesh>> = table.mesh.iter().enumerate().map(&mut shape).collect();
@@ -242,7 +250,7 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
         range(of("shininess"), &[mesh.shininess], 1.0, 1000.0);
         range(of("facet_slope"), mesh.facet_slope.as_slice(), 0.001, 10.0);
         range(of("facet_c1"), mesh.facet_c1.as_slice(), 0.0, 1e6);
-        range(of("facet_index"), &[mesh.facet_index], 1.0, 1000.0);
+        range(of("facet_index"), mesh.facet_index.as_slice(), 1.0, 1000.0);
         range(of("index"), mesh.index.as_slice(), 0.1, 10.0);
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
@@ -256,9 +264,8 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
         if mesh.mesh.is_empty() {
             document.error(&format!("mesh.{i}"), "mesh is missing; expected mesh = \"torus\", or the path to a file");
         }
-        if [mesh.vertex, mesh.reweight] != [Correction::Off; 2] && !mesh.shader.interpolates_light() {
-            let message = format!("vertex and reweight need interpolated light; expected \"off\" for {}", mesh.shader);
-            document.error(&format!("mesh.{i}.shader"), message);
+        for (key, problem) in idle(mesh) {
+            document.error(&format!("mesh.{i}.{key}"), format!("{key} {problem}"));
         }
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
@@ -268,8 +275,47 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
             document.error(&place, "the lamp needs one place; expected either direction = [x, y, z] or position = …");
         } else if length.is_some_and(|length| length < 1e-6) {
             document.error(&format!("{place}.direction"), "direction has no length; expected a vector toward the lamp");
+        } else if lamp.position.is_none() && lamp.attenuation != LampTable::default().attenuation {
+            let message =
+                "attenuation has no effect on a far lamp; expected position = [x, y, z] in place of direction";
+            document.error(&format!("{place}.attenuation"), message);
         } else if lamp.attenuation == [0.0; 3] {
             document.error(&format!("{place}.attenuation"), "attenuation is 0; expected at least one number above 0");
+        }
+    }
+}
+
+/// Returns the keys of a mesh that differ from their defaults but have no effect, and what is wrong with each.
+fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
+    let (shade, default) = (table.shade(), MeshTable::default());
+    let of_shader = format!("has no effect on the shader {}; expected none", table.shader);
+    let strip = [("depth", table.depth.is_some()), ("boundary", table.boundary.is_some())];
+    let strip = strip.into_iter().filter(|(_, is_given)| *is_given && !shade.has_strip());
+    let mut idle: Vec<_> = strip.map(|(key, _)| (key, of_shader.clone())).collect();
+    if table.gradients != default.gradients && !shade.has_gradients() {
+        idle.push(("gradients", of_shader));
+    }
+    idle.extend(shade.idle_correction().map(|(key, _, problem)| (key, format!("{problem}; expected \"off\""))));
+    idle.extend(table.highlight.idle_option([table.facet_slope, table.facet_c1, table.facet_index]));
+    if table.transparency == Transmits::Opaque && table.transmission != default.transmission {
+        idle.push(("transmission", "has no effect on an opaque mesh; expected transparency".to_owned()));
+    }
+    if table.transparency != Transmits::Filtered && table.filter != default.filter {
+        idle.push(("filter", "has no effect; expected transparency = \"filtered\"".to_owned()));
+    }
+    idle
+}
+
+impl MeshTable {
+    fn shade(&self) -> Shade {
+        let plain = Shade::new(self.shader);
+        Shade {
+            depth: self.depth.unwrap_or(plain.depth),
+            boundary: self.boundary.unwrap_or(plain.boundary),
+            vertex: self.vertex,
+            reweight: self.reweight,
+            gradients: self.gradients,
+            ..plain
         }
     }
 }
@@ -290,18 +336,10 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
         View::square(1).rotated(table.rotate).rotation,
         DVec3::from_array(table.position),
     );
-    let plain = Shade::new(table.shader);
     let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
     Ok(Body {
         surface: Surface::new(mesh),
-        shade: Shade {
-            depth: table.depth.unwrap_or(plain.depth),
-            boundary: table.boundary.unwrap_or(plain.boundary),
-            vertex: table.vertex,
-            reweight: table.reweight,
-            gradients: table.gradients,
-            ..plain
-        },
+        shade: table.shade(),
         material: Material {
             color: DVec3::from_array(table.color),
             specular_color: DVec3::from_array(table.specular_color),
@@ -311,7 +349,11 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             shininess: table.shininess,
             specular_model: table.highlight.model(
                 table.shininess,
-                Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index },
+                Mirrors {
+                    slope: table.facet_slope,
+                    c1: table.facet_c1,
+                    index: table.facet_index.unwrap_or(Mirrors::default().index),
+                },
             ),
         },
         transparency: match table.transparency {

@@ -239,6 +239,9 @@ fn impossible_comparisons_are_refused() {
     png(&at("profile.png"), [64; 2], png::ColorType::Grayscale, &waves(64, 0), |info| {
         info.icc_profile = Some(b"no profile".as_slice().into());
     });
+    png(&at("palette.png"), [64; 2], png::ColorType::Indexed, &[3; 64 * 64], |info| {
+        info.palette = Some([0, 0, 0, 9, 9, 9].as_slice().into());
+    });
     fs::write(at("text.png"), "no picture").unwrap();
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
     png(&at("colored.png"), [64; 2], png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
@@ -248,6 +251,7 @@ fn impossible_comparisons_are_refused() {
         ("compare black.png gray.png --window 2 --black 0", 1, "black.png: no light in column 0, row 0"),
         ("compare alpha.png gray.png --window 2", 1, "transparent pixels"),
         ("compare profile.png gray.png --window 2", 1, "has a color profile that is damaged"),
+        ("compare palette.png gray.png --window 2", 1, "has a pixel of color 3, but its palette has 2"),
         ("compare text.png gray.png --window 2", 1, "text.png: is not a complete PNG"),
         ("compare photo.png gray.png --window 2", 1, "photo.png: is a JPEG; expected a PNG"),
         ("compare gray.png gray.png --window 2 --mask black.png", 2, "black.png selects no pixel"),

@@ -147,6 +147,25 @@ fn nodes_of_a_glb_file_are_placed() {
     }
 }
 
+/// Numbers without a buffer view are 0, and sparse ones replace some of the others.
+#[test]
+fn accessors_of_a_glb_file_may_be_sparse_or_empty() {
+    let content = glb(|json| {
+        let place = |from: usize, length: usize| json!({ "buffer": 1, "byteOffset": from, "byteLength": length });
+        json["bufferViews"].as_array_mut().unwrap().extend([place(0, 2), place(4, 12)]);
+        // The place 2, and (5, 6, 7).
+        let uri = "data:application/octet-stream;base64,AgAAAAAAoEAAAMBAAADgQA==";
+        json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 16, "uri": uri }));
+        json["accessors"][0]["sparse"] =
+            json!({ "count": 1, "indices": { "bufferView": 6, "componentType": 5123 }, "values": { "bufferView": 7 } });
+        json["accessors"][3].as_object_mut().unwrap().remove("bufferView");
+    });
+    let mesh = parsed(&content).mesh;
+    let far = mesh.vertices.iter().filter(|vertex| vertex.position == DVec3::new(5.0, 6.0, 7.0)).count();
+    assert!(far == 1 && mesh.vertices.len() == 4, "{:?}", mesh.vertices);
+    assert!(mesh.paint.unwrap().corners.iter().flatten().all(|corner| corner.color == DVec3::ZERO));
+}
+
 #[test]
 fn errors_of_glb_files_say_what_is_expected() {
     let set = |path: &'static str, value: Value| glb(move |json| *json.pointer_mut(path).unwrap() = value);
@@ -236,6 +255,15 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
     assert_eq!((cyan, white), (2, 4));
 
     let ascii = String::from_utf8(ply("ascii")).unwrap();
+    // Faces may come first.
+    let (vertices, faces) = (ascii.find("element vertex").unwrap(), ascii.find("element face").unwrap());
+    let (end, first) = (ascii.find("end_header").unwrap(), ascii.find("-1 -1 0").unwrap());
+    let data = ascii[first..].split_once("4 0 1 2 3\n").unwrap().0;
+    let [head, of_vertices, of_faces] = [&ascii[..vertices], &ascii[vertices..faces], &ascii[faces..end]];
+    assert_eq!(
+        parsed(format!("{head}{of_faces}{of_vertices}end_header\n4 0 1 2 3\n{data}").as_bytes()),
+        parsed(ascii.as_bytes())
+    );
     for (from, to, words) in [
         ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
@@ -243,6 +271,7 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         ("-1 -1 0", "-1 1e300 0", "vertex 0 has a position that is not finite"),
         ("-1 -1 0", "-1 one 0", "it:14:1: "),
         ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
+        ("property uchar red", "property int red", "it:8:1: the color red has the type int; expected uchar"),
         ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),
     ] {
         let message = message(ascii.replace(from, to).as_bytes());
@@ -502,9 +531,9 @@ fn extensions_of_glb_files_are_read_or_named() {
     for (name, words) in [
         (
             "KHR_draco_mesh_compression",
-            "compressed (KHR_draco_mesh_compression); expected them without compression, as \"gltf-transform copy",
+            "compressed with KHR_draco_mesh_compression, which machband does not read; expected them without compression, as \"gltf-transform copy",
         ),
-        ("EXT_meshopt_compression", "compressed (EXT_meshopt_compression)"),
+        ("EXT_meshopt_compression", "compressed with EXT_meshopt_compression,"),
         ("KHR_something", "requires extensions that are not read (KHR_something)"),
     ] {
         assert!(message(&required(name)).contains(words), "{}", message(&required(name)));

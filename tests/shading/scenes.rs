@@ -286,6 +286,10 @@ fn scenes_are_read_and_their_errors_have_places() {
         ("position = [0.0, 2.0, 1.0]", "", 41, "expected either direction = [x, y, z] or position"),
         ("vertices = 300", "vertices = 1", 12, "vertices: "),
         ("mesh = \"torus\"", "", 10, "mesh is missing"),
+        ("mesh = \"torus\"", "mesh = \"torous\"", 11, "torous"),
+        ("shader = \"fixed\"", "shader = \"phong\"", 20, "depth has no effect on the shader phong"),
+        ("transparency = \"interpolated\"\n", "", 24, "transmission has no effect on an opaque mesh"),
+        ("position = [0.0, 2.0, 1.0]", "direction = [0, 2, 1]", 43, "attenuation has no effect on a far lamp"),
         ("attenuation = [1.0, 0.2, 0.1]", "attenuation = [0, 0, 0]", 43, "attenuation is 0"),
     ] {
         fs::write(&path, SCENE.replace(from, to)).unwrap();

@@ -5,13 +5,17 @@
 //! targets have their default weights. Skins and other extensions are ignored and named; animations, lamps, cameras and
 //! everything else about materials are ignored. Textures are interpolated.
 
-use std::{collections::HashMap, path::Path, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    path::Path,
+    sync::Arc,
+};
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
 use gltf::{
     Accessor, Document, Gltf, Material, Primitive, Semantic,
-    accessor::DataType,
+    accessor::{DataType, sparse},
     buffer, image,
     json::{self, validation::Checked},
     mesh::Mode,
@@ -35,6 +39,9 @@ use crate::{
 
 /// Maximum number of triangles: nodes can repeat a mesh any number of times.
 const MAX_TRIANGLES: usize = 4_000_000;
+
+/// Maximum number of items of an accessor without a buffer view, which needs no bytes in the file.
+const MAX_ZEROS: usize = 3 * MAX_TRIANGLES;
 
 /// Reads the content of a glTF or GLB file; `file` identifies it in messages. Other files that it names must lie in
 /// `folder`.
@@ -63,11 +70,20 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         _ => format!("{}; expected a glTF 2.0 file", error.to_string().trim_end_matches(';')),
     };
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
-    check(document.as_json())?;
     let mut json = document.into_json();
+    // A required extension says more than what is missing without it.
     let ignored = extensions(&mut json)?;
+    check(&json)?;
+    // The crate demands a buffer view, but without one, all numbers are 0.
+    let mut empty = HashSet::new();
+    for (i, accessor) in json.accessors.iter_mut().enumerate().filter(|(_, accessor)| accessor.buffer_view.is_none()) {
+        if accessor.sparse.is_none() && !json.buffer_views.is_empty() {
+            accessor.buffer_view = Some(json::Index::new(0));
+            empty.insert(i);
+        }
+    }
     let document = Document::from_json(json).map_err(not_gltf)?;
-    let mut source = Source { folder, buffers: Vec::new(), left: MAX_FILE.saturating_sub(content.len() as u64) };
+    let mut source = Source { folder, buffers: Vec::new(), empty, left: MAX_FILE.saturating_sub(content.len() as u64) };
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
             buffer::Source::Bin => blob.take().ok_or("its binary chunk is missing; expected one, for one buffer")?,
@@ -116,13 +132,17 @@ fn version(content: &[u8]) -> Option<String> {
     Some(json["asset"]["version"].as_str()?.to_owned())
 }
 
+fn compressed_with(name: &str) -> String {
+    format!(
+        "its meshes are compressed with {name}, which machband does not read; expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
+    )
+}
+
 /// Checks the extensions that a file requires, and returns the names of those that are ignored.
 fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
     let required = &mut json.extensions_required;
     if let Some(name) = required.iter().find(|name| COMPRESSION.contains(&name.as_str())) {
-        return Err(format!(
-            "its meshes are compressed ({name}); expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
-        ));
+        return Err(compressed_with(name));
     }
     // The crate does not know that these are read.
     required.retain(|name| !KNOWN.contains(&name.as_str()));
@@ -147,6 +167,15 @@ fn check(json: &json::Root) -> Result<(), String> {
         if primitive.attributes.get(&position).is_some_and(|accessor| accessor.value() >= json.accessors.len()) {
             return Err(format!("mesh {mesh} has positions that do not exist; expected the index of an accessor"));
         }
+        let has_data = |index: &json::Index<json::Accessor>| {
+            let accessor = json.accessors.get(index.value());
+            accessor.is_none_or(|accessor| accessor.buffer_view.is_some() || accessor.sparse.is_some())
+        };
+        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+        let compressed = COMPRESSION.iter().find(|name| others.is_some_and(|others| others.contains_key(**name)));
+        if let Some(name) = compressed.filter(|_| !primitive.attributes.values().all(has_data)) {
+            return Err(compressed_with(name));
+        }
     }
     for (i, image) in json.images.iter().enumerate() {
         if image.uri.is_none() && (image.buffer_view.is_none() || image.mime_type.is_none()) {
@@ -163,6 +192,8 @@ fn check(json: &json::Root) -> Result<(), String> {
 struct Source<'a> {
     folder: Option<&'a Path>,
     buffers: Vec<Vec<u8>>,
+    /// The accessors whose numbers are all 0.
+    empty: HashSet<usize>,
     /// The number of bytes that other files may still have.
     left: u64,
 }
@@ -205,18 +236,6 @@ impl Source<'_> {
         if given < N {
             return Err(format!("its {what} (accessor {index}) have {given} numbers each; expected {N}"));
         }
-        let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
-            return Err(format!("its {what} (accessor {index}) are sparse; expected all of them in one buffer view"));
-        };
-        let bytes = self.view(&view)?;
-        let stride = view.stride().unwrap_or(size * given);
-        let end = accessor.count().checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
-        let end = end.and_then(|end| end.checked_add(accessor.offset()));
-        let Some(bytes) = end.and_then(|end| bytes.get(accessor.offset()..end)) else {
-            return Err(format!(
-                "its {what} (accessor {index}) reach beyond their buffer view; expected them within it"
-            ));
-        };
         let (kind, is_normalized) = (accessor.data_type(), accessor.normalized());
         let number = |bytes: &[u8]| {
             let (value, full) = match (kind, bytes) {
@@ -229,8 +248,47 @@ impl Source<'_> {
             };
             if is_normalized { (value / full).max(-1.0) } else { value }
         };
-        let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
-        Ok((0..accessor.count()).map(item).collect())
+        // The items of `N` numbers in `bytes`.
+        let items = |bytes: &[u8], from: usize, stride: usize, count: usize| {
+            let end = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
+            let bytes = end.and_then(|end| bytes.get(from..from.checked_add(end)?)).ok_or_else(|| {
+                format!("its {what} (accessor {index}) reach beyond their buffer view; expected them within it")
+            })?;
+            let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
+            Ok::<_, String>((0..count).map(item).collect::<Vec<[f64; N]>>())
+        };
+        let mut all = match accessor.view().filter(|_| !self.empty.contains(&index)) {
+            Some(view) => {
+                items(self.view(&view)?, accessor.offset(), view.stride().unwrap_or(size * given), accessor.count())?
+            }
+            None if accessor.count() <= MAX_ZEROS => vec![[0.0; N]; accessor.count()],
+            None => {
+                let count = accessor.count();
+                return Err(format!("its {what} (accessor {index}) have {count} items; expected at most {MAX_ZEROS}"));
+            }
+        };
+        if let Some(sparse) = accessor.sparse() {
+            let (places, values) = (sparse.indices(), sparse.values());
+            let new = items(self.view(&values.view())?, values.offset(), size * given, sparse.count())?;
+            let size = match places.index_type() {
+                sparse::IndexType::U8 => 1,
+                sparse::IndexType::U16 => 2,
+                sparse::IndexType::U32 => 4,
+            };
+            let places_view = places.view();
+            let bytes = self.view(&places_view)?.get(places.offset()..).unwrap_or_default().chunks_exact(size);
+            let place = |bytes: &[u8]| bytes.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));
+            let places: Vec<usize> = bytes.take(sparse.count()).map(place).collect();
+            if places.len() < sparse.count() || places.iter().any(|place| *place >= all.len()) {
+                let most = all.len();
+                return Err(format!(
+                    "its {what} (accessor {index}) are sparse, but a place does not exist; expected {} below {most}",
+                    sparse.count()
+                ));
+            }
+            places.into_iter().zip(new).for_each(|(place, value)| all[place] = value);
+        }
+        Ok(all)
     }
 }
 

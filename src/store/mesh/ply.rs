@@ -25,6 +25,20 @@ struct Element {
 
 const NUMBERS: [&str; 9] = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
 
+/// The first of the numbers that are a color.
+const COLORS: usize = 6;
+
+/// Returns the place of a property in [`NUMBERS`].
+fn place(name: &str) -> Option<usize> {
+    let name = match name.strip_prefix("diffuse_").unwrap_or(name) {
+        "r" => "red",
+        "g" => "green",
+        "b" => "blue",
+        name => name,
+    };
+    NUMBERS.iter().position(|known| *known == name)
+}
+
 impl PropertyAccess for Element {
     fn new() -> Element {
         Element::default()
@@ -43,13 +57,7 @@ impl PropertyAccess for Element {
             };
             return PropertyAccessResult::Set;
         }
-        let name = match name.strip_prefix("diffuse_").unwrap_or(name) {
-            "r" => "red",
-            "g" => "green",
-            "b" => "blue",
-            name => name,
-        };
-        let Some(at) = NUMBERS.iter().position(|known| *known == name) else { return PropertyAccessResult::Ignored };
+        let Some(at) = place(name) else { return PropertyAccessResult::Ignored };
         let number = match property {
             Property::Char(x) => f64::from(x),
             Property::UChar(x) => f64::from(x),
@@ -63,7 +71,7 @@ impl PropertyAccess for Element {
         };
         // The channels of a color are 0…1, or codes.
         let full = match property {
-            _ if at < 6 => 1.0,
+            _ if at < COLORS => 1.0,
             Property::UChar(_) => 255.0,
             Property::UShort(_) => 65_535.0,
             Property::Float(_) | Property::Double(_) => 1.0,
@@ -95,7 +103,17 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
     let mut line = reader.line();
     let mut rest = reader.into_inner();
-    let mut mesh = PlyMesh::default();
+    let (mut mesh, mut early) = (PlyMesh::default(), Vec::new());
+    let lines = String::from_utf8_lossy(&content[..content.len() - rest.len()]);
+    for (number, line) in (1..).zip(lines.lines()) {
+        if let ["property", kind, name] = line.split_whitespace().collect::<Vec<_>>()[..]
+            && matches!(kind, "char" | "int8" | "short" | "int16" | "int" | "int32" | "uint" | "uint32")
+            && place(name).is_some_and(|at| at >= COLORS)
+        {
+            let message = format!("the color {name} has the type {kind}; expected uchar, ushort, float or double");
+            return Err(FileErrors(vec![FileError::at(file, (number, 1), message)]));
+        }
+    }
     // One element after the other: an element needs much more memory than what it becomes.
     for (name, definition) in &header.elements {
         // Without properties, any number of elements needs no bytes.
@@ -118,14 +136,20 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
                     parser.read_big_endian_element(&mut rest, definition).map_err(|error| at(None, error))?
                 }
             };
-            let added = match name.as_str() {
-                "vertex" => mesh.vertex(&element),
-                "face" => mesh.face(&element),
-                "tristrips" => mesh.strips(&element),
-                _ => Ok(()),
-            };
-            added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
+            let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
+            match name.as_str() {
+                "vertex" => mesh.vertex(&element).map_err(wrong)?,
+                // Faces may stand before the vertices.
+                "face" | "tristrips" if mesh.vertices.is_empty() => early.push((name, i, element)),
+                "face" => mesh.face(&element).map_err(wrong)?,
+                "tristrips" => mesh.strips(&element).map_err(wrong)?,
+                _ => {}
+            }
         }
+    }
+    for (name, i, element) in early {
+        let added = if name == "face" { mesh.face(&element) } else { mesh.strips(&element) };
+        added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
     }
     mesh.faces.polygons.coats.push(Coat::default());
     Ok(mesh.faces)
