@@ -357,8 +357,9 @@ impl OpenStudy {
         ui.separator();
         let counts = &self.study.measured.counts;
         // The columns of others are named as they name them.
-        let label = if self.study.source.protocol.is_some() { parameter::label } else { str::to_owned };
-        self.filters.show(ui, counts, label);
+        let protocol = self.study.source.protocol.as_ref();
+        let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
+        self.filters.show(ui, counts, |factor| parameter::label(known, factor));
         if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
