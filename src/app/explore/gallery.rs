@@ -438,7 +438,7 @@ fn plot(
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    ui::still_plot(ui, what)
+    ui::still_plot(ui, what, ["position, in sides of the image", what])
         .width(width)
         .height(PLOT)
         .y_axis_min_width(AXIS)
@@ -448,8 +448,6 @@ fn plot(
         // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
-        .x_axis_label("position along the orientation, in sides of the image")
-        .y_axis_label(what)
         .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
         // At the corner, it would meet the label of the other axis.
         .y_axis_formatter(|mark, range| match mark.value - range.start() {
