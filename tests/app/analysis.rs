@@ -87,7 +87,7 @@ fn drop_on(window: &mut Window, paths: &[&Path]) {
 fn wait_until_idle(window: &mut Window) {
     window.run_steps(20);
     for _ in 0..3000 {
-        let busy = ["Reading…", "Analyzing…", "Writing…", "Predicting…"];
+        let busy = ["Reading…", "Analyzing…", "Analyzing:", "Writing…", "Predicting…"];
         if busy.iter().all(|busy| window.query_by_label_contains(busy).is_none()) {
             window.run_steps(2);
             return;

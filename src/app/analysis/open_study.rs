@@ -276,10 +276,7 @@ impl OpenStudy {
             ui.add(egui::Label::new(secondary(text)).extend());
         }
         if self.work.is_some() {
-            self.simulated.show(ui, |done, all| match all {
-                0 => "Analyzing…".to_owned(),
-                _ => format!("Analyzing… {done} of {all} simulated studies"),
-            });
+            self.simulated.show(ui, "Analyzing", "simulated studies");
         }
     }
 
