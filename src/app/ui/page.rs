@@ -215,7 +215,6 @@ fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) ->
     }
     let shown = button.atom_ui(ui);
     if let Some(rect) = shown.rect(place) {
-        let color = if ui.is_enabled() { color } else { ink(ui).off };
         icon.paint(ui.painter(), rect, color);
     }
     shown.response

@@ -285,6 +285,8 @@ fn visuals(visuals: &mut Visuals) {
     visuals.error_fg_color = ink.bad;
     visuals.warn_fg_color = ink.warn;
     visuals.handle_shape = HandleShape::Circle;
+    // What is disabled can still be read.
+    visuals.disabled_alpha = 0.65;
     // In the light theme, an empty track is hardly visible.
     visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;
