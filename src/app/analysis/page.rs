@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key};
 
 use super::{
-    open_study::{OpenStudy, Request},
+    open_study::OpenStudy,
+    opened::Request,
     questions::{CategoryOrder, Columns},
     task::{OpenTask, TaskRead},
 };

@@ -3,7 +3,8 @@
 use std::convert::Infallible;
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, Vec2,
+    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, UiBuilder,
+    Vec2,
 };
 
 use super::{
@@ -137,13 +138,35 @@ impl<T> Bench<T> {
             return back;
         }
         Panel::left(name).resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
-            let below = Frame::NONE.inner_margin(egui::Margin { top: GAP as i8, ..egui::Margin::ZERO });
-            Panel::bottom("export").frame(below).show(ui, |ui| export(page, ui));
-            column(ui, page);
+            pinned(ui, page, column, |ui, page| export(page, ui));
         });
         CentralPanel::default().frame(frame).show(ui, |ui| view(page, ui, false));
         back
     }
+}
+
+/// Draws the lower edge of a column, which stays in view, and what is above it, which Tab reaches first.
+pub fn pinned<T, A, B>(
+    ui: &mut Ui,
+    page: &mut T,
+    above: impl FnOnce(&mut Ui, &mut T) -> A,
+    below: impl FnOnce(&mut Ui, &mut T) -> B,
+) -> (A, B) {
+    let (id, column) = (ui.scope_id().with("lower edge"), ui.max_rect());
+    let height: f32 = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let (upper, lower) = column.split_top_bottom_at_y(column.bottom() - height);
+    let shown = ui.scope_builder(UiBuilder::new().max_rect(upper), |ui| above(ui, page)).inner;
+    let edge = ui.scope_builder(UiBuilder::new().max_rect(lower), |ui| {
+        ui.separator();
+        below(ui, page)
+    });
+    let needed = edge.response.rect.height();
+    if needed != height {
+        ui.data_mut(|data| data.insert_temp(id, needed));
+        ui.ctx().request_discard("the lower edge has another height");
+        ui.ctx().request_repaint();
+    }
+    (shown, edge.inner)
 }
 
 /// Draws the name of a page and its back button; returns whether the button was clicked.

@@ -215,6 +215,8 @@ pub fn apply(ctx: &egui::Context) {
         });
     }
     ctx.add_widget_theme::<ButtonStyle>(Buttons);
+    // A new panel takes one pass to be measured, and its lower edge another.
+    ctx.options_mut(|options| options.max_passes = 3.try_into().unwrap_or(options.max_passes));
 }
 
 /// Buttons have no outline; lists to choose from look like the fields that they are.
