@@ -23,8 +23,6 @@ const SAMPLES: u32 = 1024;
 const SIZES: [u32; 5] = [256, 384, 512, 768, 1024];
 /// The choices for the dither.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
-/// In a window narrower than this, in points, the image is below its controls.
-const NARROW: f32 = 760.0;
 /// Width of the column of controls and, in it, of the labels, points.
 const CONTROLS: f32 = 360.0;
 const LABELS: f32 = 100.0;
@@ -207,7 +205,7 @@ impl Gallery {
         }
         self.faults = stimulus.err().unwrap_or_default();
         let (controls, export, view) = (Self::controls, Self::export, Self::view);
-        let bench = Bench { name: "Stimuli", width: CONTROLS, narrow: NARROW, controls, export, view };
+        let bench = Bench { name: "Stimuli", width: CONTROLS, controls, export, view };
         let back = bench.show(ui, self);
         self.history.record(ui, &self.settings);
         Step::back_if(back || escaped)
