@@ -8,7 +8,7 @@ use super::{
         Field, Place, ask, hint,
         logo::logo,
         modal, paragraph, secondary, section,
-        theme::{GAP, SECTION},
+        theme::{CONTROL, GAP, SECTION},
     },
 };
 use crate::store::settings::{Settings, ThemeChoice};
@@ -109,7 +109,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
 /// Draws a dialog with a Close button; returns whether it stays open.
 fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let (clicked, closed) = modal(ctx, id, WIDTH, |ui, height| {
-        egui::ScrollArea::vertical().max_height(height).show(ui, add);
+        egui::ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, add);
         ui.add_space(GAP);
         ui.button("Close").clicked()
     });

@@ -30,7 +30,7 @@ use dialogs::Quit;
 use memory::Memory;
 use session::Runner;
 use studies::{Destination, Studies};
-use ui::{Place, SideChoice, Step, number, theme::Icon};
+use ui::{Place, SideDialog, Step, number, theme::Icon};
 use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
@@ -76,13 +76,6 @@ enum View {
     Timing(Box<timing::TimingPage>),
 }
 
-/// The dialog above the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Dialog {
-    Help,
-    Settings,
-}
-
 /// The program's window.
 #[derive(Default)]
 pub struct App {
@@ -100,7 +93,7 @@ pub struct App {
     behind: Option<Box<Runner>>,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
-    dialog: Option<Dialog>,
+    dialog: Option<SideDialog>,
     quit: Quit,
     monitors: Vec<Monitor>,
     memory: Memory,
@@ -158,19 +151,24 @@ impl App {
         ui.ctx().request_repaint();
     }
 
+    /// Draws the current place and, below it, the status line, which Tab reaches last.
     fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
-        let is_measured = self.measured().is_some();
-        if !is_measured {
-            self.draw_status(ui);
+        if self.measured().is_some() {
+            return self.draw_place(ui, frame, monitor);
         }
-        if !self.direct && !is_measured {
-            match ui::side_bar(ui, self.place) {
-                Some(SideChoice::Go(place)) => self.go(place, false),
-                Some(SideChoice::Help) => self.dialog = Some(Dialog::Help),
-                Some(SideChoice::Settings) => self.dialog = Some(Dialog::Settings),
-                None => {}
+        let (page, line) = ui.max_rect().split_top_bottom_at_y(ui.max_rect().bottom() - ui::theme::ROW);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(page), |ui| {
+            if !self.direct
+                && let Some(place) = ui::side_bar(ui, self.place, &mut self.dialog)
+            {
+                self.go(place, false);
             }
-        }
+            self.draw_place(ui, frame, monitor);
+        });
+        ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| self.draw_status(ui));
+    }
+
+    fn draw_place(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
         let step = match self.place {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => {
@@ -301,8 +299,10 @@ impl App {
 
     fn draw_dialogs(&mut self, ctx: &egui::Context) {
         let open = match self.dialog {
-            Some(Dialog::Help) => dialogs::help(ctx, self.place),
-            Some(Dialog::Settings) => dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref()),
+            Some(SideDialog::Help) => dialogs::help(ctx, self.place),
+            Some(SideDialog::Settings) => {
+                dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref())
+            }
             None => true,
         };
         if !open {

@@ -123,6 +123,20 @@ impl Parameter {
         self.name.trim_end_matches("_deg").replace('_', "-")
     }
 
+    /// Returns the name in words, without its unit: `color high` for `color_high`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        self.option().replace('-', " ")
+    }
+
+    /// Returns the label of its control, with its unit: `Orientation, °` for `orientation_deg`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        let mut label = self.words();
+        label[..1].make_ascii_uppercase();
+        if matches!(self.unit, "" | "1") { label } else { format!("{label}, {}", self.unit) }
+    }
+
     /// Returns the error for setting this parameter to `value`.
     pub(super) fn error(&self, value: impl fmt::Display, problem: impl Into<String>) -> ParameterError {
         ParameterError {

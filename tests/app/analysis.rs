@@ -87,7 +87,7 @@ fn drop_on(window: &mut Window, paths: &[&Path]) {
 fn wait_until_idle(window: &mut Window) {
     window.run_steps(20);
     for _ in 0..3000 {
-        let busy = ["Reading…", "Analyzing…", "Writing…", "Predicting…"];
+        let busy = ["Reading…", "Analyzing…", "Analyzing:", "Writing…", "Predicting…"];
         if busy.iter().all(|busy| window.query_by_label_contains(busy).is_none()) {
             window.run_steps(2);
             return;
@@ -224,7 +224,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     click_and_rest(&mut window, "Participants: 4 of 4");
     click_and_rest(&mut window, "Participant S002");
     window.get_by_label("54 ratings by 3 participants. Filtered: 3 of 4 participants.");
-    click_and_rest(&mut window, "width: 3 of 3 levels");
+    click_and_rest(&mut window, "Width: 3 of 3 levels");
     click_and_rest(&mut window, "width 0.4");
     window.get_by_label("36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
     let only = vec![("width".to_owned(), vec!["0.1".to_owned(), "0.8".to_owned()])];

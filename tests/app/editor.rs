@@ -41,7 +41,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
     window.get_by_label_contains("width \"wide\" is not a number; expected");
     window.get_by_label_contains("level 0.05 of width appears twice");
-    window.get_by_label_contains("2 errors, first in width.");
+    window.get_by_label_contains("2 errors, first in Width.");
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
     assert!(window.query_by_label_contains("appears twice").is_none());
     type_into(&mut window, "Repetitions", "many");
@@ -53,14 +53,14 @@ fn a_copy_is_edited_and_saved() {
     window.get_by_label_contains("Enter at most 64 lowercase letters");
     type_into(&mut window, "Name", "my-study");
     type_into(&mut window, "Stimulus, s", "0.5");
-    click(&mut window, "Remove orientation, °");
-    choose(&mut window, "Add a factor", "high");
+    click(&mut window, "Remove orientation");
+    choose(&mut window, "Add a factor", "High");
     type_into(&mut window, "Levels of high", "0.2, 0.75");
     window.get_by_label_contains("high 0.2 is below low, which is 0.25");
     type_into(&mut window, "Levels of high", "0.75");
     click(&mut window, "Move high up");
     choose(&mut window, "Order", "Latin: blocks counterbalanced across participants");
-    choose(&mut window, "Blocks by", "depth");
+    choose(&mut window, "Blocks by", "Depth");
     type_into(&mut window, "Label of rating 1", "Broad, weak band");
     type_into(&mut window, "Key for rating 3", "s");
     window.get_by_label_contains("key 's' cannot be an answer");
@@ -140,7 +140,7 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     // Others, such as k, matter only at some depths.
     assert_eq!(
         ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
-        ["nulling", "0.05", "0.1"]
+        ["Nulling", "0.05", "0.1"]
     );
     type_into(&mut window, "Repetitions", "many");
     window.get_by_label("One trial, before the errors");
@@ -164,7 +164,7 @@ fn a_task_and_its_method_are_chosen() {
     click(&mut window, "Choice");
     window.get_by_label_contains("Choose a parameter in which it differs from the target.");
     click(&mut window, "Remove depth");
-    choose(&mut window, "Add to reference", "depth");
+    choose(&mut window, "Add to reference", "Depth");
     assert_eq!(value(&window, "Reference depth"), "inf");
     choose(&mut window, "Shown as", "places");
     type_into(&mut window, "Question", "Which has a line?");
@@ -233,7 +233,7 @@ fn pictures_are_chosen() {
     wait_for(&mut window, "3 pictures; levels from pictures.csv: shader.");
     choose(&mut window, "Size", "pixels");
     click(&mut window, "Choice");
-    choose(&mut window, "Add to reference", "picture");
+    choose(&mut window, "Add to reference", "Picture");
     type_into(&mut window, "Reference picture", "renders/truth.png");
     wait_for(&mut window, "2 pictures; levels from pictures.csv: shader.");
     click(&mut window, "Save");

@@ -471,8 +471,7 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     for entry in machband::stimulus::catalog::all() {
         harness.get_by_label_contains(&entry.about[..20]);
         for parameter in entry.default_stimulus().parameters() {
-            let label = parameter.name.replace('_', " ").replace(" deg", ", °");
-            assert!(harness.query_all_by_label(&label).count() > 0, "{}: {label}", entry.kind);
+            assert!(harness.query_all_by_label(&parameter.label()).count() > 0, "{}: {}", entry.kind, parameter.name);
         }
         // Selects the next kind in the list.
         let next = machband::stimulus::catalog::all().iter().skip_while(|other| other.kind != entry.kind).nth(1);
@@ -480,9 +479,9 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
         click(&mut harness, &format!("Show {}", next.title));
     }
     // The last kind is a shaded cylinder: an unknown shading is rejected, a known one is accepted.
-    type_into(&mut harness, "shading", "raytraced");
+    type_into(&mut harness, "Shading", "raytraced");
     harness.get_by_label_contains("Enter flat, gouraud or phong.");
-    type_into(&mut harness, "shading", "phong");
+    type_into(&mut harness, "Shading", "phong");
     assert!(harness.query_by_label_contains("Enter flat").is_none());
 
     // The exported file can be verified from its own recipe.

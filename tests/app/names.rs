@@ -93,19 +93,36 @@ fn every_control_of_every_place_has_a_name() {
     named(&window, "Analyze");
 }
 
-/// Tab reaches every enabled button of the start page, and what has the focus says so.
-#[test]
-fn the_keyboard_reaches_every_button_of_the_start_page() {
-    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
-    let mut reached = std::collections::BTreeSet::new();
-    for _ in 0..60 {
-        press(&mut window, Key::Tab);
+/// What has the focus after each press of Tab.
+fn tabbed(window: &mut Window, presses: usize) -> Vec<String> {
+    let mut press_tab = || {
+        press(window, Key::Tab);
         let focused = window.root().children_recursive().find(|node| node.is_focused());
-        let label = focused.and_then(|node| node.accesskit_node().label());
-        reached.insert(label.expect("something has the focus"));
+        let focused = focused.expect("something has the focus");
+        focused.accesskit_node().label().or_else(|| focused.value()).expect("it says so")
+    };
+    (0..presses).map(|_| press_tab()).collect()
+}
+
+/// Tab reaches every enabled button of a page from the side bar to the lower edge, and what has the focus says so.
+#[test]
+fn the_keyboard_reaches_every_button_in_reading_order() {
+    let places = ["Studies", "Analyze", "Stimuli", "Shading", "Display", "Settings", "Help"];
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    let reached = tabbed(&mut window, 60);
+    assert_eq!(reached[..7], places);
+    for label in ["See more stimuli", "Hide", "Duplicate as…", "New session"] {
+        assert!(reached.iter().any(|one| one == label), "{label}: only {reached:?}");
     }
-    for label in ["Studies", "Analyze", "Help", "Settings", "See more stimuli", "Hide", "Duplicate as…", "New session"]
-    {
-        assert!(reached.contains(label), "{label}: only {reached:?}");
-    }
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    go(&mut window, Key::Num3);
+    click(&mut window, "Copy as command");
+    // The message about the copy stands at the lower edge of the window.
+    let again = tabbed(&mut window, 60);
+    let start = again.iter().position(|one| one == "Studies").unwrap();
+    let reached = &again[start..];
+    let place =
+        |label: &str| reached.iter().position(|one| one.starts_with(label)).unwrap_or_else(|| panic!("{reached:?}"));
+    let order = ["Help", "Back", "Stimulus", "Orientation, °", "Dither", "Export to", "Show Mach band", "Copied"];
+    assert!(order.map(place).is_sorted(), "{reached:?}");
 }

@@ -37,7 +37,7 @@ fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
     let ramp = |width| Stimulus::MachBand(MachBand { width, ..MachBand::default() });
     assert!(text(&window, "The bright band, which").ends_with(&sentence(&ramp(0.4), 512)));
     let set_width = |window: &mut Window, width: f64| {
-        window.query_all_by_label("width").find(|node| node.value().is_some()).unwrap().set_value_accesskit(width);
+        window.query_all_by_label("Width").find(|node| node.value().is_some()).unwrap().set_value_accesskit(width);
         window.run_steps(3);
     };
     // The dark plateau is on the left.
@@ -66,9 +66,9 @@ fn settings_of_the_gallery_are_undone_and_kept_for_each_kind() {
     assert_eq!([image.left(), image.right()], [plot.left(), plot.right()]);
     assert!(plot.bottom() <= 740.0 && window.get_by_label("Copy as command").rect().bottom() <= 740.0);
 
-    type_into(&mut window, "depth", "3");
+    type_into(&mut window, "Depth", "3");
     choose(&mut window, "Dither", "ordered");
-    let settings = |window: &Window| [value(window, "depth"), value(window, "Dither")];
+    let settings = |window: &Window| [value(window, "Depth"), value(window, "Dither")];
     click(&mut window, "Undo");
     assert_eq!(settings(&window), ["3", "none"]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);

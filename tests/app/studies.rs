@@ -210,3 +210,24 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     wait_for(&mut window, "These data are simulated");
     assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
 }
+
+/// What could not be read in the results folder is named, a line each, and the rest is shown.
+#[test]
+fn what_could_not_be_read_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(opened(folder.path(), DEFINITION));
+    let simulate = || common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "2"]);
+    let results = folder.path().join("results");
+    simulate();
+    fs::rename(results.join("five"), results.join(".five")).unwrap();
+    simulate();
+    fs::write(common::session_csv(&results, "five", "S002").with_extension("json"), "{").unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "S001, session 1: finished, 6 trials");
+    let told = texts(&window);
+    for (file, why) in [(".five", "is a hidden data set and was not read"), ("S002", "json:1:")] {
+        let found = told.iter().find(|text| text.contains(file) && text.contains(why));
+        assert!(found.is_some_and(|text| !text.contains('\n')), "{file}: {told:#?}");
+    }
+    assert!(!told.iter().any(|text| text.starts_with("S002, session")), "{told:#?}");
+}

@@ -86,20 +86,16 @@ impl DocumentView {
     /// Draws the section at an address; returns whether it exists.
     pub fn show(&mut self, ui: &mut egui::Ui, id: &str) -> bool {
         if id == SUMMARY {
-            return self.show_summary(ui, false);
+            return self.summary(ui, false);
         }
         let Some(section) = self.sections.iter_mut().find(|section| section.id == id) else { return false };
         scrolled(ui, id, |ui| show_blocks(ui, &mut section.blocks));
         true
     }
 
-    /// Draws what will be the summary once a model is fitted: its figures, in the same place.
-    pub fn show_draft(&mut self, ui: &mut egui::Ui) {
-        self.show_summary(ui, true);
-    }
-
-    /// Draws the summary. It begins with the figures that show the result.
-    fn show_summary(&mut self, ui: &mut egui::Ui, is_draft: bool) -> bool {
+    /// Draws the summary; returns whether there is one. It begins with the figures that show the result. `is_draft`: no
+    /// model is fitted yet, so that there are only these figures.
+    pub fn summary(&mut self, ui: &mut egui::Ui, is_draft: bool) -> bool {
         let place = |id: &str| self.sections.iter().position(|section| section.id == id);
         let is_figure = |block: &BlockView| matches!(block, BlockView::Figure(_));
         let first = || self.sections.iter().position(|section| section.blocks.iter().any(is_figure));

@@ -1,11 +1,13 @@
 //! The analysis: reads files and shows the results document.
 //!
-//! [`page`] reads files and asks the [`questions`] that they leave open; [`open_study`] filters and models the data.
+//! [`page`] reads files and asks the [`questions`] that they leave open; [`open_study`] filters and models the ratings,
+//! [`task`] has the answers to another task, and [`opened`] lays out both.
 //! [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
 mod document;
 mod export;
 mod open_study;
+mod opened;
 mod page;
 mod query;
 mod questions;

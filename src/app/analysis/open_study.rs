@@ -2,54 +2,34 @@
 
 use std::{cell::OnceCell, collections::BTreeSet, sync::Arc};
 
-use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
+use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
     export::{Export, Exported},
+    opened::{Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with},
     app::ui::{
-        Field, Step, heading, hint, paragraph, parameter, secondary, show_error, theme,
+        Step, hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Progress, Steps},
     },
     report::{
         Study,
-        document::{
-            Document,
-            numbers::{count, whole},
-        },
+        document::{Document, numbers::count},
         figures::{self, Figure},
         prediction::StudyPrediction,
         study::{Parts, document},
         write_all,
     },
-    store::{
-        FileError,
-        ratings::{Reason, SessionRead, Source, column_names},
-    },
+    store::ratings::{Reason, SessionRead, Source, column_names},
     work::Analyze,
 };
 
-/// Maximum number of listed errors, and of listed warnings.
-const MAX_ERRORS: usize = 200;
-/// In a window narrower than this, in points, the data and filters have a separate view.
-pub(super) const NARROW: f32 = 700.0;
-/// Address and heading of the view of data and filters.
-const DATA: (&str, &str) = ("data", "Data");
 /// Address and heading of the section that is computed only when it is opened, because it takes a while.
 const VISION: (&str, &str) = ("vision", "What the vision model predicts");
-
-/// An action that only the page can perform.
-pub enum Request {
-    OtherData,
-    /// Choose other columns of the same file.
-    Columns,
-    /// Read the same files again with other options.
-    Read(Box<Analyze>),
-}
 
 /// The data and its analysis.
 pub struct OpenStudy {
@@ -154,39 +134,7 @@ impl OpenStudy {
     pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
         self.take_outcome(ui.ctx());
         self.analyze(ui.ctx());
-        let narrow = ui.available_width() < NARROW;
-        let mut back = false;
-        if !narrow {
-            if self.section == DATA.0 {
-                self.section = "summary";
-            }
-            side(ui, |ui| {
-                pinned(ui, |ui| self.show_export(ui));
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    back = heading(ui, "Analyze");
-                    self.controls(ui);
-                });
-            });
-        }
-        CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            theme::compact(ui);
-            ui.horizontal_wrapped(|ui| {
-                if narrow {
-                    back = ui.button("Back").clicked();
-                }
-                self.choose_section(ui, narrow);
-            });
-            self.state(ui);
-            ui.separator();
-            if self.section == DATA.0 {
-                ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
-                    self.controls(ui);
-                    self.show_export(ui);
-                });
-            } else {
-                self.show_document(ui);
-            }
-        });
+        let back = show_opened(ui, self);
         match self.request.take() {
             Some(request) => Step::Next(request),
             None => Step::back_if(back),
@@ -240,24 +188,33 @@ impl OpenStudy {
         self.work = Some((stage, BackgroundTask::stoppable(ctx, compute)));
     }
 
-    fn choose_section(&mut self, ui: &mut egui::Ui, narrow: bool) {
-        let mut all: Vec<(&str, &str)> = Vec::new();
-        all.extend(narrow.then_some(DATA));
+    /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
+    fn read_columns_of_terms(&mut self) {
+        let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
+        let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
+        let extra = self.model.missing(&usual);
+        if extra != self.extra && self.request.is_none() {
+            // Also if the files cannot be read, so that the same request is not repeated in every frame.
+            self.extra = extra;
+            let Analyze { ratings, .. } = self.asked.clone();
+            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
+        }
+    }
+}
+
+impl Opened for OpenStudy {
+    fn section(&mut self) -> &mut &'static str {
+        &mut self.section
+    }
+
+    fn headings(&self) -> Vec<(&'static str, &'static str)> {
         let view = self.shown.as_ref().map(|(_, view)| view).or(self.draft.as_ref());
-        all.extend(view.iter().flat_map(|view| view.headings()));
+        let mut all: Vec<_> = view.iter().flat_map(|view| view.headings()).collect();
         if !all.is_empty() && !all.contains(&VISION) {
             let place = all.iter().position(|(id, _)| *id == "times").unwrap_or(all.len());
             all.insert(place, VISION);
         }
-        if narrow {
-            let heading = |id: &&'static str| all.iter().find(|(one, _)| one == id).map_or("", |(_, heading)| heading);
-            let ids: Vec<&'static str> = all.iter().map(|(id, _)| *id).collect();
-            Field::new("Section").width(180.0).choice(ui, &mut self.section, &ids, |id| heading(id).to_owned());
-        } else {
-            for (id, heading) in all {
-                ui.selectable_value(&mut self.section, id, heading);
-            }
-        }
+        all
     }
 
     /// Draws a line of constant height: what is shown, and how far a newer analysis is.
@@ -276,14 +233,11 @@ impl OpenStudy {
             ui.add(egui::Label::new(secondary(text)).extend());
         }
         if self.work.is_some() {
-            self.simulated.show(ui, |done, all| match all {
-                0 => "Analyzing…".to_owned(),
-                _ => format!("Analyzing… {done} of {all} simulated studies"),
-            });
+            self.simulated.show(ui, "Analyzing", "simulated studies");
         }
     }
 
-    fn show_document(&mut self, ui: &mut egui::Ui) {
+    fn document(&mut self, ui: &mut egui::Ui) {
         if let Some(text) = &self.error {
             show_error(ui, text);
         }
@@ -296,7 +250,7 @@ impl OpenStudy {
                 return;
             }
             if is_first {
-                draft.show_draft(ui);
+                draft.summary(ui, true);
                 return;
             }
         }
@@ -357,8 +311,9 @@ impl OpenStudy {
         ui.separator();
         let counts = &self.study.measured.counts;
         // The columns of others are named as they name them.
-        let label = if self.study.source.protocol.is_some() { parameter::label } else { str::to_owned };
-        self.filters.show(ui, counts, label);
+        let protocol = self.study.source.protocol.as_ref();
+        let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
+        self.filters.show(ui, counts, |factor| parameter::label(known, factor));
         if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
@@ -368,7 +323,7 @@ impl OpenStudy {
         self.read_columns_of_terms();
     }
 
-    fn show_export(&mut self, ui: &mut egui::Ui) {
+    fn export(&mut self, ui: &mut egui::Ui) {
         // Only displayed results can be exported, not results that are still being computed.
         let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| {
@@ -384,19 +339,6 @@ impl OpenStudy {
             }
         });
         self.export.show(ui, exported.as_ref());
-    }
-
-    /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
-    fn read_columns_of_terms(&mut self) {
-        let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
-        let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
-        let extra = self.model.missing(&usual);
-        if extra != self.extra && self.request.is_none() {
-            // Also if the files cannot be read, so that the same request is not repeated in every frame.
-            self.extra = extra;
-            let Analyze { ratings, .. } = self.asked.clone();
-            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
-        }
     }
 }
 
@@ -423,38 +365,6 @@ fn about(ui: &mut egui::Ui, study: &Study) {
 /// Returns the names of all columns of the files.
 fn columns(source: &Source) -> BTreeSet<String> {
     source.files.iter().filter_map(|file| column_names(&file.path).ok()).flatten().collect()
-}
-
-pub(super) fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: egui::Color32) {
-    if problems.is_empty() {
-        return;
-    }
-    let header = RichText::new(format!("{title}: {}", problems.len())).color(color);
-    CollapsingHeader::new(header).id_salt(title).default_open(true).show(ui, |ui| {
-        ScrollArea::vertical().id_salt(title).max_height(170.0).show(ui, |ui| {
-            let more = problems.len().saturating_sub(MAX_ERRORS);
-            let shown = problems.iter().take(MAX_ERRORS).map(ToString::to_string);
-            for line in shown.chain((more > 0).then(|| format!("… and {} more", whole(more as u64)))) {
-                paragraph(ui, RichText::new(line).small().color(color));
-            }
-        });
-    });
-}
-
-/// Draws the column of controls beside the results.
-pub(super) fn side(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
-    let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
-    let panel = Panel::left("analysis").resizable(false).exact_size(width).frame(Frame::NONE.inner_margin(12.0));
-    panel.show(ui, |ui| {
-        theme::compact(ui);
-        add(ui);
-    });
-}
-
-/// Draws the lower edge of that column, which stays in view.
-pub(super) fn pinned(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui)) {
-    let frame = Frame::NONE.inner_margin(egui::Margin { top: theme::GAP as i8, ..Default::default() });
-    Panel::bottom("export").resizable(false).frame(frame).show(ui, add);
 }
 
 impl Outcome {

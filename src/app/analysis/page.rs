@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use eframe::egui::{self, Key};
 
 use super::{
-    open_study::{OpenStudy, Request},
+    open_study::OpenStudy,
+    opened::Request,
     questions::{CategoryOrder, Columns},
     task::{OpenTask, TaskRead},
 };
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Step, escaped, heading, hint, page_from, paragraph, section, show_error,
+        Dialog, Field, FileKind, Step, escaped, heading, hint, paragraph, place_page, section, show_error,
         work::{BackgroundTask, Progress},
     },
     report::Study,
@@ -205,7 +206,7 @@ impl Analysis {
     /// Draws the page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
-        page_from(ui, 0.02, |ui| {
+        place_page(ui, |ui| {
             let back = heading(ui, "Analyze");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {

@@ -75,7 +75,7 @@ impl Filters {
     }
 
     /// Draws the checklists. `label` returns the name of a factor as it is read.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, label: fn(&str) -> String) {
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, label: impl Fn(&str) -> String) {
         people(ui, &counts.subjects, &mut self.0.exclude);
         let mut only = Vec::new();
         for (index, factor) in counts.factors.iter().enumerate() {

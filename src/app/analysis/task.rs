@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{self, CentralPanel, Frame, RichText, ScrollArea};
+use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    open_study::{NARROW, Request, pinned, problems, side},
+    opened::{Opened, Request, problems, show_opened},
     query::people,
 };
 use crate::{
-    app::ui::{Step, heading, hint, paragraph, show_error, theme},
+    app::ui::{Step, hint, paragraph, show_error, theme},
     report::{
         document::{Document, numbers::count},
         task_files,
@@ -50,6 +50,9 @@ pub struct OpenTask {
     export: Export,
     /// Why the data could not be read with another selection.
     error: Option<String>,
+    /// Whether the data are being read with another selection.
+    is_stale: bool,
+    request: Option<Request>,
 }
 
 impl OpenTask {
@@ -65,7 +68,8 @@ impl OpenTask {
             }
         };
         let view = DocumentView::new(document, view);
-        Self { study, results, asked, people, excluded, view, section, export, error: None }
+        let (error, is_stale, request) = Default::default();
+        Self { study, results, asked, people, excluded, view, section, export, error, is_stale, request }
     }
 
     /// Says why the data could not be read with another selection. The current results stay.
@@ -75,54 +79,39 @@ impl OpenTask {
 
     /// Draws the page. `is_stale`: the data are being read with another selection.
     pub fn show(&mut self, ui: &mut egui::Ui, is_stale: bool) -> Step<Request> {
-        let (mut back, mut request) = (false, None);
-        let narrow = ui.available_width() < NARROW;
-        if !narrow {
-            side(ui, |ui| {
-                pinned(ui, |ui| self.show_export(ui, is_stale));
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    back = heading(ui, "Analyze");
-                    request = self.controls(ui);
-                });
-            });
-        }
-        CentralPanel::default().frame(Frame::NONE.inner_margin(12.0)).show(ui, |ui| {
-            theme::compact(ui);
-            ui.horizontal_wrapped(|ui| {
-                if narrow {
-                    back = ui.button("Back").clicked();
-                    ui.selectable_value(&mut self.section, "people", "Participants");
-                }
-                for (id, heading) in self.view.headings() {
-                    ui.selectable_value(&mut self.section, id, heading);
-                }
-            });
-            ui.separator();
-            if narrow && self.section == "people" {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    request = self.controls(ui);
-                    self.show_export(ui, is_stale);
-                });
-                return;
-            }
-            if is_stale {
-                ui.multiply_opacity(theme::STALE);
-            }
-            if !self.view.show(ui, self.section) {
-                self.section = "summary";
-            }
-        });
-        request.map_or(Step::back_if(back), Step::Next)
+        self.is_stale = is_stale;
+        let back = show_opened(ui, self);
+        self.request.take().map_or(Step::back_if(back), Step::Next)
+    }
+}
+
+impl Opened for OpenTask {
+    fn section(&mut self) -> &mut &'static str {
+        &mut self.section
     }
 
-    /// Draws the data and who is left out; returns what only the page can do.
-    fn controls(&mut self, ui: &mut egui::Ui) -> Option<Request> {
+    fn headings(&self) -> Vec<(&'static str, &'static str)> {
+        self.view.headings().collect()
+    }
+
+    fn document(&mut self, ui: &mut egui::Ui) {
+        if self.is_stale {
+            ui.multiply_opacity(theme::STALE);
+        }
+        if !self.view.show(ui, self.section) {
+            self.section = "summary";
+        }
+    }
+
+    fn controls(&mut self, ui: &mut egui::Ui) {
         paragraph(ui, RichText::new(&self.study.asked.title).strong());
         let of = |what: &str, n: usize| count(n as u64, what);
         let answers = count(self.study.answers(), "answer");
         hint(ui, format!("{}, {answers}.", of("participant", self.people.len())));
         problems(ui, "Errors", &self.study.errors, theme::ink(ui).bad);
-        let other = ui.button("Other data…").clicked();
+        if ui.button("Other data…").clicked() {
+            self.request = Some(Request::OtherData);
+        }
         ui.separator();
         let before = self.excluded.clone();
         people(ui, &self.people, &mut self.excluded);
@@ -132,16 +121,15 @@ impl OpenTask {
         if let Some(error) = &self.error {
             show_error(ui, error);
         }
-        if self.excluded == before {
-            return other.then_some(Request::OtherData);
+        if self.excluded != before {
+            let mut asked = self.asked.clone();
+            asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
+            self.request = Some(Request::Read(Box::new(asked)));
         }
-        let mut asked = self.asked.clone();
-        asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
-        Some(Request::Read(Box::new(asked)))
     }
 
-    fn show_export(&mut self, ui: &mut egui::Ui, is_stale: bool) {
-        let Self { study, results, asked, people, excluded, .. } = self;
+    fn export(&mut self, ui: &mut egui::Ui) {
+        let Self { study, results, asked, people, excluded, is_stale, .. } = self;
         let left = people.len() - excluded.len();
         let filter =
             if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
@@ -157,6 +145,6 @@ impl OpenTask {
                 Ok(files.len())
             }),
         };
-        self.export.show(ui, Some(&exported).filter(|_| !is_stale));
+        self.export.show(ui, Some(&exported).filter(|_| !*is_stale));
     }
 }

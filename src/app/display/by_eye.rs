@@ -149,8 +149,7 @@ impl Findings for MatchFindings {
 
     fn details(&self, ui: &mut egui::Ui) {
         let ink = theme::ink(ui);
-        let plot =
-            still_plot(ui, "matching").height(260.0).x_axis_label("code").y_axis_label("proportion of full light");
+        let plot = still_plot(ui, "matching", ["code", "proportion of full light"]).height(260.0);
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {
                 let ((color, marker), name) = (series(ink, found.channel), found.channel.name());

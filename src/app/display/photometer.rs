@@ -183,9 +183,9 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
 }
 
 /// Creates a plot over encoded values, aligned with the other plots.
-fn plot<'a>(ui: &egui::Ui, id: &'static str, height: f32, values: &'static str) -> Plot<'a> {
-    let plot = still_plot(ui, id).include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM).height(height);
-    plot.x_axis_label("encoded value").y_axis_label(values)
+fn plot<'a>(ui: &egui::Ui, height: f32, values: &'static str) -> Plot<'a> {
+    let plot = still_plot(ui, values, ["encoded value", values]).height(height);
+    plot.include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM)
 }
 
 fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
@@ -196,7 +196,7 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
     };
     let ink = theme::ink(ui);
     hint(ui, format!("Luminance: readings as points, {family} as lines."));
-    plot(ui, "light", 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
+    plot(ui, 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
         for one in channels {
             let ((color, marker), name) = (series(ink, one.channel), one.channel.name());
             let curve = (0..=STEPS).map(|step| step as f64 / STEPS as f64).map(|v| [v, one.curve.cd_m2(v)]);
@@ -205,7 +205,7 @@ fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
         }
     });
     hint(ui, "Residual of each reading, in 8-bit codes.");
-    plot(ui, "errors", 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
+    plot(ui, 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
         for one in channels {
             let (color, marker) = series(ink, one.channel);
             let errors: Vec<[f64; 2]> =

@@ -10,7 +10,7 @@ use eframe::egui::{Response, TextEdit, Ui};
 use crate::{
     app::ui::{Dialog, Field, parameter},
     experiment::Protocol,
-    stimulus::picture::Picture,
+    stimulus::{Parameter, Stimulus, picture::Picture},
     store::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
@@ -132,6 +132,20 @@ impl DefinitionForm {
         &self.errors
     }
 
+    /// Returns the parameters of the stimulus.
+    pub fn parameters(&self) -> &'static [Parameter] {
+        let kind = self.value("stimulus.kind", "");
+        if kind == Picture::KIND {
+            return Picture::PARAMETERS;
+        }
+        Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
+    }
+
+    /// Returns the label of a factor.
+    pub fn factor(&self, name: &str) -> String {
+        parameter::label(self.parameters(), name)
+    }
+
     /// Returns whether the stimulus is to be pictures, which are not chosen yet.
     pub fn lacks_pictures(&self) -> bool {
         self.value("stimulus.kind", "") == Picture::KIND && self.value("stimulus.files", "").trim().is_empty()
@@ -222,7 +236,7 @@ impl DefinitionForm {
     pub fn label(&self, error: &FileError) -> String {
         let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
         let label = self.labels.get(&error.key).or_else(|| self.labels.get(&parts.join("."))).cloned();
-        label.or_else(|| parts.last().map(|name| parameter::label(name))).unwrap_or_else(|| "file".to_owned())
+        label.or_else(|| parts.last().map(|name| self.factor(name))).unwrap_or_else(|| "file".to_owned())
     }
 
     /// Draws a text field for a value, with its errors. `about` explains it.

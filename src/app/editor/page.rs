@@ -107,21 +107,19 @@ impl Editor {
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let (mut back, mut saved) = (false, None);
         if ui.available_width() < NARROW {
-            let summary = Panel::bottom("summary").resizable(false).frame(frame);
-            summary.show(ui, |ui| {
-                theme::compact(ui);
-                saved = self.summary(ui);
-            });
-            CentralPanel::default().frame(frame).show(ui, |ui| {
-                theme::compact(ui);
-                self.scrolled().show(ui, |ui| {
+            let form = |ui: &mut Ui, editor: &mut Self| {
+                editor.scrolled().show(ui, |ui| {
                     // Leaves room for the scroll bar.
                     ui.set_max_width(ui.available_width() - 8.0);
                     back = ui::heading(ui, &heading);
-                    self.fields(ui);
+                    editor.fields(ui);
                     ui.separator();
-                    self.conditions(ui);
+                    editor.conditions(ui);
                 });
+            };
+            CentralPanel::default().frame(frame).show(ui, |ui| {
+                theme::compact(ui);
+                (_, saved) = ui::pinned(ui, self, form, |ui, editor| editor.summary(ui));
             });
         } else {
             if ui.available_width() > WIDE {

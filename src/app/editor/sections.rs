@@ -9,9 +9,9 @@ use super::{
     task,
 };
 use crate::{
-    app::ui::{self, Field, FileKind, parameter, theme::Icon},
+    app::ui::{self, Field, FileKind, theme::Icon},
     experiment::{Design, FieldSpec, ParticipantField, ParticipantFields, Recovery, Texts, ViewingPlan},
-    report::names::capitalized,
+    report::names::{self, capitalized},
     stimulus::{
         KINDS, Parameter, Stimulus, catalog,
         picture::{Picture, PictureSize, ShownAs},
@@ -81,10 +81,8 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     let factors = form.draft().factors();
     for parameter in default.parameters() {
         if factors.iter().any(|factor| factor == parameter.name) {
-            let name = parameter::label(parameter.name);
-            Field::new(&name)
-                .column(LABELS)
-                .show(ui, |ui, _| ui.horizontal(|ui| ui.label(ui::secondary("varies; see Factors"))));
+            let varies = |ui: &mut Ui, _| ui.horizontal(|ui| ui.label(ui::secondary("varies; see Factors")));
+            Field::new(&parameter.label()).column(LABELS).show(ui, varies);
             continue;
         }
         let key = format!("stimulus.{}", parameter.name);
@@ -177,7 +175,7 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for parameter in free {
-            let choice = ui.selectable_label(false, parameter::label(parameter.name));
+            let choice = ui.selectable_label(false, parameter.label());
             if choice.on_hover_text(parameter.description).clicked() {
                 let levels = with_level(parameter.levels_hint, "");
                 form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
@@ -197,7 +195,8 @@ fn factor(
 ) {
     let key = format!("factors.{name}");
     let mut levels = form.value(&key, "");
-    let (error, label) = (form.error(&key), parameter::label(name));
+    let (error, label) = (form.error(&key), form.factor(name));
+    let words = names::factor(Some(form.parameters()), name);
     let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
     let line = |ui: &mut Ui| {
         let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
@@ -208,7 +207,7 @@ fn factor(
             .desired_width(width)
             .return_key(None);
         let field = ui.add(field).on_hover_text(about);
-        ui::text::name(ui, &field, &format!("Levels of {label}"));
+        ui::text::name(ui, &field, &format!("Levels of {words}"));
         let mut changed = field.changed();
         let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
             for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
@@ -218,11 +217,11 @@ fn factor(
                 }
             }
         });
-        ui::text::name(ui, &list.response, &format!("Suggested levels of {label}"));
+        ui::text::name(ui, &list.response, &format!("Suggested levels of {words}"));
         list.response.on_hover_text("Adds a suggested level.");
-        let up = button(ui, "Up", place[0] > 0, &format!("Move {label} up")).clicked();
-        let down = button(ui, "Down", place[0] + 1 < place[1], &format!("Move {label} down")).clicked();
-        let remove = button(ui, "Remove", true, &format!("Remove {label}")).clicked();
+        let up = button(ui, "Up", place[0] > 0, &format!("Move {words} up")).clicked();
+        let down = button(ui, "Down", place[0] + 1 < place[1], &format!("Move {words} down")).clicked();
+        let remove = button(ui, "Remove", true, &format!("Remove {words}")).clicked();
         (changed, up, down, remove)
     };
     let field = Field::new(&label).column(LABELS).slot().error(&error);
@@ -279,7 +278,7 @@ fn order(form: &mut DefinitionForm, ui: &mut Ui) {
             factor = names.first().copied().unwrap_or_default();
         }
         let field = Field::new("Blocks by").column(LABELS).width(200.0);
-        field.choice(ui, &mut factor, &names, |name| parameter::label(name));
+        field.choice(ui, &mut factor, &names, |name| form.factor(name));
     }
     let new = if kind == "random" || factor.is_empty() { kind.to_owned() } else { format!("{kind}:{factor}") };
     if new != order {
@@ -454,8 +453,7 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
     CollapsingHeader::new("What participants read").show(ui, |ui| {
         ui::hint(ui, "In the participants' language. The program fills in the words in braces.");
         for [name, about, default] in Texts::ALL {
-            let mut label = name.replace('_', " ");
-            label[..1].make_ascii_uppercase();
+            let label = capitalized(&name.replace('_', " "));
             let key = format!("instructions.{name}");
             if default.len() > LONG {
                 form.lines(ui, &label, &key, default, about.trim());

@@ -13,8 +13,8 @@ use crate::{
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
     light::{Bits, Quantizer, Transfer},
-    report::names::capitalized,
-    stimulus::{Parameter, ParameterValue, Stimulus, picture::Picture},
+    report::names::{self, capitalized},
+    stimulus::{Parameter, ParameterValue},
     store::draft::{Draft, Typed},
 };
 
@@ -165,7 +165,7 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
         numbers.sort_by(f64::total_cmp);
         numbers
     };
-    let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
+    let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
     let found: Vec<_> = free.map(|parameter| (parameter.name, numbers(parameter))).collect();
     let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
@@ -210,15 +210,6 @@ fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
     for (key, level) in [("low", levels[0]), ("high", levels[levels.len() - 1])] {
         draft.set(&format!("{table}.{key}"), &level.to_string(), Typed::Value);
     }
-}
-
-/// Returns the parameters of the stimulus.
-fn parameters(form: &DefinitionForm) -> &'static [Parameter] {
-    let kind = form.value("stimulus.kind", "");
-    if kind == Picture::KIND {
-        return Picture::PARAMETERS;
-    }
-    Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
 }
 
 /// Draws the options of a table.
@@ -268,7 +259,7 @@ fn control(
         }
         OptionValue::Parameter(optional) => {
             let factors = form.draft().factors();
-            let free = parameters(form).iter().filter(|parameter| !factors.iter().any(|name| name == parameter.name));
+            let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|name| name == parameter.name));
             let none = optional.then(|| NONE.to_owned());
             let names = none.into_iter().chain(free.map(|parameter| parameter.name.to_owned())).collect();
             list(form, ui, option, [key, owner], names, if optional { NONE } else { "" });
@@ -292,7 +283,7 @@ fn list(
     let before = form.value(key, default);
     let (mut chosen, error) = (before.clone(), form.error(key));
     let field = Field::new(option.label).column(LABELS).error(&error).width(LIST);
-    field.choice(ui, &mut chosen, &names, |name| parameter::label(name)).on_hover_text(option.about);
+    field.choice(ui, &mut chosen, &names, |name| form.factor(name)).on_hover_text(option.about);
     if chosen == before {
     } else if chosen == NONE {
         form.rebuild(|draft| draft.remove(owner));
@@ -305,13 +296,14 @@ fn list(
 fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
     let names = form.draft().keys(key);
     for (i, name) in names.iter().enumerate() {
-        let (inner, title) = (format!("{key}.{name}"), format!("{} {}", option.label, parameter::label(name)));
+        let words = names::factor(Some(form.parameters()), name);
+        let (inner, title) = (format!("{key}.{name}"), format!("{} {words}", option.label));
         let (before, error) = (form.value(&inner, ""), form.error(&inner));
         let mut text = before.clone();
         let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).error(&error);
         let removed = field.show(ui, |ui, _| {
             ui.horizontal(|ui| {
-                ui.label(parameter::label(name));
+                ui.label(form.factor(name));
                 let edit = ui.add(TextEdit::singleline(&mut text).id_salt(("setting", &inner)).desired_width(120.0));
                 ui::text::name(ui, &edit, &title);
                 edit.on_hover_text(option.about);
@@ -327,7 +319,7 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
         }
     }
     let factors = form.draft().factors();
-    let free: Vec<String> = parameters(form).iter().map(|parameter| parameter.name.to_owned()).collect();
+    let free: Vec<String> = form.parameters().iter().map(|parameter| parameter.name.to_owned()).collect();
     let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name) && !factors.contains(name)).collect();
     let (mut chosen, mut error) = (String::new(), form.own_error(key));
     if names.is_empty() && !error.is_empty() {
@@ -336,11 +328,11 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
     }
     let title = format!("Add to {}", option.label.to_lowercase());
     let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);
-    let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { parameter::label(name) };
+    let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { form.factor(name) };
     field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
     if !chosen.is_empty() {
         let now = form.value(&format!("stimulus.{chosen}"), "");
-        let hint = parameters(form).iter().find(|parameter| parameter.name == chosen);
+        let hint = form.parameters().iter().find(|parameter| parameter.name == chosen);
         // A value that differs from that of the target.
         let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(|level| **level != now));
         let value = other.map_or(now.as_str(), |level| level);

@@ -23,17 +23,15 @@ const SAMPLES: u32 = 1024;
 const SIZES: [u32; 5] = [256, 384, 512, 768, 1024];
 /// The choices for the dither.
 const DITHERS: [&str; 4] = ["none", "ordered", "blue-noise", "random"];
-/// In a window narrower than this, in points, the image is below its controls.
-const NARROW: f32 = 760.0;
 /// Width of the column of controls and, in it, of the labels, points.
 const CONTROLS: f32 = 360.0;
 const LABELS: f32 = 100.0;
 /// Room on the left of the image for the vertical axes of the plots, points. The plots are as wide as the image, so that
 /// each place in a plot is below the same place in the image.
 const AXIS: f32 = 76.0;
-/// Height of a plot, and of everything below the image that should be visible with it, points.
+/// Height of a plot, and of all texts and gaps above and below the image that should be visible with it, points.
 const PLOT: f32 = 190.0;
-const BELOW: f32 = PLOT + 36.0;
+const TEXTS: f32 = 52.0;
 /// If there is this much room on the right of the image, in points, the prediction is there.
 const BESIDE: f32 = 200.0;
 /// Side of a kind's picture in the overview, points; in a page narrower than `WIDE`, it is smaller.
@@ -191,7 +189,7 @@ impl Gallery {
             return;
         }
         self.is_fitted = true;
-        let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - BELOW - TILE) * ui.ctx().pixels_per_point();
+        let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - TEXTS - PLOT - TILE) * ui.ctx().pixels_per_point();
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
         self.settings.size = *size;
         self.history = History::new(self.settings.clone());
@@ -207,7 +205,7 @@ impl Gallery {
         }
         self.faults = stimulus.err().unwrap_or_default();
         let (controls, export, view) = (Self::controls, Self::export, Self::view);
-        let bench = Bench { name: "Stimuli", width: CONTROLS, narrow: NARROW, controls, export, view };
+        let bench = Bench { name: "Stimuli", width: CONTROLS, controls, export, view };
         let back = bench.show(ui, self);
         self.history.record(ui, &self.settings);
         Step::back_if(back || escaped)
@@ -320,6 +318,7 @@ impl Gallery {
             self.tiles = Some((px, catalog::all().iter().map(tile).collect()));
         }
         let Some((_, tiles)) = &self.tiles else { return };
+        let mut named = " ";
         ui.horizontal_wrapped(|ui| {
             for (index, (entry, texture)) in catalog::all().iter().zip(tiles).enumerate() {
                 let size = egui::vec2(side + 2.0 * theme::SMALL_GAP, side + 2.0 * theme::SMALL_GAP);
@@ -334,12 +333,17 @@ impl Gallery {
                     let ring = egui::Stroke::new(2.0, color);
                     ui.painter().rect_stroke(rect, 0.0, ring, egui::StrokeKind::Inside);
                 }
-                if response.on_hover_text(format!("{}. {}", entry.title, entry.about)).clicked() {
+                if response.hovered() || response.has_focus() {
+                    named = entry.title;
+                }
+                if response.clicked() {
                     self.settings.entry = index;
                 }
             }
         });
-        ui.add_space(theme::GAP);
+        // A tooltip would cover the stimulus. The line is there before and after.
+        ui::hint(ui, named);
+        ui.add_space(theme::SMALL_GAP);
     }
 
     /// Draws the image, what is predicted for it, and its plots.
@@ -438,7 +442,7 @@ fn plot(
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    ui::still_plot(ui, what)
+    ui::still_plot(ui, what, ["position, in sides of the image", what])
         .width(width)
         .height(PLOT)
         .y_axis_min_width(AXIS)
@@ -448,8 +452,6 @@ fn plot(
         // Nearly uniform light is shown as uniform, so that rounding is not magnified.
         .include_y(lowest - 0.02)
         .include_y(lowest + 0.02)
-        .x_axis_label("position along the orientation, in sides of the image")
-        .y_axis_label(what)
         .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
         // At the corner, it would meet the label of the other axis.
         .y_axis_formatter(|mark, range| match mark.value - range.start() {

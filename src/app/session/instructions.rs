@@ -82,7 +82,7 @@ pub fn instructions(
     };
     // In a low window, the way on stays in view while the page scrolls.
     let pinned = (ui.available_height() < LOW).then(|| ui::footer(ui, lead));
-    let step = ui::page(ui, |ui| {
+    ui::page(ui, |ui| {
         if page == 0 {
             ui.heading(&texts.welcome);
             if let Some(progress) = resumed {
@@ -93,45 +93,42 @@ pub fn instructions(
                 ui.label(paragraph);
                 ui.add_space(4.0);
             }
-            ui.add(egui::Label::new(ui::secondary(&texts.light)).wrap());
+            ui::hint(ui, &texts.light);
         } else {
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
             ui.add_space(8.0);
-            if !protocol.task.is_default() || protocol.response.categories.len() != EXAMPLES.len() {
+            if protocol.task.is_default() && protocol.response.categories.len() == EXAMPLES.len() {
+                examples(ui, protocol, pictures, quantizer);
+            } else {
                 key_list(ui, protocol);
-                ui.add_space(8.0);
-                ui.label(&texts.keys);
-                if pinned.is_some() {
-                    return Step::Stay;
-                }
-                ui.add_space(theme::LARGE_GAP);
-                return lead(ui);
             }
-            let gap = ui.spacing().item_spacing.x;
-            let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
-            let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
-            let shown = pictures.get(ui.ctx(), protocol, quantizer, size);
-            ui.horizontal_top(|ui| {
-                for (category, texture) in protocol.response.categories.iter().zip(shown) {
-                    ui.vertical(|ui| {
-                        ui.set_width(side);
-                        pixels::picture(ui, texture, &category.label);
-                        ui.label(egui::RichText::new(category.key.to_string()).size(theme::TITLE).strong());
-                        ui.add(egui::Label::new(&category.label).wrap());
-                    });
-                }
-            });
             ui.add_space(8.0);
             ui.label(&texts.keys);
         }
-        if pinned.is_some() {
-            return Step::Stay;
+        pinned.unwrap_or_else(|| {
+            ui.add_space(theme::LARGE_GAP);
+            lead(ui)
+        })
+    })
+}
+
+/// Draws an example of each category above its key and its label.
+fn examples(ui: &mut egui::Ui, protocol: &Protocol, pictures: &mut CategoryPictures, quantizer: &Quantizer) {
+    let gap = ui.spacing().item_spacing.x;
+    let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
+    let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
+    let shown = pictures.get(ui.ctx(), protocol, quantizer, size);
+    ui.horizontal_top(|ui| {
+        for (category, texture) in protocol.response.categories.iter().zip(shown) {
+            ui.vertical(|ui| {
+                ui.set_width(side);
+                pixels::picture(ui, texture, &category.label);
+                ui.label(egui::RichText::new(category.key.to_string()).size(theme::TITLE).strong());
+                ui::paragraph(ui, &category.label);
+            });
         }
-        ui.add_space(theme::LARGE_GAP);
-        lead(ui)
     });
-    pinned.unwrap_or(step)
 }
 
 /// Draws the page before practice or before the main trials. `back` says whether it leads back to the instructions.

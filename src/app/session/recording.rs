@@ -37,10 +37,10 @@ use crate::{
 /// The files of a sitting, open for writing.
 pub struct Recording {
     pub store: SessionStore,
-    identity: Identity,
+    pub identity: Identity,
     sitting: u32,
     /// All rows so far, including earlier sittings, for the plot at the end.
-    rows: Vec<TrialRecord>,
+    pub rows: Vec<TrialRecord>,
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
     input: InputReport,
@@ -137,14 +137,6 @@ impl Recording {
             // If the thread has ended, the image is not hashed; the missing hash shows this.
             let _ = hasher.pictures.send((stimulus, picture));
         }
-    }
-
-    pub fn take_rows(&mut self) -> Vec<TrialRecord> {
-        std::mem::take(&mut self.rows)
-    }
-
-    pub fn identity(&self) -> &Identity {
-        &self.identity
     }
 
     /// Returns the path of the file with the rows.

@@ -78,7 +78,7 @@ impl Runner {
     pub fn how_to_resume(&self) -> String {
         let saved = "Every answer so far is saved.";
         let Stage::Trials(trials) = &self.0 else { return saved.to_owned() };
-        let identity = trials.identity();
+        let identity = &trials.recording.identity;
         let (subject, session) = (identity.subject(), identity.session());
         format!(
             "{saved} To resume, start machband again and press Resume next to {subject}, session {session}, on the \
@@ -90,6 +90,6 @@ impl Runner {
     pub fn close(&mut self) -> Option<&Path> {
         let Stage::Trials(trials) = &mut self.0 else { return None };
         trials.close();
-        Some(trials.csv())
+        Some(trials.recording.csv())
     }
 }

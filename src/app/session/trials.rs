@@ -1,6 +1,6 @@
 //! Runs the trials on the screen: converts input to events of the session, and its states to images.
 
-use std::{collections::BTreeSet, path::Path, time::Duration};
+use std::{collections::BTreeSet, time::Duration};
 
 use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureHandle, Vec2, ViewportCommand};
 
@@ -20,7 +20,7 @@ use crate::{
         window::{Input, MIN_SIZE, PressTime},
     },
     experiment::{
-        Answers, Effect, Event, Identity, Phase, Session, State,
+        Answers, Effect, Event, Phase, Session, State,
         task::{Dial, Layout},
     },
     light::{Bits, Quantizer},
@@ -50,7 +50,7 @@ const DIAL_HINT: &str = "← → ↵";
 /// A running session.
 pub struct Trials {
     session: Session,
-    recording: Recording,
+    pub recording: Recording,
     /// The window's time at which the session's time was `offset`, seconds.
     window_start_s: f64,
     /// Session time at the start of this sitting.
@@ -164,10 +164,6 @@ impl Trials {
     pub fn pause(&mut self, ctx: &egui::Context) {
         let now = self.session_time(ctx.input(|input| input.time));
         self.step(Event::Pause, now);
-    }
-
-    pub fn identity(&self) -> &Identity {
-        self.recording.identity()
     }
 
     /// Returns the phase of the current trial.
@@ -517,17 +513,12 @@ impl Trials {
         ctx.send_viewport_cmd(ViewportCommand::MinInnerSize(MIN_SIZE));
         Step::Next(Box::new(Finish::new(
             self.session.protocol().clone(),
-            &self.recording.take_rows(),
-            self.csv().to_owned(),
+            &self.recording.rows,
+            self.recording.csv().to_owned(),
             *self.session.state() == State::Done,
             self.screen.sentence(self.session.frame_times()),
             error,
         )))
-    }
-
-    /// Returns the path of the file with the rows.
-    pub fn csv(&self) -> &Path {
-        self.recording.csv()
     }
 
     /// Ends the sitting if it has not ended; returns the write error, if any.

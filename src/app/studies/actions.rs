@@ -5,19 +5,18 @@ use std::path::Path;
 use eframe::egui::{self, Align, Layout, Popup, RichText, Ui};
 
 use super::{
-    form::Checked,
     grid::Cell,
     jobs::{DEVIATIONS, EFFECTS, Job},
-    page::{Destination, LIST, Open, Studies},
+    page::{Destination, LIST, Now, Open, Studies},
     request_form::RequestForm,
 };
 use crate::{
     app::ui::{
-        self, Monitor, action, main_action, quiet,
+        self, action, main_action, quiet,
         theme::{self, Icon, NARROW},
     },
     experiment::Protocol,
-    store::{definition::BUILT_IN, session::overview::SessionState, settings::Settings},
+    store::{definition::BUILT_IN, session::overview::SessionState},
     system::found,
     work::{Export, plan::Plan, simulate::Simulate},
 };
@@ -33,7 +32,8 @@ const PARTICIPANTS: u32 = 8;
 
 impl Studies {
     /// Draws the title of the study, its extent, and what is rarely needed.
-    pub(super) fn title(&mut self, ui: &mut Ui, checked: &Checked, settings: &mut Settings) -> Option<Destination> {
+    pub(super) fn title(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> Option<Destination> {
+        let Now { checked, settings, .. } = now;
         let experiment = self.form.experiment.trim().to_owned();
         let is_built_in = BUILT_IN.iter().any(|built_in| built_in.name == experiment);
         let mut next = None;
@@ -102,14 +102,7 @@ impl Studies {
     }
 
     /// Draws what can be done with the study.
-    pub(super) fn actions(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        protocol: &Protocol,
-        monitor: &Monitor,
-        settings: &Settings,
-    ) -> Option<Destination> {
+    pub(super) fn actions(&mut self, ui: &mut Ui, protocol: &Protocol, now: &mut Now<'_>) -> Option<Destination> {
         let mut next = None;
         let folder = self.folder();
         let unfinished = self.sessions.of(&protocol.name).find(|session| !session.complete).cloned();
@@ -125,7 +118,7 @@ impl Studies {
                 let resume = action(ui, Icon::Resume, "Resume").on_hover_text(title);
                 ui::text::name(ui, &resume, title);
                 if let Some(session) = unfinished.filter(|_| resume.clicked()) {
-                    next = self.resume(ui, &session, monitor, checked, settings);
+                    next = self.resume(ui, &session, now);
                 }
             });
             let mut rest = |ui: &mut Ui| next = self.rest(ui, protocol, &folder).or(next.take());
@@ -250,23 +243,16 @@ impl Studies {
     }
 
     /// Resumes, begins or opens the session of a cell.
-    pub(super) fn enter(
-        &mut self,
-        ui: &Ui,
-        cell: &Cell,
-        checked: &Checked,
-        monitor: &Monitor,
-        settings: &Settings,
-    ) -> Option<Destination> {
+    pub(super) fn enter(&mut self, ui: &Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
         match self.recorded(cell) {
             None if self.form.participant == cell.subject && self.form.session == cell.session => {
-                let begun = self.begin_checked(ui, checked, monitor, settings);
+                let begun = self.begin_checked(ui, now);
                 self.open = begun.is_none().then_some(Open::Session);
                 return begun;
             }
             None => self.open_session(Some(cell)),
             Some(session) if session.complete => open_file(ui, &session),
-            Some(session) => return self.resume(ui, &session, monitor, checked, settings),
+            Some(session) => return self.resume(ui, &session, now),
         }
         None
     }

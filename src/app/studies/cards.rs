@@ -4,20 +4,19 @@ use eframe::egui::{self, Align, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
     actions::open_file,
-    form::Checked,
     grid::{self, Cell},
-    page::{Destination, Open, Studies},
+    page::{Destination, Now, Open, Studies},
 };
 use crate::{
     app::ui::{
-        self, Monitor, Place, action, pixels,
+        self, Place, action, pixels,
         theme::{self, Icon, KEY, LARGE_GAP, SECTION, ink},
     },
     experiment::{Factor, Protocol},
     light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::{MachBand, ParameterValue, Stimulus},
-    store::{session::overview::SessionState, settings::Settings},
+    store::session::overview::SessionState,
 };
 
 /// Side of the example image, physical pixels.
@@ -60,14 +59,7 @@ impl Studies {
     }
 
     /// Draws the card of the selected session at the lower edge.
-    pub(super) fn detail(
-        &mut self,
-        ui: &mut Ui,
-        cell: &Cell,
-        checked: &Checked,
-        monitor: &Monitor,
-        settings: &Settings,
-    ) -> Option<Destination> {
+    pub(super) fn detail(&mut self, ui: &mut Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
         let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
@@ -81,7 +73,7 @@ impl Studies {
             {
                 ui::show_error(ui, error);
             }
-            let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+            let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
             // In a low window, the grid needs the room.
             if is_low {
                 return;
@@ -110,7 +102,7 @@ impl Studies {
                     let text = format!("{rated} of {planned} trials with practice, last used on {}", session.day());
                     ui.label(RichText::new(text).small().color(color));
                     if !complete && action(ui, Icon::Resume, "Resume").clicked() {
-                        next = self.resume(ui, session, monitor, checked, settings);
+                        next = self.resume(ui, session, now);
                     }
                     if ui.button("Open the file").clicked() {
                         open_file(ui, session);

@@ -20,7 +20,6 @@ use crate::{
         work::{BackgroundTask, Progress, Steps},
     },
     experiment::Protocol,
-    report::document::numbers::whole,
     work::{
         Export, Watcher,
         plan::Plan,
@@ -186,7 +185,7 @@ impl Job {
     pub fn show(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             Icon::Part.show(ui, ink(ui).text);
-            self.state.steps.show(ui, |done, total| format!("{}: {} of {}", self.what, whole(done), whole(total)));
+            self.state.steps.show(ui, self.what, "");
             if ui.button("Stop").clicked() {
                 self.state.stopped.store(true, Ordering::Relaxed);
             }

@@ -65,6 +65,18 @@ pub(super) enum Open {
     Removal(Box<SessionState>),
 }
 
+/// What a frame of the page is drawn with.
+pub(super) struct Now<'a> {
+    /// What the check of the form found.
+    pub checked: Rc<Checked>,
+    /// The monitor that the session will use, and the one that shows this window.
+    pub monitor: &'a Monitor,
+    pub here: &'a Monitor,
+    pub monitors: &'a [Monitor],
+    /// The remembered values of the fields.
+    pub settings: &'a mut Settings,
+}
+
 #[derive(Default)]
 pub struct Studies {
     pub(super) form: SessionForm,
@@ -183,13 +195,14 @@ impl Studies {
             if settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
-            next = self.place(ui, &checked, CARDS[wide], monitor, settings).or(next.take());
+            let mut now = Now { checked: checked.clone(), monitor, here, monitors, settings };
+            next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         });
         let dialog = match self.open.take() {
             None => None,
             Some(Open::Session) => {
                 self.open = Some(Open::Session);
-                self.session_dialog(ui, &checked, [monitor, here], monitors, settings)
+                self.session_dialog(ui, &mut Now { checked, monitor, here, monitors, settings })
             }
             Some(open) => {
                 self.other_dialog(ui.ctx(), open, &checked);
@@ -242,15 +255,9 @@ impl Studies {
     }
 
     /// Draws the place of the chosen study.
-    fn place(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        cards: f32,
-        monitor: &Monitor,
-        settings: &mut Settings,
-    ) -> Option<Destination> {
-        let mut next = self.title(ui, checked, settings);
+    fn place(&mut self, ui: &mut Ui, cards: f32, now: &mut Now<'_>) -> Option<Destination> {
+        let mut next = self.title(ui, now);
+        let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
             let error = checked.error(SessionField::Experiment);
@@ -258,7 +265,7 @@ impl Studies {
             return next;
         };
         ui.add_space(LARGE_GAP);
-        next = self.actions(ui, checked, protocol, monitor, settings).or(next);
+        next = self.actions(ui, protocol, now).or(next);
         ui.add_space(LARGE_GAP);
         if ui.available_width() >= ROOM_FOR_CARDS {
             let frame = Frame::NONE.inner_margin(egui::Margin { left: LARGE_GAP as i8, ..Default::default() });
@@ -272,7 +279,7 @@ impl Studies {
         }
         let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
-        next = self.detail(ui, &selected, checked, monitor, settings).or(next);
+        next = self.detail(ui, &selected, now).or(next);
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let nothing = BTreeSet::new();
         let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
@@ -281,7 +288,7 @@ impl Studies {
         match chosen {
             Some(Chosen::Selected(cell)) => self.selected = Some(cell),
             Some(Chosen::Entered(cell)) => {
-                next = self.enter(ui, &cell, checked, monitor, settings).or(next);
+                next = self.enter(ui, &cell, now).or(next);
                 self.selected = Some(cell);
             }
             Some(Chosen::Removed(cell)) => {

@@ -5,7 +5,7 @@ use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, Viewp
 use super::{
     form::{Checked, SessionField, SessionForm, labels},
     grid::Cell,
-    page::{Destination, Studies},
+    page::{Destination, Now, Studies},
 };
 use crate::{
     app::{
@@ -34,18 +34,11 @@ const PADDING: f32 = 12.0;
 
 impl Studies {
     /// Draws the dialog; returns where it leads.
-    pub(super) fn session_dialog(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        [monitor, here]: [&Monitor; 2],
-        monitors: &[Monitor],
-        settings: &mut Settings,
-    ) -> Option<Destination> {
+    pub(super) fn session_dialog(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> Option<Destination> {
+        let checked = now.checked.clone();
         let ctx = ui.ctx().clone();
         let entered = ui::entered(&ctx);
         let (next, closed) = ui::modal(&ctx, "session", WIDTH, |ui, height| {
-            ui.set_max_height(height);
             ui.heading("New session");
             if let Some(protocol) = &checked.protocol {
                 ui::hint(ui, format!("{} · {}", protocol.title, ui::extent(protocol)));
@@ -58,14 +51,14 @@ impl Studies {
                 ui.horizontal_top(|ui| {
                     ui.vertical(|ui| {
                         ui.set_width(ui.available_width() - if beside { PLAN + LARGE_GAP } else { 0.0 });
-                        measure = self.fields(ui, checked, monitor, here, monitors, settings);
+                        measure = self.fields(ui, now);
                     });
                     if let Some((side_px, _)) = checked.stimulus_px.filter(|_| beside) {
-                        plan(ui, monitor, side_px);
+                        plan(ui, now.monitor, side_px);
                     }
                 });
             });
-            let (start, cancel) = self.start(ui, checked, monitor, settings, entered && self.card.is_none());
+            let (start, cancel) = self.start(ui, now, entered && self.card.is_none());
             (start.or(measure.then_some(Destination::Place(Place::Display))), cancel)
         });
         let (next, cancelled) = next;
@@ -75,15 +68,9 @@ impl Studies {
         next
     }
 
-    fn fields(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        monitor: &Monitor,
-        here: &Monitor,
-        monitors: &[Monitor],
-        settings: &mut Settings,
-    ) -> bool {
+    /// Draws the fields; returns whether the user wants to measure the screen.
+    fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> bool {
+        let checked = &now.checked;
         if checked.is_wrong(SessionField::Experiment) {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
         }
@@ -98,7 +85,7 @@ impl Studies {
         if let Some(coarse) = &checked.coarse {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
-        self.width_field(ui, checked, monitor, here);
+        self.width_field(ui, now);
         let measure = self.profile_field(ui, checked);
         checked.field(ui, SessionField::Results).show(ui, |ui, label| {
             let line = ui.horizontal_wrapped(|ui| {
@@ -112,11 +99,12 @@ impl Studies {
                 ui::hint(ui, self.form.results.trim());
             }
         });
-        self.monitor_field(ui, checked, monitor, monitors, settings);
+        self.monitor_field(ui, now);
         measure
     }
 
-    fn width_field(&mut self, ui: &mut Ui, checked: &Checked, monitor: &Monitor, here: &Monitor) {
+    fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
+        let Now { checked, monitor, here, .. } = now;
         checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
@@ -164,14 +152,8 @@ impl Studies {
         })
     }
 
-    fn monitor_field(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        monitor: &Monitor,
-        monitors: &[Monitor],
-        settings: &mut Settings,
-    ) {
+    fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
+        let Now { checked, monitor, monitors, settings, .. } = now;
         let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
         let mut line = |ui: &mut Ui, label| {
             if monitors.len() > 1 {
@@ -198,14 +180,8 @@ impl Studies {
     }
 
     /// Draws the buttons of the dialog; returns the session to begin, and whether the dialog is closed without one.
-    fn start(
-        &mut self,
-        ui: &mut Ui,
-        checked: &Checked,
-        monitor: &Monitor,
-        settings: &Settings,
-        entered: bool,
-    ) -> (Option<Destination>, bool) {
+    fn start(&mut self, ui: &mut Ui, now: &mut Now<'_>, entered: bool) -> (Option<Destination>, bool) {
+        let checked = &now.checked;
         let text = if checked.resume { "Resume" } else { "Start" };
         let hint = match (&checked.request, checked.resume) {
             (None, _) => "Something above needs attention.",
@@ -229,57 +205,44 @@ impl Studies {
                 (clicked, cancelled)
             })
             .inner;
-        let begun = (clicked || entered).then(|| self.begin_checked(ui, checked, monitor, settings)).flatten();
+        let begun = (clicked || entered).then(|| self.begin_checked(ui, now)).flatten();
         (begun, cancelled)
     }
 
     /// Begins the session of the form, if nothing in it is wrong.
-    pub(super) fn begin_checked(
-        &mut self,
-        ui: &Ui,
-        checked: &Checked,
-        monitor: &Monitor,
-        settings: &Settings,
-    ) -> Option<Destination> {
-        let request = checked.request.clone()?;
-        let now = self.form.check(monitor);
-        if now.request.as_ref().is_none_or(|now| now.resume != request.resume) {
+    pub(super) fn begin_checked(&mut self, ui: &Ui, now: &mut Now<'_>) -> Option<Destination> {
+        let request = now.checked.request.clone()?;
+        let again = self.form.check(now.monitor);
+        if again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
             let (subject, session) = (request.identity.subject(), request.identity.session());
-            let is_taken = now.resume || now.is_wrong(SessionField::Session);
+            let is_taken = again.resume || again.is_wrong(SessionField::Session);
             self.error = is_taken
                 .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));
-            self.refresh(false, settings);
+            self.refresh(false, now.settings);
             return None;
         }
         self.error = None;
-        Some(self.begin(ui, request, settings))
+        Some(self.begin(ui, request, now.settings))
     }
 
     /// Resumes a session from the list: with the definition and the distance of its last sitting, and the screen of the
     /// form.
-    pub(super) fn resume(
-        &mut self,
-        ui: &Ui,
-        session: &SessionState,
-        monitor: &Monitor,
-        checked: &Checked,
-        settings: &Settings,
-    ) -> Option<Destination> {
+    pub(super) fn resume(&mut self, ui: &Ui, session: &SessionState, now: &mut Now<'_>) -> Option<Destination> {
         let identity = &session.identity;
         self.form.participant = identity.subject().to_owned();
         self.form.session = identity.session().to_owned();
         self.error = None;
-        let Some(display) = &checked.display else {
+        let Some(display) = &now.checked.display else {
             self.error = Some("The display profile cannot be read. Correct it, then resume the session.".to_owned());
             return None;
         };
         let found = session.to_resume().and_then(|(protocol, distance_cm)| {
             SessionStore::is_finished(&self.results(), &protocol, identity, None, Changes::Refuse)?;
-            let request = self.form.request(monitor, &protocol, identity.clone(), display, true);
+            let request = self.form.request(now.monitor, &protocol, identity.clone(), display, true);
             Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
         });
         match found {
-            Ok(request) => Some(self.begin(ui, request, settings)),
+            Ok(request) => Some(self.begin(ui, request, now.settings)),
             Err(error) => {
                 self.error = Some(error.to_string());
                 None

@@ -43,12 +43,12 @@ pub use fields::{Field, number};
 pub use history::History;
 pub use page::{
     Bench, Step, action, ask, end_frame, entered, escaped, footer, heading, keyed, main_action, modal, neutral_primary,
-    page, page_from, primary, quiet, release_focus, shortcut, tool_page,
+    page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, ending, full, open, saved};
 pub use screen::{ScreenFields, window_px};
-pub use side_bar::{Place, SideChoice, side_bar};
+pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

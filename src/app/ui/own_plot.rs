@@ -79,12 +79,8 @@ impl OwnPlot {
         let pad = 0.05 * (high - low);
         let last = self.places.len().saturating_sub(1) as f64;
         let (ink, places) = (theme::ink(ui), self.places.clone());
-        let mut plot = still_plot(ui, "ratings")
-            .height(height)
-            .include_y(low - pad)
-            .include_y(high + pad)
-            .x_axis_label(self.x_label.clone())
-            .y_axis_label(self.y_label.clone());
+        let titles = [self.x_label.as_str(), self.y_label.as_str()];
+        let mut plot = still_plot(ui, "ratings", titles).height(height).include_y(low - pad).include_y(high + pad);
         if (2..=MAX_LEGEND).contains(&self.lines.len()) {
             // The legend is beside the last points, not on them.
             let longest = self.lines.iter().flat_map(|(_, points)| points).map(|point| point[0]).fold(0.0, f64::max);

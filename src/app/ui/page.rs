@@ -3,7 +3,8 @@
 use std::convert::Infallible;
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, Vec2,
+    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, UiBuilder,
+    Vec2,
 };
 
 use super::{
@@ -74,13 +75,24 @@ fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
-    let column = |ui: &mut Ui| {
+    scrolled(ui, |ui| {
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
         centered(ui, add)
-    };
-    let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, column).inner;
+    })
+}
+
+/// Draws the page of a place, whose column is beside the side bar.
+pub fn place_page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    scrolled(ui, |ui| {
+        ui.set_width(ui.available_width().min(COLUMN));
+        add(ui)
+    })
+}
+
+fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, add).inner;
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
 }
 
@@ -88,7 +100,7 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
 /// button or with Escape, and the result of `add`.
 pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> (bool, R) {
     let escaped = escaped(ui);
-    page_from(ui, 0.02, |ui| {
+    place_page(ui, |ui| {
         let back = heading(ui, name);
         ui.add_space(8.0);
         let content = add(ui);
@@ -96,13 +108,14 @@ pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> 
     })
 }
 
+/// In a page narrower than this, in points, the view is above the controls, in one column.
+const ONE_COLUMN: f32 = 760.0;
+
 /// The parts of a page with controls on the left, an export below them that stays in view, and a view on the right.
 pub struct Bench<T> {
     pub name: &'static str,
     /// Width of the controls, points.
     pub width: f32,
-    /// In a page narrower than this, in points, the view is above the controls, in one column.
-    pub narrow: f32,
     pub controls: fn(&mut T, &mut Ui),
     pub export: fn(&mut T, &mut Ui),
     /// Draws the view; the last argument is true in one column.
@@ -112,8 +125,8 @@ pub struct Bench<T> {
 impl<T> Bench<T> {
     /// Draws the page; returns whether its back button was clicked.
     pub fn show(self, ui: &mut Ui, page: &mut T) -> bool {
-        let Self { name, width, narrow, controls, export, view } = self;
-        let is_narrow = ui.available_width() < narrow;
+        let Self { name, width, controls, export, view } = self;
+        let is_narrow = ui.available_width() < ONE_COLUMN;
         let frame = Frame::NONE.inner_margin(LARGE_GAP);
         let mut back = false;
         let mut column = |ui: &mut Ui, page: &mut T| {
@@ -137,13 +150,35 @@ impl<T> Bench<T> {
             return back;
         }
         Panel::left(name).resizable(false).exact_size(width).frame(frame).show(ui, |ui| {
-            let below = Frame::NONE.inner_margin(egui::Margin { top: GAP as i8, ..egui::Margin::ZERO });
-            Panel::bottom("export").frame(below).show(ui, |ui| export(page, ui));
-            column(ui, page);
+            pinned(ui, page, column, |ui, page| export(page, ui));
         });
         CentralPanel::default().frame(frame).show(ui, |ui| view(page, ui, false));
         back
     }
+}
+
+/// Draws the lower edge of a column, which stays in view, and what is above it, which Tab reaches first.
+pub fn pinned<T, A, B>(
+    ui: &mut Ui,
+    page: &mut T,
+    above: impl FnOnce(&mut Ui, &mut T) -> A,
+    below: impl FnOnce(&mut Ui, &mut T) -> B,
+) -> (A, B) {
+    let (id, column) = (ui.scope_id().with("lower edge"), ui.max_rect());
+    let height: f32 = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let (upper, lower) = column.split_top_bottom_at_y(column.bottom() - height);
+    let shown = ui.scope_builder(UiBuilder::new().max_rect(upper), |ui| above(ui, page)).inner;
+    let edge = ui.scope_builder(UiBuilder::new().max_rect(lower), |ui| {
+        ui.separator();
+        below(ui, page)
+    });
+    let needed = edge.response.rect.height();
+    if needed != height {
+        ui.data_mut(|data| data.insert_temp(id, needed));
+        ui.ctx().request_discard("the lower edge has another height");
+        ui.ctx().request_repaint();
+    }
+    (shown, edge.inner)
 }
 
 /// Draws the name of a page and its back button; returns whether the button was clicked.
@@ -215,7 +250,6 @@ fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) ->
     }
     let shown = button.atom_ui(ui);
     if let Some(rect) = shown.rect(place) {
-        let color = if ui.is_enabled() { color } else { ink(ui).off };
         icon.paint(ui.painter(), rect, color);
     }
     shown.response
@@ -239,6 +273,7 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
     let frame = Frame::popup(&ctx.global_style()).inner_margin(MARGIN);
     let shown = Modal::new(Id::unique(("dialog", id))).backdrop_color(veil).frame(frame).show(ctx, |ui| {
         ui.set_width(width.min(room.x));
+        ui.set_max_height(room.y);
         add(ui, room.y)
     });
     let closed = shown.should_close();

@@ -29,9 +29,9 @@ fn slider_range(parameter: &str) -> Option<(f64, f64, f64)> {
     })
 }
 
-/// Returns the label of a parameter: `orientation, °` for `orientation_deg`.
-pub fn label(parameter: &str) -> String {
-    parameter.replace('_', " ").replace(" deg", ", °")
+/// Returns the label of a factor: that of the parameter or, if it is not one of these, its name.
+pub fn label(parameters: &[Parameter], factor: &str) -> String {
+    parameters.iter().find(|parameter| parameter.name == factor).map_or_else(|| factor.to_owned(), Parameter::label)
 }
 
 /// Returns the name of a method as it is read: `QUEST+` for `quest-plus`.
@@ -44,7 +44,7 @@ pub fn method(name: &str) -> String {
 ///
 /// The labels are in a column of this width, points.
 pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String) {
-    let name = label(parameter.name);
+    let name = parameter.label();
     Field::new(&name).column(column).show(ui, |ui, label| {
         let room = ui.available_width().min(CONTROL);
         match (slider_range(parameter.name), text.parse::<f64>()) {
@@ -79,10 +79,10 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
                             ui.selectable_value(text, level.clone(), level);
                         }
                     });
-                    text::name(ui, &list.response, &format!("Values of {name}"));
+                    text::name(ui, &list.response, &format!("Values of {}", parameter.words()));
                     list.response.on_hover_text("Lists values to choose from.");
                     if is_color(parameter) {
-                        pick_color(ui, &name, text);
+                        pick_color(ui, &parameter.words(), text);
                     }
                 });
             }

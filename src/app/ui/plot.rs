@@ -1,7 +1,7 @@
 //! Static plots, their legends, and tables of numbers.
 
 use eframe::{
-    egui::{AsIdSalt, Color32, FontId, Grid, ScrollArea, Sense, Stroke, Ui, Vec2},
+    egui::{AsIdSalt, Color32, FontId, Grid, RichText, ScrollArea, Sense, Stroke, Ui, Vec2},
     emath::Rangef,
 };
 use egui_plot::{AxisHints, Plot};
@@ -12,19 +12,19 @@ use super::{
 };
 
 /// Minimum distance between the labels of an axis, across and down, points.
-const TICKS: [f32; 2] = [56.0, 18.0];
+const TICKS: [f32; 2] = [40.0, 18.0];
 
-/// Creates a static plot. Dragging and scrolling move the page, not the plot.
-pub fn still_plot<'a>(ui: &Ui, id: impl AsIdSalt) -> Plot<'a> {
+/// Creates a static plot with these titles of its axes. Dragging and scrolling move the page, not the plot.
+pub fn still_plot<'a>(ui: &Ui, id: impl AsIdSalt, [across, up]: [&str; 2]) -> Plot<'a> {
     let dim = ink(ui).dim;
-    let small = |axis: AxisHints<'a>, spacing: f32| {
+    let small = |axis: AxisHints<'a>, title: &str, spacing: f32| {
         let axis = axis.tick_label_font(FontId::proportional(NOTE)).tick_label_color(dim);
         // Labels are there or not; none is faint.
-        vec![axis.label_spacing(Rangef::new(spacing, spacing))]
+        vec![axis.label(RichText::new(title).small().color(dim)).label_spacing(Rangef::new(spacing, spacing))]
     };
     Plot::new(id)
-        .custom_x_axes(small(AxisHints::new_x(), TICKS[0]))
-        .custom_y_axes(small(AxisHints::new_y(), TICKS[1]))
+        .custom_x_axes(small(AxisHints::new_x(), across, TICKS[0]))
+        .custom_y_axes(small(AxisHints::new_y(), up, TICKS[1]))
         .grid_color(GRID)
         .allow_drag(false)
         .allow_zoom(false)

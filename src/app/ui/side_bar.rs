@@ -1,8 +1,6 @@
 //! The places of the program, and the bar at the left edge that leads to them.
 
-use eframe::egui::{
-    self, Align, Frame, Key, KeyboardShortcut, Layout, Modifiers, Panel, Rect, RichText, Sense, Ui, Vec2,
-};
+use eframe::egui::{self, Frame, Key, KeyboardShortcut, Modifiers, Panel, Rect, RichText, Sense, Ui, Vec2};
 
 use super::{
     logo::logo,
@@ -24,10 +22,9 @@ pub enum Place {
     Display,
 }
 
-/// What the user chose in the bar.
+/// The dialog above the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SideChoice {
-    Go(Place),
+pub enum SideDialog {
     Help,
     Settings,
 }
@@ -53,8 +50,8 @@ impl Place {
     }
 }
 
-/// Draws the bar; returns what was chosen with a click or with its keys.
-pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
+/// Draws the bar; returns the place that was chosen with a click or with its keys. A dialog that was chosen opens.
+pub fn side_bar(ui: &mut Ui, here: Place, dialog: &mut Option<SideDialog>) -> Option<Place> {
     let narrow = ui.available_width() < WIDE;
     let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(GAP);
     let bar = Panel::left("places").resizable(false).show_separator_line(false);
@@ -78,20 +75,20 @@ pub fn side_bar(ui: &mut Ui, here: Place) -> Option<SideChoice> {
                 let clicked =
                     item(ui, icon, title, narrow, (place == here).then_some(here)).on_hover_text(hover).clicked();
                 if clicked || ui.input_mut(|input| input.consume_shortcut(&shortcut)) {
-                    choice = Some(SideChoice::Go(place));
+                    choice = Some(place);
                 }
             }
-            ui.with_layout(Layout::bottom_up(Align::Min), |ui| {
-                let help = item(ui, Icon::Help, "Help", narrow, None);
-                let help = help.on_hover_text("Help: the keys of this page, and about machband (F1).");
-                if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
-                    choice = Some(SideChoice::Help);
-                }
-                let settings = item(ui, Icon::Settings, "Settings", narrow, None);
-                if settings.on_hover_text("Settings: theme and size of the window.").clicked() {
-                    choice = Some(SideChoice::Settings);
-                }
-            });
+            // The other two are at the lower edge.
+            ui.add_space((ui.available_height() - 2.0 * (CONTROL + SMALL_GAP) - SMALL_GAP).max(0.0));
+            let settings = item(ui, Icon::Settings, "Settings", narrow, None);
+            if settings.on_hover_text("Settings: theme and size of the window.").clicked() {
+                *dialog = Some(SideDialog::Settings);
+            }
+            let help = item(ui, Icon::Help, "Help", narrow, None);
+            let help = help.on_hover_text("Help: the keys of this page, and about machband (F1).");
+            if help.clicked() || ui.input(|input| input.key_pressed(Key::F1)) {
+                *dialog = Some(SideDialog::Help);
+            }
             choice
         })
         .inner

@@ -1,8 +1,8 @@
 //! The line at the lower edge of the window: the latest message of the program, and what the page works on.
 
-use eframe::egui::{self, Align, Context, Frame, Id, Label, Layout, Panel, RichText, Sense, Ui};
+use eframe::egui::{self, Align, CentralPanel, Context, Frame, Id, Label, Layout, RichText, Sense, Ui};
 
-use super::theme::{GAP, Icon, LARGE_GAP, ROW, ink};
+use super::theme::{GAP, Icon, LARGE_GAP, ink};
 
 /// Number of messages that a click on the line shows.
 const KEPT: usize = 50;
@@ -43,8 +43,7 @@ fn id() -> Id {
 /// Draws the line of a page. `about` is what the page works on: a folder or a display, with its icon.
 pub fn status_line(ui: &mut Ui, page: &str, about: Option<(Icon, &str)>) {
     let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(egui::Margin::symmetric(LARGE_GAP as i8, 0));
-    let panel = Panel::bottom("status").resizable(false).show_separator_line(false).exact_size(ROW).frame(frame);
-    panel.show(ui, |ui| {
+    CentralPanel::default().frame(frame).show(ui, |ui| {
         let messages: Vec<Message> = ui.data_mut(|data| {
             let messages: &mut Vec<Message> = data.get_temp_mut_or_default(id());
             for new in messages.iter_mut().filter(|message| message.page.is_none()) {

@@ -215,6 +215,8 @@ pub fn apply(ctx: &egui::Context) {
         });
     }
     ctx.add_widget_theme::<ButtonStyle>(Buttons);
+    // A new panel takes one pass to be measured, and its lower edge another.
+    ctx.options_mut(|options| options.max_passes = 3.try_into().unwrap_or(options.max_passes));
 }
 
 /// Buttons have no outline; lists to choose from look like the fields that they are.
@@ -285,6 +287,8 @@ fn visuals(visuals: &mut Visuals) {
     visuals.error_fg_color = ink.bad;
     visuals.warn_fg_color = ink.warn;
     visuals.handle_shape = HandleShape::Circle;
+    // What is disabled can still be read.
+    visuals.disabled_alpha = 0.65;
     // In the light theme, an empty track is hardly visible.
     visuals.slider_trailing_fill = true;
     let widgets = &mut visuals.widgets;

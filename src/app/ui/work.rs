@@ -13,7 +13,10 @@ use eframe::egui;
 use rayon::ThreadPoolBuilder;
 
 use super::{text::secondary, theme::ink};
-use crate::system::{run_on_thread, stop_with, threads};
+use crate::{
+    report::document::numbers::whole,
+    system::{run_on_thread, stop_with, threads},
+};
 
 /// A running computation. If it is dropped before it is done, its result is lost.
 pub struct BackgroundTask<T> {
@@ -94,10 +97,13 @@ impl Steps {
         self.done.fetch_max(done, Ordering::Relaxed);
     }
 
-    /// Draws how far it is. `told` is the text about the numbers of steps that are done and of all steps.
-    pub fn show(&self, ui: &mut egui::Ui, told: impl FnOnce(u64, u64) -> String) {
+    /// Draws how far it is: `Checking: 3 of 8 sessions`. `what` is the computation, and `items` is what is counted.
+    pub fn show(&self, ui: &mut egui::Ui, what: &str, items: &str) {
         let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
-        ui.label(secondary(told(done, all)));
+        ui.label(secondary(match all {
+            0 => format!("{what}…"),
+            _ => format!("{what}: {} of {} {items}", whole(done), whole(all)).trim_end().to_owned(),
+        }));
         let share = done as f32 / all.max(1) as f32;
         ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
         ui.ctx().request_repaint_after_secs(0.1);

@@ -127,13 +127,11 @@ fn plot(ui: &mut egui::Ui, report: &TimingReport) {
     let ink = ink(ui);
     let points: Vec<[f64; 2]> =
         (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
-    still_plot(ui, "intervals").height(220.0).include_y(0.0).x_axis_label("frame").y_axis_label("interval, ms").show(
-        ui,
-        |plot| {
-            if let Some(refresh) = report.refresh {
-                plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.dim));
-            }
-            plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
-        },
-    );
+    let plot = still_plot(ui, "intervals", ["frame", "interval, ms"]).height(220.0).include_y(0.0);
+    plot.show(ui, |plot| {
+        if let Some(refresh) = report.refresh {
+            plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.dim));
+        }
+        plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
+    });
 }

@@ -81,9 +81,7 @@ impl ViewSettings {
     pub fn column(&self, width: u32) -> u32 {
         (self.divider.clamp(0.0, 1.0) * f64::from(width)).round() as u32
     }
-}
 
-impl ViewSettings {
     /// Returns where the whole picture is, of which `rect` shows a part when it is enlarged.
     pub fn whole(&self, rect: Rect) -> Rect {
         let size = rect.size() * self.zoom;

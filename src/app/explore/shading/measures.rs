@@ -211,11 +211,10 @@ impl Scan {
 fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
     hint(ui, format!("{what}, along the scan line"));
     let sides = ink(ui).sides();
-    let plot = still_plot(ui, what)
+    let plot = still_plot(ui, what, ["pixels from the ring", ""])
         .width(ui.available_width())
         .height(ui.available_height())
-        .y_axis_min_width(44.0)
-        .x_axis_label("pixels from the ring");
+        .y_axis_min_width(44.0);
     let plot = plot.show(ui, |plot| {
         for ((pieces, color), title) in curves.iter().zip(sides).zip(titles) {
             for piece in pieces {

@@ -27,9 +27,7 @@ use crate::{
 
 /// Height of the plots below the picture, points.
 const PLOTS: f32 = 190.0;
-/// In a window narrower than the first value, the view has the height of the second and is above the controls; both in
-/// points.
-const NARROW: f32 = 640.0;
+/// Height of the view in one column, points.
 const NARROW_VIEW: f32 = 560.0;
 /// Height of the numbers below the picture, points.
 const NUMBERS: f32 = 180.0;
@@ -92,7 +90,7 @@ impl ShadingPage {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
-        let back = Bench { name: "Shading", width, narrow: NARROW, controls, export, view }.show(ui, self);
+        let back = Bench { name: "Shading", width, controls, export, view }.show(ui, self);
         self.history.record(ui, &self.compared);
         Step::back_if(back || escaped)
     }
@@ -133,9 +131,7 @@ impl ShadingPage {
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
-        let field = Field::new("Mesh file")
-            .hint("path of an OBJ, PLY, glTF or GLB file, or drop one here")
-            .width(ui.available_width());
+        let field = Field::new("Mesh file").hint("OBJ, PLY, glTF or GLB").width(ui.available_width());
         let field = field.text(ui, &mut self.file.path);
         if field.changed() {
             self.file.error = None;
@@ -272,8 +268,8 @@ impl ShadingPage {
         let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
         let drag = match self.settings.target {
             DragTarget::Mesh => {
-                "Drag, or press the arrow keys, to rotate the mesh; the right button moves the light, the wheel zooms, \
-                    and the middle button moves the enlarged picture."
+                "Drag or press the arrow keys to rotate the mesh. The right button moves the light, the middle button \
+                    the enlarged picture; the wheel zooms."
             }
             DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
             DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
