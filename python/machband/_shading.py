@@ -257,7 +257,7 @@ def shade(
         positions = _rows("vertices", vertices, np.float64)
         own = None if normals is None or estimated else _rows("normals", normals, np.float64)
         if own is not None and len(own) != len(positions):
-            raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
+            raise _machband.Error(f"normals has length {len(own)}; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
         codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, is_measured)
     found = None if measured is None else json.loads(measured)
