@@ -233,10 +233,10 @@ class Analysis:
         if level is None:
             numbers = np.array(texts, np.float64)[codes]
             return np.reciprocal(numbers) if inverse else numbers
-        known = {one["level"] for one in self.model["margins"] if one["factor"] == name}
-        if unknown := {texts[code] for code in np.unique(codes)} - known:
+        known = [one["level"] for one in self.model["margins"] if one["factor"] == name]
+        if unknown := {texts[code] for code in np.unique(codes)}.difference(known):
             wrong = min(unknown)
-            expected = f"expected one of {', '.join(sorted(known))}{nearest(wrong, among=known)}"
+            expected = f"expected one of {', '.join(dict.fromkeys(known))}{nearest(wrong, among=known)}"
             raise _machband.Error(f"{name} is {wrong}, which was not analyzed; {expected}")
         return np.array([cell == level for cell in texts], np.float64)[codes]
 

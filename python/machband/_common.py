@@ -79,6 +79,9 @@ def _in_python(message: str, known: list[str]) -> str:
     """Return an error of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.replace("_", "-"): name for name in known}
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
+    if (found := re.search(", such as ([a-z_]+) (\\S+)$", message)) and found[1] in known:
+        is_number = re.fullmatch(r"-?[\d.]+", found[2])
+        message = f"{message[: found.start()]}, such as {found[1]}={found[2] if is_number else repr(found[2].strip(chr(39)))}"
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
         message += nearest(found[1].lower(), among=re.findall(r"[\w:-]+", found[2]), cutoff=0.65)
     return message
@@ -137,9 +140,11 @@ def value(name: str, given: object) -> float | str:
     """Return a parameter in the form that files use: a number, or text such as ``1,0.5,0``."""
     if isinstance(given, (str, bool)):
         return str(given)
-    if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1:
+    if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1 and len(given) != 1:
         return ",".join(text(name, part) for part in given)
     try:
+        if np.ndim(given) > 0:  # type: ignore[arg-type]
+            raise TypeError
         # A number of NumPy is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
         return float(str(given) if isinstance(given, np.floating) else given)  # type: ignore[arg-type]
     except (TypeError, ValueError):

@@ -110,7 +110,7 @@ def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
 def shade(
     vertices: npt.ArrayLike | Mesh | Shape | str | PathLike[str] = "blob",
     triangles: npt.ArrayLike | None = None,
-    normals: npt.ArrayLike | Literal["averaged", "max", "cubic"] | None = None,
+    normals: npt.ArrayLike | Literal["given", "averaged", "max", "cubic", "best"] | None = None,
     *,
     crease: float = 180,
     depth: float | str = 1,
@@ -157,7 +157,8 @@ def shade(
         Indices of the corners, shape (m, 3), counterclockwise as seen from outside.
     normals
         Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
-        how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999) or ``cubic``.
+        how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999), ``cubic``, or ``best`` of a mean and the
+        cubic; ``given`` takes those of a file.
     crease
         Angle in degrees above which the edge between two faces of a file is a crease.
     depth
@@ -254,10 +255,12 @@ def shade(
     else:
         if triangles is None:
             raise TypeError("shade() got vertices without triangles; expected both")
+        if estimated == "given":
+            raise TypeError("normals is 'given', which is for files; expected an array, or a way to estimate them")
         positions = _rows("vertices", vertices, np.float64)
         own = None if normals is None or estimated else _rows("normals", normals, np.float64)
         if own is not None and len(own) != len(positions):
-            raise _machband.Error(f"normals has {len(own)} rows; expected {len(positions)}, one for each vertex")
+            raise _machband.Error(f"normals has length {len(own)}; expected {len(positions)}, one for each vertex")
         arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
         codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, is_measured)
     found = None if measured is None else json.loads(measured)

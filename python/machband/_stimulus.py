@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from ._vision import Prediction
     from .stimuli import Parameters
 
+#: Largest side of a picture in pixels.
+MAX_SIDE = 16384
+
 Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 Floats = npt.NDArray[np.float64]
 
@@ -264,7 +267,7 @@ class Stimulus:
         **parameters
             The parameters of the kind, as in `stimulus`.
         """
-        shape = None if size is None else _pair("size", size, lambda name, side: whole(name, side, 1))
+        shape = None if size is None else _pair("size", size, lambda name, side: whole(name, side, 1, MAX_SIDE))
         degrees = None if visual_size is None else _pair("visual_size", visual_size, _positive)
         density = None if ppd is None else _positive("ppd", ppd)
         if degrees and density:
@@ -320,8 +323,16 @@ class Stimulus:
         coding: Any = {"bits": bits, "transfer": transfer, "dither": dither, "seed": seed}
         return stimulus(self.kind, size=self._size, **coding, **self._own)[self._middle]
 
-    def profile(self, **coding: Any) -> Table:
+    def profile(
+        self,
+        *,
+        transfer: str | Transfer | None = None,
+        bits: Literal[8, 16] = 8,
+        dither: Dither = "none",
+        seed: Seed = 1,
+    ) -> Table:
         """Return the luminance profile through the center, as the function `profile` does."""
+        coding: Any = {"bits": bits, "transfer": transfer, "dither": dither, "seed": seed}
         return profile(self.kind, size=self._size, **coding, **self._own)
 
     def _square(self) -> int:
@@ -330,10 +341,18 @@ class Stimulus:
             raise _machband.Error(f"the shape is {self.shape}; expected a square, as the command draws")
         return self._size
 
-    def predict(self, **viewing: Any) -> Prediction:
-        """Predict how visible its bands are, with the arguments of the function `predict` except its size."""
+    def predict(
+        self,
+        *,
+        display: str | PathLike[str] | None = None,
+        white: float | None = None,
+        black: float | None = None,
+        criterion: str | PathLike[str] | None = None,
+    ) -> Prediction:
+        """Predict how visible its bands are at its visual size, as the function `predict` does."""
         from ._vision import predict
 
+        viewing: Any = {"display": display, "white": white, "black": black, "criterion": criterion}
         return predict(self.kind, size=self._square(), window_deg=self.visual_size[0], **viewing, **self._own)
 
     def to_stimupy(self) -> dict[str, Any]:
@@ -400,6 +419,8 @@ N = TypeVar("N", int, float)
 
 def _pair(name: str, given: Any, checked: Callable[[str, Any], N]) -> tuple[N, N]:
     """Return a height and a width, for which one number can stand."""
+    if isinstance(given, (str, bytes, set, Mapping)):
+        raise TypeError(f"{name} is {given!r}; expected a number, or height and width")
     both = (given, given) if np.ndim(given) == 0 else tuple(given)
     if len(both) != 2:
         raise _machband.Error(f"{name} is {given!r}; expected a number, or height and width")

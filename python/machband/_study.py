@@ -76,6 +76,11 @@ def _paths(data: object) -> Iterator[str]:
 _SUBJECTS = {"participant", "participant_id", "subject", "subject_nr"}
 
 
+def _names(argument: str, given: Any) -> list[str]:
+    """Return a list of names, which may be one line of CSV."""
+    return next(csv.reader([texts(argument, given)]), [])
+
+
 def _wrong(rows: npt.NDArray[Any], said: str) -> DataError:
     """Return an error about rows of a table."""
     error = DataError(f"table, row {rows[0]} (counted from 0): {said}")
@@ -322,6 +327,7 @@ def analyze(
         if not found:
             raise Error("the table has no columns; expected at least a participant, a rating and a factor")
         known = getattr(data, "attrs", {})
+        orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
         if "simulated" in found:
             found["simulated"] = _marks(found["simulated"])
         elif known.get("simulated"):
@@ -331,14 +337,12 @@ def analyze(
             subject = subject or ("subject_id" if "subject_id" in found else usual[0] if len(usual) == 1 else None)
             used = [level, str(correct), *([] if total is None else [total])]
             lost = _answered(found, used, on_error == "drop")
+            orders = {name: order for name, order in orders.items() if name in _names("factors", factors or [])}
         else:
             ratings = found.get("rating")
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
                 raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
-            orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
-            names = next(
-                csv.reader([texts("wide", [response or "rating"] if wide is None else wide).split("=", 1)[-1]])
-            )
+            names = [response or "rating"] if wide is None else _names("wide", texts("wide", wide).split("=", 1)[-1])
             is_ours = response is None and wide is None
             scale = _scale(found, orders, names, known.get("categories") if is_ours else None)
             categories = scale if categories is None else categories

@@ -36,13 +36,13 @@ def columns(data: Any) -> dict[str, Any] | None:
     found = _columns(data)
     if found is None:
         return None
-    names = [_text("the name of a column", str(name)) for name, _ in found]
+    names = [_text("the name of a column", name if isinstance(name, bytes) else str(name)) for name, _ in found]
     if twice := [name for name in names if names.count(name) > 1]:
         raise Error(f"two columns are named {twice[0]!r}; expected a different name for each")
     rows = [len(column) if hasattr(column, "__len__") else 0 for _, column in found]
     for name, count in zip(names, rows, strict=True):
         if count != rows[0]:
-            raise Error(f"{name} has {count} rows; expected {rows[0]}, as in {names[0]}")
+            raise Error(f"{name} has length {count}; expected {rows[0]}, as {names[0]} has")
     return {name: column for name, (_, column) in zip(names, found, strict=True)}
 
 

@@ -287,8 +287,8 @@ def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
         return np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel(), (height, width)
     if image.dtype.kind != "f":
         raise TypeError(f"{name} has dtype {image.dtype}; expected uint8, uint16 or floats")
-    if not np.all(image <= 1):
-        raise _machband.Error(
-            f"{name} has light up to {image.max()}; expected 0 to 1, such as codes / 255 decoded by a Transfer"
-        )
+    if not (is_light := (image >= 0) & (image <= 1)).all():
+        place = np.unravel_index(is_light.argmin(), image.shape)
+        expected = "expected 0 to 1, such as codes / 255 decoded by a Transfer"
+        raise _machband.Error(f"{name} has light {image[place]} in row {place[0]}, column {place[1]}; {expected}")
     return np.ascontiguousarray(image, dtype=np.float32).ravel(), (height, width)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 from psychopy.tools.monitorunittools import convertToPix
-from psychopy.visual import ImageStim
+from psychopy.visual import GratingStim, ImageStim
 from psychopy.visual.basevisual import MinimalStim
 
 from . import _machband
-from ._common import Dither, Seed, nearest, number
+from ._common import _STIMULUS_PARAMETERS, Dither, Seed, nearest, number
 from ._stimulus import Codes, Kind, Stimulus, Transfer, stimulus
 
 __all__ = ["MachBandStim"]
@@ -92,15 +92,23 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         units = units or win.units
         self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed)
         self.__dict__["parameters"] = {}
+        self.__dict__["_image"] = None
         self.set(**parameters)
-        self._image = _Aligned(win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog)
-        self.codes()
+        self.__dict__["_image"] = _Aligned(
+            win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog
+        )
+        self._transfer()
 
     def set(self, **parameters: Any) -> None:
         """Change parameters of the stimulus, several at once if one depends on another."""
+        for name in parameters:
+            if name == "kind":
+                raise TypeError("kind cannot change; expected another MachBandStim")
+            if name in _VIEW:
+                raise TypeError(f"{name} is no parameter here; expected size and units, which are set on their own")
         found = Stimulus(self.kind, **{**self.parameters, **parameters})
         self.__dict__["parameters"] = {name: found.parameters[name] for name in found.parameters if name not in _VIEW}
-        self.__dict__["_drawn"] = None
+        self._transfer()
 
     @property
     def autoDraw(self) -> bool:
@@ -132,14 +140,18 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
             self.kind, size=self.size_px, transfer=transfer, dither=self.dither, seed=self.seed, **self.parameters
         )
 
-    def draw(self, win: Any = None) -> None:
-        """Draw the stimulus into the back buffer of its window, or of another one."""
-        state = (self.size_px, self.win.gamma is None)
-        if self._drawn != state:
+    def _transfer(self) -> None:
+        """Give the codes to the graphics card, so that the next frame only draws them."""
+        if self._image is not None:
             # An image keeps its codes. An array of floats would be scaled twice.
             self._image.image = Image.fromarray(self.codes())
+            self.__dict__["_drawn"] = state = (self.size_px, self.win.gamma is None)
             self._image.setSize((state[0], state[0]), units="pix")
-            self.__dict__["_drawn"] = state
+
+    def draw(self, win: Any = None) -> None:
+        """Draw the stimulus into the back buffer of its window, or of another one."""
+        if self._drawn != (self.size_px, self.win.gamma is None):
+            self._transfer()
         self._image.interpolate = self.ori % 90 != 0
         self._image.draw(win)
 
@@ -160,20 +172,29 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set a parameter of the stimulus, or an attribute of the image."""
-        if name in self.__dict__.get("parameters", {}):
+        parameters = self.__dict__.get("parameters", {})
+        if name in parameters:
             self.set(**{name: value})
-        elif name in type(self)._images:
+        elif name in self._images:
             setattr(self._image, name, value)
+            if name == "units":
+                self._transfer()
+        elif name in self._own:
+            before = self.__dict__[name]
+            self.__dict__[name] = _side(value) if name == "size" else value
+            try:
+                self._transfer()
+            except Exception:
+                self.__dict__[name] = before
+                raise
         else:
-            near = nearest(name, among=self.__dict__.get("parameters", {}), cutoff=0.75)
-            if near and not hasattr(self, name):
-                raise AttributeError(f"{name!r} is not known{near}")
-            if name in ("contrast", "mask", "image", "tex"):
-                settable = ", ".join([*self._own, *self._images, *self.parameters])
-                raise AttributeError(f"{name!r} cannot be set; expected one of {settable}")
-            super().__setattr__(name, _side(value) if name == "size" else value)
-            if name in type(self)._own:
-                self.__dict__["_drawn"] = None
+            # What PsychoPy notes about any stimulus, such as its status, can be set.
+            is_other = name in {"kind", "parameters", "texRes", *_VIEW, *_STIMULUS_PARAMETERS} or any(hasattr(of, name) for of in _OTHERS)
+            near = nearest(name, among=parameters, cutoff=0.75) if not hasattr(self, name) else ""
+            if parameters and (near or (is_other and not hasattr(MinimalStim, name))):
+                settable = ", ".join([*self._own, *self._images, *parameters])
+                raise AttributeError(f"{name!r} cannot be set; expected one of {settable}{near}")
+            super().__setattr__(name, value)
 
 
 def _side(given: float | None) -> float | None:
@@ -183,4 +204,7 @@ def _side(given: float | None) -> float | None:
     return given
 
 
-_VIEW = ("size", "visual_size")
+#: What a stimulus of its own has, and one in a window has not.
+_VIEW = ("size", "visual_size", "ppd")
+#: Stimuli of PsychoPy whose attributes somebody could expect.
+_OTHERS = (ImageStim, GratingStim)

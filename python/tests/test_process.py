@@ -200,6 +200,8 @@ def test_psychopy_shows_the_codes(window_size):
     try:
         for size in [128, 201]:
             stim = MachBandStim(window, size=size, color="gray", units="pix")
+            # The graphics card has the picture already.
+            assert stim._drawn == (size, True)
             for width in [0.1, 0.4]:
                 stim.width = width
                 stim.set(low=0.8, high=0.9, orientation_deg=30)
@@ -224,17 +226,27 @@ def test_psychopy_shows_the_codes(window_size):
         assert stim.ori == 90
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
-        with pytest.raises(AttributeError, match="'contrast' cannot be set"):
-            stim.contrast = 0.5
+        for name in ["contrast", "kind", "parameters", "ppd", "visual_size", "steps", "shader", "colorSpace", "sf"]:
+            with pytest.raises(AttributeError, match=f"'{name}' cannot be set"):
+                setattr(stim, name, stim.kind)
+        for given in [{"steps": 3}, {"sf": 2}, {"colorSpace": "rgb"}, {"kind": "mach_band"}]:
+            with pytest.raises(machband.Error, match="expected one of"):
+                MachBandStim(window, **given)
+        for given in [{"ppd": 30}, {"visual_size": 5}, {"size": 5}, {"kind": "chevreul"}]:
+            with pytest.raises(TypeError, match="is no parameter here|cannot change"):
+                stim.set(**given)
+        stim.status, stim.pos = 1, (3, 4)
         with pytest.raises(machband.Error, match="size is -5"):
             stim.size = -5
+        with pytest.raises(machband.Error, match="dither bad"):
+            stim.dither = "bad"
+        assert (stim.size, stim.dither) == (201, "none")
         with pytest.raises(machband.Error, match="below low"):
             stim.low = 0.95
         # PsychoPy linearizes the display.
         window.__dict__["gamma"] = [2.2, 2.2, 2.2]
         assert np.array_equal(stim.codes(), machband.stimulus(size=201, transfer="linear", **stim.parameters))
-        stim.transfer = "srgb"
         with pytest.raises(machband.Error, match="the window linearizes the display"):
-            stim.draw()
+            stim.transfer = "srgb"
     finally:
         window.close()

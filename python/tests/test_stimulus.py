@@ -292,3 +292,28 @@ def test_wrong_arguments_are_named():
     ]:
         with pytest.raises(TypeError, match=words):
             call()
+
+
+@pytest.mark.parametrize(
+    ("ask", "error", "words"),
+    [
+        (lambda: machband.stimulus(width=np.array([0.2])), TypeError, r"width is array\(\[0.2\]\); expected a number"),
+        (lambda: machband.Stimulus(width=[0.2]), TypeError, r"width is \[0.2\]; expected a number"),
+        (lambda: machband.stimulus(width=np.array([[0.2]])), TypeError, "expected a number"),
+        (lambda: machband.Stimulus(size=0), machband.Error, "size 0 is outside 1…16384"),
+        (lambda: machband.Stimulus(size=20_000), machband.Error, "size 20000 is outside 1…16384"),
+        (lambda: machband.light(size=20_000), machband.Error, "size 20000: outside 1…16384"),
+        (lambda: machband.Stimulus(size={8, 9}), TypeError, "expected a number, or height and width"),
+        (lambda: machband.Stimulus(size="8"), TypeError, "size is '8'; expected a number, or height and width"),
+        (lambda: machband.Stimulus(size=8).predict(window_deg=5), TypeError, "'window_deg'; expected one of display, white"),
+        (lambda: machband.Stimulus(size=8).profile(size=5), TypeError, "'size'; expected one of transfer, bits"),
+    ],
+)
+def test_messages_name_the_argument_its_value_and_what_is_expected(ask, error, words):
+    with pytest.raises(error, match=words):
+        ask()
+
+
+def test_arrays_without_dimensions_are_numbers():
+    assert machband.Stimulus(size=np.array(8), width=np.array(0.2)) == machband.Stimulus(size=8, width=0.2)
+    assert np.array_equal(machband.stimulus(size=8, width=np.array(0.2)), machband.stimulus(size=8, width=0.2))

@@ -233,7 +233,7 @@ def test_a_scale_is_that_of_the_data_or_named():
 
 def test_codes_and_columns_that_are_levels():
     frame = pandas.DataFrame({"id": [*"abcd"] * 6, "near": [1, 2, 3, 4] * 6, "far": [2, 3, 99, 2] * 6})
-    with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing 99"):
+    with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing=99"):
         machband.analyze(frame, subject="id", wide="near,far", draws=99)
     with pytest.warns(UserWarning, match="6 of 48 rows have no response"):
         found = machband.analyze(frame, subject="id", wide=["near", "far"], missing=99, draws=99)
@@ -271,8 +271,10 @@ def test_generators_of_numpy_are_seeds():
         ({}, {}, ValueError, "no columns"),
         (pandas.Series([1, 2]), {}, TypeError, "Series is not a path"),
         ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),
-        ({"a": [1], "b": [1, 2]}, {}, ValueError, "b has 2 rows; expected 1, as in a"),
+        ({"a": [1], "b": [1, 2]}, {}, ValueError, "b has length 2; expected 1, as a has"),
         ({"a": [[1]]}, {}, ValueError, "one dimension"),
+        ({b"subject_id": ["a"], b"rating": [7]}, {"factors": "c"}, machband.Error, "expected one of subject_id, rating"),
+        ({"subject_id": [*"ab"] * 9, "rating": [0, 1, 2] * 5 + [-99] * 3, "w": [*"xy"] * 9}, {"factors": "w"}, machband.Error, "such as missing=-99$"),
         ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),
         ({"subject_id": ["a"], "rating": [1]}, {"lnik": "logit"}, TypeError, "did you mean 'link'"),
         ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "^table: .* depht"),
@@ -312,7 +314,7 @@ def test_the_model_is_like_statsmodels(sessions):
         found.predict({"width": [0.3], "depth": [1], "orientation_deg": [0]})
     given = {"width": pandas.Categorical([0.4], [0.4, 0.9]), "depth": [1], "orientation_deg": [0]}
     assert found.predict(pandas.DataFrame(given, index=["a"])).index.tolist() == ["a"]
-    with pytest.raises(machband.Error, match="depth has 2 rows; expected 1, as in width"):
+    with pytest.raises(machband.Error, match="depth has length 2; expected 1, as width has"):
         found.predict({**given, "depth": [1, 2]})
     with pytest.raises(TypeError, match="alpha is '0.05'; expected a number"):
         found.conf_int("0.05")

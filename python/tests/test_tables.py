@@ -298,3 +298,26 @@ def test_wrong_answers_at_levels_have_their_rows():
         assert abs(found.tables["thresholds"]["threshold"][0] - expected[0]) < 0.05
     with pytest.raises(machband.Error, match="categories"):
         machband.analyze(table, categories=["a", "b"], **given)
+
+
+def test_answers_at_levels_keep_the_order_of_their_factors():
+    needs("polars")
+    import polars
+
+    doses = ["none", "little", "lots", "max"]
+    rows = {"x": np.tile([0.1, 0.2, 0.4, 0.8], 32), "right": np.tile([5, 6, 8, 10], 32), "n": [10] * 128}
+    rows |= {"who": np.repeat([*"abcd"], 32), "dose": np.tile(np.repeat(doses[::-1], 4), 8), "eye": np.repeat([2, 1] * 2, 32)}
+    frame = pandas.DataFrame(rows)
+    given = dict(subject="who", level="x", correct="right", total="n", guess=0.5)
+    ordered = frame.assign(dose=pandas.Categorical(frame.dose, ["no such", *doses], ordered=True))
+    enum = polars.DataFrame(rows).with_columns(dose=polars.col("dose").cast(polars.Enum(doses)))
+    for table, factors in [
+        (ordered, ["dose"]), (ordered, "dose"), (enum, ["dose"]), (frame, {"dose": doses}), (frame, {"eye": [1, 2], "dose": doses}),
+        (ordered, {"dose": doses}),
+    ]:
+        tables = machband.analyze(table, factors=factors, **given).tables
+        for name in ["answers", "thresholds"]:
+            assert [*dict.fromkeys(tables[name]["dose"])] == doses, (name, factors)
+    assert machband.analyze(ordered, **given).tables["thresholds"].columns[1] == "trials"
+    with pytest.raises(machband.Error, match="is no level of it; expected"):
+        machband.analyze(frame, factors={"dose": [*doses, "most"]}, **given)

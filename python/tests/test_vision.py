@@ -92,7 +92,7 @@ OK = np.ones((64, 64), np.uint8)
         (np.zeros((64, 64), int), {}, TypeError, "dtype int64"),
         (np.zeros((64, 64)), {"black": 0}, machband.Error, "no light"),
         (np.full((64, 64), np.nan), {}, machband.Error, "nan"),
-        (np.full((64, 64), -0.5), {}, machband.Error, "-49.8"),
+        (np.full((64, 64), -0.5), {}, machband.Error, "light -0.5 in row 0, column 0; expected 0 to 1"),
         (np.ones((32, 64)), {}, machband.Error, "64 × 32 pixels"),
         (OK, {"window_deg": 0}, machband.Error, "window_deg 0"),
         (OK, {"window_deg": None}, TypeError, "neither of window_deg and ppd"),

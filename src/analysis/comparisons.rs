@@ -25,6 +25,12 @@ pub struct Scale {
 /// Standard deviation of the weak prior, in JND.
 const WEAK_SD: f64 = 5.0;
 
+/// With fewer people, a study that is drawn from them often has the comparisons of one person only, which may not
+/// determine a scale. Without such studies, intervals of two people would contain the truth in 70 % of studies, not 95 %.
+const FEW: usize = 5;
+/// The share of the studies drawn from so few people that must have a scale.
+const LEAST_DRAWN: f64 = 0.95;
+
 impl Scale {
     /// Returns the difference between the highest and the lowest value of a group.
     #[must_use]
@@ -67,7 +73,8 @@ impl Scaling {
 
     /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
     /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution.
-    /// `None` for fewer than two people, or if such studies compare other groups.
+    /// `None` for fewer than two people; with fewer than five, also if many such studies compare other groups or, unlike
+    /// these people's, are limited by the prior: the rest would be too much alike.
     #[must_use]
     pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
         let all = self.fit(&people.iter().sum())?;
@@ -82,7 +89,8 @@ impl Scaling {
             let scale = scale.filter(|scale| !scale.is_limited || all.is_limited);
             scale.into_iter().for_each(|scale| drawn.iter_mut().zip(scale.values).for_each(|(all, one)| all.push(one)));
         }
-        if drawn[0].len() < 2 {
+        let least = if people.len() < FEW { LEAST_DRAWN * draws as f64 } else { 2.0 };
+        if (drawn[0].len() as f64) < least {
             return None;
         }
         let n = people.len() as f64;

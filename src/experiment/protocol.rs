@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout, Measures, Turn, at_level},
+    task::{Given, Layout, Settings, Turn, at_level},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
 
@@ -62,8 +62,12 @@ impl Protocol {
     ///
     /// # Errors
     /// Returns every error in the definition.
-    pub fn new(definition: Definition) -> Result<Self, Vec<DefinitionError>> {
+    pub fn new(mut definition: Definition) -> Result<Self, Vec<DefinitionError>> {
         let mut errors = DefinitionErrors::default();
+        if let Stimulus::Image(_) = definition.stimulus {
+            let Definition { task, instructions, response, .. } = &mut definition;
+            task.instruct_about_pictures(instructions, &response.question);
+        }
         let conditions: Arc<[Condition]> = definition.check(&mut errors).into();
         // Pairs are many: they are listed only if the task allows this number of conditions.
         let pairs = if errors.0.is_empty() { definition.pairs(&conditions, &mut errors) } else { None };
@@ -328,7 +332,6 @@ impl Definition {
             levels.iter().flat_map(|level| seconds.iter().map(move |second| (*level, *second))).collect();
         let dial = self.task.dial().and_then(|dial| Some((dial.parameter?, dial.range)));
         let places: BTreeSet<u32> = self.task.places().into_iter().collect();
-        let has_target = self.task.measures() == Measures::Proportions;
         for condition in conditions {
             let turns = places.iter().flat_map(|place| {
                 let turn = move |(level, second): &(_, _)| Turn {
@@ -346,17 +349,39 @@ impl Definition {
                 let turned = |stimulus: Stimulus| ends.map(|end| at_level(stimulus.clone(), name, end));
                 shown = shown.into_iter().map(|stimuli| stimuli.into_iter().flat_map(turned).collect()).collect();
             }
-            if has_target && shown.iter().all(|stimuli| stimuli.windows(2).all(|pair| pair[0] == pair[1])) {
-                let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
-                errors.add("task.reference", message);
-                return;
-            }
             if let Some(error) =
                 shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
             {
                 errors.add("task", error.to_string());
                 return;
             }
+        }
+        let Some(reference) = self.task.reference() else { return };
+        let targets = |condition: &Condition| -> Vec<Stimulus> {
+            let turn = |&(level, second): &_| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
+            picks.iter().map(|pick| turn(pick).target()).collect()
+        };
+        // Most differences are seen in few pixels; only more pixels tell that there is none.
+        let is_seen = |conditions: &[Condition], other: &Settings| {
+            let differs =
+                |side| conditions.iter().flat_map(targets).any(|target| reference.differs(other, &target, side));
+            [32, 512].into_iter().any(differs)
+        };
+        for (name, value) in reference.0.iter().filter(|(name, value)| self.stimulus.get(name).as_ref() != Some(*value))
+        {
+            let mut others = reference.clone();
+            others.0.remove(name);
+            if !is_seen(conditions, &others) {
+                let message = format!(
+                    "{name} {value} changes nothing that is shown; expected a parameter that has an effect here"
+                );
+                errors.add(format!("task.reference.{name}"), message);
+                return;
+            }
+        }
+        if !conditions.iter().all(|condition| is_seen(std::slice::from_ref(condition), &Settings::default())) {
+            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
+            errors.add("task.reference", message);
         }
     }
 

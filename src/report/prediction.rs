@@ -72,15 +72,13 @@ pub enum PredictionError {
     #[error("the model cannot process the stimuli: {0}")]
     Invisible(#[from] VisionError),
     /// The stimuli have no smooth reference.
-    #[error(
-        "the vision model says how visible the bands of a ramp or of a mesh whose smooth surface is known are; these stimuli are neither"
-    )]
-    NoReference,
+    #[error("the stimuli are of the kind {0}; expected mach-band, or a mesh whose smooth surface is known")]
+    NoReference(&'static str),
     /// The prediction and the ratings share no condition.
     #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
     /// A factor of the definition has no column.
-    #[error("the ratings do not record {0}, which the definition varies; expected a column for it")]
+    #[error("the definition varies {0}, which is no factor of this analysis; expected it among the factors")]
     Factor(String),
     /// The ratings use a different scale.
     #[error("the scale has {0} {noun}; expected the four categories of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
@@ -161,6 +159,9 @@ fn by_condition(
     conditions: &[Condition],
     predicted: &[Visible],
 ) -> Result<Vec<Option<f64>>, PredictionError> {
+    if predicted.iter().all(|visible| visible.rated().is_none()) {
+        return Err(PredictionError::NoReference(protocol.stimulus.kind()));
+    }
     let is_missing = |name: &str, levels: usize| levels > 1 && counts.factor(name).is_none();
     if let Some(factor) = protocol.factors.iter().find(|factor| is_missing(&factor.name, factor.levels.len())) {
         return Err(PredictionError::Factor(factor.name.clone()));
@@ -170,9 +171,6 @@ fn by_condition(
     let shown = |condition: &Condition| -> Option<Vec<String>> {
         columns.iter().map(|(_, name)| Some(canonical(&condition.stimulus.get(name)?.to_string()))).collect()
     };
-    if predicted.iter().all(|visible| visible.rated().is_none()) {
-        return Err(PredictionError::NoReference);
-    }
     let known: HashMap<Vec<String>, f64> = (conditions.iter().zip(predicted))
         .filter_map(|(condition, visible)| Some((shown(condition)?, visible.rated()?)))
         .collect();

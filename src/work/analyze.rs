@@ -30,8 +30,9 @@ use crate::{
 /// The fields that apply to every task; the others are about ratings.
 const OF_TASKS: [&str; 3] = ["paths", "exclude", "seed"];
 /// Those that apply to a table of answers at levels.
-const OF_LEVELS: [&str; 12] = [
-    "paths", "exclude", "seed", "subject", "factors", "level", "correct", "total", "guess", "function", "easier", "log",
+const OF_LEVELS: [&str; 13] = [
+    "paths", "exclude", "seed", "subject", "factors", "levels", "level", "correct", "total", "guess", "function",
+    "easier", "log",
 ];
 
 /// What to analyze, and how.
@@ -258,7 +259,18 @@ impl Analyze {
             // Each person's levels in a condition say in which range the priors place a threshold, as in psignifit.
             range: None,
         };
-        let mut study = TaskStudy::of_answers(path, &rows, &factors, Levels { common, range, model, chosen_by: "" });
+        if let Some(one) = self.ratings.levels.iter().find(|one| !factors.contains(&one.factor)) {
+            let names: Vec<&str> = factors.iter().map(String::as_str).collect();
+            let message = format!("{}: is not among the factors; {}", one.factor, expected_one_of(&one.factor, &names));
+            return Err(RequestError::value("levels", message).into());
+        }
+        let order = |factor: String| {
+            let known = self.ratings.levels.iter().find(|one| one.factor == factor);
+            let levels = known.map_or_else(Vec::new, |one| one.levels.clone());
+            (factor, levels)
+        };
+        let factors = factors.into_iter().map(order).collect();
+        let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
         if missing > 0 {
             let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };

@@ -102,7 +102,7 @@ fn covered(intervals: &[(Interval, f64)]) -> f64 {
 fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let truth = [-1.2, -0.4, 0.1, 0.5, 1.0];
-    for people in [6, 12, 20] {
+    for people in [2, 3, 6, 12, 20] {
         let mut intervals = Vec::new();
         for _ in 0..120 {
             let person = |rng: &mut ChaCha8Rng| {
@@ -117,14 +117,18 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
                 wins
             };
             let all: Vec<Wins> = (0..people).map(|_| person(&mut rng)).collect();
-            let found = Scaling::Thurstone.intervals(&all, 200, &mut rng).unwrap();
+            // Two or three people whose own comparisons do not determine a scale say too little about others.
+            let Some(found) = Scaling::Thurstone.intervals(&all, 200, &mut rng) else {
+                assert!(people < 5);
+                continue;
+            };
             // What the pooled model estimates: the noise of one comparison and the spread of people together.
             let shrink = 1.0 / (1.0 + 2.0 * 0.4_f64.powi(2)).sqrt() / Scaling::Thurstone.jnd();
             intervals.extend(found.into_iter().zip(truth.map(|value| value * shrink)));
         }
         let share = covered(&intervals);
         println!("{people} people: {share:.3}");
-        assert!((0.93..=0.975).contains(&share), "{people} people: {share}");
+        assert!((0.93..=0.985).contains(&share), "{people} people: {share}");
     }
 }
 

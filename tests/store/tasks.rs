@@ -492,6 +492,9 @@ fn what_no_trial_could_show_is_refused() {
         format!("[task]\nkind = \"adjust\"\nparameter = \"{name}\"\nlow = 0.1\nhigh = {high}\n")
     };
     let whole = adjust("depth", 8.0).replace("0.1", "1");
+    let steepness = |task: &str, depths: &str| {
+        format!("[factors]\ndepth = [{depths}]\n{}", task.replace("depth = \"inf\"", "tanh_k = 10"))
+    };
     let with_levels = format!("{ORIENTATIONS}[task]\nkind = \"pair\"\nreference = {{ depth = \"inf\" }}\n");
     for (body, expected) in [
         (format!("{CHOICE}{}", constant("[2, 2.5, 3]")), Some("depth 2.5 is not a whole number")),
@@ -509,6 +512,12 @@ fn what_no_trial_could_show_is_refused() {
             format!("{DEPTHS}[task]\nkind = \"pair\"\nalong = \"depth\"\n"),
             Some("along applies to pairs = \"chain\" only"),
         ),
+        (steepness(CHOICE, "1"), Some("tanh_k 10 changes nothing that is shown")),
+        (steepness(YES_NO, "2"), Some("tanh_k 10 changes nothing that is shown")),
+        (steepness(CHOICE, "1, \"inf\""), Some("all stimuli of a trial are the same")),
+        (steepness(YES_NO, "\"inf\""), None),
+        (CHOICE.replace("\"inf\"", "2, tanh_k = 10"), Some("tanh_k 10 changes nothing that is shown")),
+        (CHOICE.replace("\"inf\"", "\"inf\", tanh_k = 5"), None),
         (format!("{CHOICE}{}", quest.replace("0.02", "nan")), Some("adaptive.levels.1 is the text \"NaN\"")),
         (format!("{CHOICE}{}", quest.replace("quest-plus", "quest")), Some("method \"quest\" is not known")),
         (format!("{CHOICE}{}", stairs.replace("20", "inf")), Some("adaptive.high is the text \"inf\"")),
@@ -562,4 +571,44 @@ fn a_session_is_no_table_of_answers() {
     let columns = ["--level=level", "--correct=correct", "--guess=0.5", "--out=a"];
     let told = fails(folder.path(), &[&["analyze", &csv], &columns[..]].concat(), 1);
     assert!(told.contains("has the rows of a session") && told.contains("expected the folder"), "{told}");
+}
+
+/// What own pictures show, only the question says: no text speaks of bands, and nothing is predicted.
+#[test]
+fn own_pictures_are_described_by_their_question() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("pictures")).unwrap();
+    for (name, width) in [("a", "0.1"), ("b", "0.4"), ("truth", "0.8")] {
+        succeeds(folder.path(), &["stimulus", "--size=16", "--width", width, "--out", &format!("pictures/{name}.png")]);
+    }
+    let write = |task: &str, further: &str| {
+        let text = format!(
+            "schema = 1\nname = \"own\"\n[stimulus]\nkind = \"image\"\nfiles = \"pictures/*.png\"\n{task}\n\
+             [response]\nquestion = \"Which grain?\"\n{further}"
+        );
+        fs::write(folder.path().join("own.toml"), text).unwrap();
+        definition::open(folder.path().join("own.toml"))
+    };
+    let reference = "reference = { picture = \"pictures/truth.png\" }";
+    for (task, said) in [
+        ("".to_owned(), "You will see one image at a time."),
+        ("[task]\nkind = \"pair\"".to_owned(), "You will see two images at the same time."),
+        (format!("[task]\nkind = \"choice\"\n{reference}"), "You will see two images, one after the other."),
+        (format!("[task]\nkind = \"yes-no\"\n{reference}"), "You will see one image at a time."),
+    ] {
+        let texts = write(&task, "").unwrap().instructions.clone();
+        assert!(texts.task.starts_with(said) && texts.task.contains("Which grain?"), "{}", texts.task);
+        assert!(!texts.task.contains("bright"), "{}", texts.task);
+        let own = write(&task, "[instructions]\ntask = \"Look.\"\n").unwrap().instructions.clone();
+        assert_eq!(own.task, "Look.");
+    }
+    for (column, problem) in [("simulated", "has the name of a column of the data"), ("style", "")] {
+        let table = format!("file,{column}\na.png,x\nb.png,y\ntruth.png,y\n");
+        fs::write(folder.path().join("pictures/pictures.csv"), table).unwrap();
+        let told = write("", "").map(drop).map_or_else(|error| error.to_string(), |()| String::new());
+        assert!(told.contains(problem) && told.is_empty() == problem.is_empty(), "{told}");
+    }
+    succeeds(folder.path(), &["simulate", "own.toml", "--participants", "4", "--observer", "random"]);
+    let said = succeeds(folder.path(), &["analyze", "results/own", "--out=out", "--draws=99", "--items=picture"]);
+    assert!(said.contains("the stimuli are of the kind image; expected mach-band, or a mesh"), "{said}");
 }

@@ -5,9 +5,9 @@ use eframe::egui::{self, Key, ProgressBar, TextureHandle};
 
 use crate::{
     app::ui::{self, Step, pixels, theme},
-    experiment::{Phase, Progress, Protocol, Texts},
+    experiment::{Category, Phase, Progress, Protocol, Texts},
     light::{Depth, Quantizer},
-    stimulus::{ParameterValue, Stimulus},
+    stimulus::{MachBand, Stimulus},
 };
 
 /// Number of pages before the first trial: one about the task and one about the categories.
@@ -18,9 +18,9 @@ const LOW: f32 = 480.0;
 /// Maximum side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
-/// Width and depth of an example ramp for each of the paper's four categories; other scales have no pictures. Most people see its brighter band as the category describes.
-/// The examples are drawn in the colors of the session. They are illustrations, not correct answers; their order
-/// follows the findings of Bangay §3.2.
+/// Width and depth of an example ramp for each of the paper's four categories; other scales and stimuli have no pictures.
+/// Most people see its brighter band as the category describes. The examples are drawn in the colors of the session. They
+/// are illustrations, not correct answers; their order follows the findings of Bangay §3.2.
 const EXAMPLES: [(f64, Depth); 4] =
     [(0.9, Depth::Finite(4)), (0.9, Depth::Finite(2)), (0.6, Depth::Finite(1)), (0.12, Depth::Finite(1))];
 
@@ -33,33 +33,17 @@ pub struct CategoryPictures {
 
 impl CategoryPictures {
     /// Returns the pictures with a side of `size` physical pixels.
-    fn get(&mut self, ctx: &egui::Context, protocol: &Protocol, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
+    fn get(&mut self, ctx: &egui::Context, band: &MachBand, quantizer: &Quantizer, size: u32) -> &[TextureHandle] {
         if self.size != size {
             self.size = size;
-            self.textures = EXAMPLES
-                .iter()
-                .enumerate()
-                .map(|(i, example)| {
-                    pixels::texture(ctx, &format!("category{i}"), &drawn(protocol, *example), size, quantizer)
-                })
-                .collect();
+            let drawn = |(i, (width, depth)): (usize, (f64, Depth))| {
+                let example = Stimulus::MachBand(MachBand { width, depth, orientation_deg: 0.0, ..band.clone() });
+                pixels::texture(ctx, &format!("category{i}"), &example, size, quantizer)
+            };
+            self.textures = EXAMPLES.into_iter().enumerate().map(drawn).collect();
         }
         &self.textures
     }
-}
-
-/// Returns the session's stimulus with the width and depth of an example.
-fn drawn(protocol: &Protocol, (width, depth): (f64, Depth)) -> Stimulus {
-    let mut stimulus = protocol.stimulus.clone();
-    let depth = match depth {
-        Depth::Finite(n) => ParameterValue::Number(f64::from(n)),
-        Depth::Infinite => ParameterValue::Text("inf".to_owned()),
-    };
-    for (name, value) in [("width", width.into()), ("depth", depth), ("orientation_deg", 0.0.into())] {
-        // A kind of stimulus that lacks this parameter stays unchanged.
-        let _ = stimulus.set(name, &value);
-    }
-    stimulus
 }
 
 /// Draws a page of the instructions, counted from 0. `back` says whether a page is before it.
@@ -98,10 +82,12 @@ pub fn instructions(
             ui.heading(&texts.categories);
             ui.label(&protocol.response.question);
             ui.add_space(8.0);
-            if protocol.task.is_default() && protocol.response.categories.len() == EXAMPLES.len() {
-                examples(ui, protocol, pictures, quantizer);
-            } else {
-                key_list(ui, protocol);
+            let has_examples = protocol.task.is_default() && protocol.response.categories.len() == EXAMPLES.len();
+            match &protocol.stimulus {
+                Stimulus::MachBand(band) if has_examples => {
+                    examples(ui, &protocol.response.categories, (pictures, band), quantizer);
+                }
+                _ => key_list(ui, protocol),
             }
             ui.add_space(8.0);
             ui.label(&texts.keys);
@@ -114,13 +100,18 @@ pub fn instructions(
 }
 
 /// Draws an example of each category above its key and its label.
-fn examples(ui: &mut egui::Ui, protocol: &Protocol, pictures: &mut CategoryPictures, quantizer: &Quantizer) {
+fn examples(
+    ui: &mut egui::Ui,
+    categories: &[Category],
+    (pictures, band): (&mut CategoryPictures, &MachBand),
+    quantizer: &Quantizer,
+) {
     let gap = ui.spacing().item_spacing.x;
     let side = ((ui.available_width() - 3.0 * gap) / 4.0).clamp(40.0, PICTURE);
     let size = (side * ui.ctx().pixels_per_point()).floor() as u32;
-    let shown = pictures.get(ui.ctx(), protocol, quantizer, size);
+    let shown = pictures.get(ui.ctx(), band, quantizer, size);
     ui.horizontal_top(|ui| {
-        for (category, texture) in protocol.response.categories.iter().zip(shown) {
+        for (category, texture) in categories.iter().zip(shown) {
             ui.vertical(|ui| {
                 ui.set_width(side);
                 pixels::picture(ui, texture, &category.label);

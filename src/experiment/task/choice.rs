@@ -72,6 +72,10 @@ impl Kind for Choice {
         }
     }
 
+    fn reference(&self) -> Option<&Settings> {
+        Some(&self.reference)
+    }
+
     fn places(&self) -> Vec<u32> {
         (0..self.alternatives).collect()
     }

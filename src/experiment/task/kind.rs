@@ -29,6 +29,15 @@ impl Settings {
         self.0.iter().try_for_each(|(name, value)| stimulus.set(name, value))?;
         Ok(stimulus)
     }
+
+    /// Returns whether a stimulus of `side` pixels has other light with these parameters than with others. Pictures are
+    /// compared by their files.
+    pub(in crate::experiment) fn differs(&self, others: &Self, stimulus: &Stimulus, side: u32) -> bool {
+        match [self.apply(stimulus), others.apply(stimulus)] {
+            [Ok(one), Ok(other)] if !matches!(stimulus, Stimulus::Image(_)) => one.linear(side) != other.linear(side),
+            both => both[0] != both[1],
+        }
+    }
 }
 
 /// How the stimuli of a trial are arranged.
@@ -341,6 +350,10 @@ pub trait Kind {
     }
     /// Returns the pairs of conditions to compare; `None` if the trials show one condition each.
     fn pairs(&self, _conditions: &[Condition], _factors: &[Factor]) -> Option<Vec<[usize; 2]>> {
+        None
+    }
+    /// Returns the parameters in which other stimuli differ from the target; `None` if there are no others.
+    fn reference(&self) -> Option<&Settings> {
         None
     }
     /// Returns the number of trials in which the answers so far decide which pair is compared.

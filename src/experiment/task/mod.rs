@@ -104,6 +104,33 @@ impl Task {
             .for_each(|(text, _, own)| *text = own);
     }
 
+    /// Replaces the default text of the first page, which is about bands, by one for pictures of the study's own: what they
+    /// show, only the question says.
+    pub(super) fn instruct_about_pictures(&self, texts: &mut Texts, question: &str) {
+        if texts.task != self.instructions() {
+            return;
+        }
+        let count = |count| if count == 4 { "four" } else { "two" };
+        let (seen, each) = match self.layout() {
+            Layout::Single => ("You will see one image at a time.".to_owned(), "For each image"),
+            Layout::Places(places) => (format!("You will see {} images at the same time.", count(places)), "Each time"),
+            Layout::Intervals { count: intervals, .. } => {
+                (format!("You will see {} images, one after the other.", count(intervals)), "Each time")
+            }
+        };
+        let answer = if self.dial().is_some() {
+            "Set the slider with the mouse or with the arrow keys, and press Enter."
+        } else if self.layout() == Layout::Single {
+            "Report what you see."
+        } else {
+            "If you are not sure, guess."
+        };
+        texts.task = format!(
+            "{seen}\n\n{each}, answer this question: {question} {answer}\n\nIn between, the screen shows one even color while your \
+             eyes recover."
+        );
+    }
+
     /// Returns whether this is the rating that a definition without a task asks for.
     pub fn is_default(&self) -> bool {
         *self == Self::default()

@@ -125,6 +125,10 @@ impl Kind for Pair {
         Layout::Places(2)
     }
 
+    fn reference(&self) -> Option<&Settings> {
+        self.with_reference().then_some(&self.reference)
+    }
+
     fn places(&self) -> Vec<u32> {
         vec![0, 1]
     }

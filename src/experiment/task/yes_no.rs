@@ -37,6 +37,10 @@ impl Kind for YesNo {
         given.check_reference(&self.reference, errors);
     }
 
+    fn reference(&self) -> Option<&Settings> {
+        Some(&self.reference)
+    }
+
     fn places(&self) -> Vec<u32> {
         let catch = (self.catch * f64::from(CYCLE)).round() as u32;
         (0..CYCLE).map(|place| u32::from(place >= catch)).collect()

@@ -222,10 +222,16 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         found.order().iter().flatten().map(row).collect(),
     );
     section.text(format!(
-        "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. Intervals are those of the mean of people \
-         like these: the standard error of 1,000 studies whose people are drawn with replacement, and the t distribution.",
+        "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. {}",
         fixed(thurstone.log_likelihood, 1),
-        fixed(bradley_terry.log_likelihood, 1)
+        fixed(bradley_terry.log_likelihood, 1),
+        if found.intervals.is_some() {
+            "Intervals are those of the mean of people like these: the standard error of 1,000 studies whose people are drawn with \
+             replacement, and the t distribution."
+        } else {
+            "There are no intervals: they need at least two participants, and with fewer than five, each participant’s own comparisons must \
+             determine a scale."
+        }
     ));
     let row = |((triads, own), person): ((&Triads, &Option<Scale>), &String)| {
         let span = own.as_ref().and_then(|own| own.groups.iter().map(|group| own.span(group)).reduce(f64::max));

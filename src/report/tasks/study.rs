@@ -182,11 +182,13 @@ impl TaskStudy {
         Ok(study)
     }
 
-    /// Takes the rows of a table of answers; `levels` says what is known about them.
+    /// Takes the rows of a table of answers. `factors` have the levels whose order is known; the others follow in the order of
+    /// the rows. `levels` says what is known about the levels of the functions.
     #[must_use]
-    pub fn of_answers(path: &Path, rows: &[AnswerRow], factors: &[String], levels: Levels) -> Self {
-        let mut found: Vec<Vec<String>> = factors.iter().map(|_| Vec::new()).collect();
-        let (mut people, mut conditions, mut trials) = (Vec::new(), Vec::new(), Vec::new());
+    pub fn of_answers(path: &Path, rows: &[AnswerRow], factors: Vec<(String, Vec<String>)>, levels: Levels) -> Self {
+        let (names, mut found): (Vec<String>, Vec<Vec<String>>) = factors.into_iter().unzip();
+        let (mut people, mut trials) = (Vec::new(), Vec::new());
+        let mut conditions: Vec<Vec<usize>> = Vec::new();
         for row in rows {
             let of = row.factors.iter().zip(&mut found).map(|(level, known)| place(known, level.clone())).collect();
             trials.push(TaskTrial {
@@ -195,9 +197,14 @@ impl TaskStudy {
                 answer: TaskAnswered::Counted { level: row.level, seen: row.correct, total: row.total },
             });
         }
-        let factor = |(name, levels): (&String, Vec<String>)| {
+        let of_rows = conditions.clone();
+        conditions.sort();
+        for trial in &mut trials {
+            trial.condition = place(&mut conditions, of_rows[trial.condition].clone());
+        }
+        let factor = |(name, levels): (String, Vec<String>)| {
             let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
-            Factor { name: name.clone(), levels }
+            Factor { name, levels }
         };
         let name = path.file_stem().unwrap_or_default().display().to_string();
         let guess = if let Guess::Fixed(guess) = levels.model.guess { Some(guess) } else { None };
@@ -207,7 +214,7 @@ impl TaskStudy {
             task: "table of answers".to_owned(),
             question: String::new(),
             measures: if guess.is_some() { Measures::Proportions } else { Measures::Detection },
-            factors: factors.iter().zip(found).map(factor).collect(),
+            factors: names.into_iter().zip(found).map(factor).collect(),
             conditions,
             levels: Some(levels),
             dial: None,
