@@ -175,6 +175,11 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
             _ => fail(error.to_string()),
         })?;
         let name = record.get(file).unwrap_or_default().trim().to_owned();
+        // Another pattern may match the file.
+        let picture = path.with_file_name(&name);
+        if name.is_empty() || found(&picture).map_err(|error| StoreError::io(&picture, "access", error))?.is_none() {
+            return Err(fail(format!("there is no file {name:?}; expected a picture for each row")));
+        }
         if levels.insert(name.clone(), others(&record)).is_some() {
             return Err(fail(format!("{name} appears twice; expected one row for each picture")));
         }

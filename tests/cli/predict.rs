@@ -120,6 +120,10 @@ fn levels_of_pictures_keep_their_text() {
     let definition =
         |files: &str| format!("schema = 1\nname = \"own\"\ntitle = \"Own\"\n[stimulus]\nkind = \"image\"\n{files}\n");
     fs::write(folder.path().join("own.toml"), definition("files = \"p/*.png\"")).unwrap();
+    fs::write(folder.path().join("p/pictures.csv"), format!("{table}e.png,1,1\n")).unwrap();
+    let error = fails(folder.path(), &split("check own.toml"), 1);
+    assert!(error.contains("pictures.csv:6:1: there is no file \"e.png\""), "{error}");
+    fs::write(folder.path().join("p/pictures.csv"), table).unwrap();
     let predicted = succeeds(folder.path(), &split("predict own.toml --json"));
     let predicted: serde_json::Value = serde_json::from_str(&predicted).unwrap();
     let levels: Vec<String> = predicted.as_array().unwrap().iter().map(|row| row["code"].to_string()).collect();

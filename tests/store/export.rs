@@ -252,7 +252,7 @@ fn errors_are_reported_and_nothing_is_written() {
     assert!(!everything(&out).iter().any(|(path, _)| path.to_string_lossy().contains("S002")));
     interrupt(&results, "S001", 7);
     let error = export(&results, &scratch.path().join("none"), Format::Bids, COMPLETE).unwrap_err().to_string();
-    assert!(error.contains("no session to export") && error.contains("7 of 28 trials are rated"), "{error}");
+    assert!(error.contains("no session to export") && error.contains("7 of 28 trials are answered"), "{error}");
 }
 
 #[test]

@@ -163,7 +163,8 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
         }
         let partial_line = if session.partial_line.is_some() { ", and the last row is incomplete" } else { "" };
         let done = if complete_only { "the session is excluded" } else { "its complete rows are exported" };
-        notes.push(format!("{}: {rated} of {planned} trials are rated{partial_line}; {done}", session.csv.display()));
+        notes
+            .push(format!("{}: {rated} of {planned} trials are answered{partial_line}; {done}", session.csv.display()));
         !complete_only
     });
     sessions

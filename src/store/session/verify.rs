@@ -157,7 +157,7 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
     let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.is_complete());
     if is_complete && rated < planned {
         let message = format!(
-            "{rated} of {planned} trials are rated; expected all, because the sidecar says that the session is complete"
+            "{rated} of {planned} trials are answered; expected all, because the sidecar says that the session is complete"
         );
         found.errors.push(FileError::whole(&recorded.csv, message));
     }
