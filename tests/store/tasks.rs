@@ -369,7 +369,7 @@ DEPTHS[task]\nkind = "adjust"\nparameter = "depth"\n => 12:1 => depth is a facto
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICE[adaptive]\nmethod = "staircase"\nparameter = "width"\n => 9:2 => adaptive.start is missing
-CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is no multiple of the 5 levels
+CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is no parameter
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1

@@ -124,7 +124,7 @@ impl Adaptive {
             errors.add("adaptive.levels", format!("the number of levels is {count}; expected at least 2"));
         } else if !trials.is_multiple_of(count) {
             let message =
-                format!("trials {trials} is no multiple of the {count} levels; expected each level equally often");
+                format!("trials {trials} is not a multiple of the {count} levels; expected each level equally often");
             errors.add("adaptive.trials", message);
         }
     }

@@ -153,7 +153,7 @@ impl QuestPlus {
             }
         }
         if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
-            let message = format!("guessing is right in a share of {of_task} of this task; expected no guess rates");
+            let message = format!("a guess is right with probability {of_task} in this task; expected no guess rates");
             errors.add("adaptive.guess", message);
         }
         if self.lapse.is_empty() {

@@ -56,6 +56,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     let who = count(study.people.len() as u64, "participant");
     let what = count(study.answers(), "answer");
     section.text(format!("{who} gave {what}."));
+    if study.unfinished > 0 {
+        section.warning(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
+    }
     if study.simulated > 0 {
         let simulated = |what: &str| count(study.simulated as u64, what);
         let place = match study.asked.protocol {
@@ -134,9 +137,6 @@ fn data(study: &TaskStudy) -> Section {
         facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
-    if study.unfinished > 0 {
-        section.note(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
-    }
     if !study.warnings.is_empty() {
         section.warning("Files were read in spite of these warnings:");
         section.list(study.warnings.iter().take(20).map(ToString::to_string).collect());

@@ -121,7 +121,7 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         ("threshold_low", "", "Lower end of its 95 % interval."),
         ("threshold_high", "", "Upper end of its 95 % interval."),
         ("sd", "scale of the levels", "Standard deviation of people's thresholds."),
-        ("width", "scale of the levels", "Distance of the levels with F = .05 and F = .95."),
+        ("function_width", "scale of the levels", "Distance of the levels with F = .05 and F = .95."),
         ("lapse", "", "Common lapse rate."),
     ];
     let rows = results.populations.iter().map(|(condition, population)| {
