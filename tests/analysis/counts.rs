@@ -238,10 +238,10 @@ fn one_subject_or_one_category_has_no_agreement() {
         let counts = builder.finish().counts;
         ordinal_alpha(&counts).map(|alpha| alpha.alpha)
     };
-    for rows in [&[("a", "1"), ("a", "2")][..], &[("a", "1"), ("b", "1")], &[]] {
+    // Within a single unit, chance agreement is the agreement that was observed.
+    for rows in [&[("a", "1"), ("a", "2")][..], &[("a", "1"), ("b", "1")], &[("a", "1"), ("b", "2")], &[]] {
         assert_eq!(alpha(rows), None);
     }
-    assert!(alpha(&[("a", "1"), ("b", "2")]).unwrap() < 0.0);
 }
 
 /// Codes for missing answers are found beside every usual scale, and no scale has numbers that look like codes.
@@ -283,6 +283,8 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
         (20, &[("5", 1)], ""),
         (4, &[("6", 1)], ""),
         (20, &[("10", 5)], ""),
+        // Half points do not make the next whole one far.
+        (20, &[("1.5", 10), ("5", 1)], ""),
     ] {
         assert_eq!(strays(0..=4, each, others), expected, "{others:?}");
     }

@@ -103,7 +103,7 @@ fn results(people: usize, depths: &[&str], reversed: bool) -> Results {
     analyze(ratings(people, depths, reversed), &options())
 }
 
-fn page(source: &Source, results: &Results) -> String {
+pub fn page(source: &Source, results: &Results) -> String {
     let provenance = Provenance::new("machband analyze data --out analysis", "2026-01-02T03:04:05Z".parse().unwrap());
     let predicted = StudyPrediction::of(source, &results.measured.counts);
     let mut drawn = figures::all(results);

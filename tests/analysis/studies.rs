@@ -14,7 +14,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::{inference::rate, report::source};
+use crate::{
+    inference::rate,
+    report::{page, source},
+};
 
 /// Simulates a study: every person rates every row of `design` `ratings` times. `latent` returns the latent value for a
 /// person and a row, or `None` if this person does not rate it.
@@ -46,6 +49,32 @@ fn options(terms: Option<&str>) -> Options {
 
 fn said(results: &Results) -> Summary {
     summary(&source(&[]), results)
+}
+
+/// The statistic of an interaction of two factors between people is on the scale of χ², as its p says.
+#[test]
+fn interactions_between_people_have_a_chi_squared() {
+    let effect = |person: usize, row: usize| (person % 4 == row).then_some([1.0, -1.0, -1.0, 1.0][row]);
+    let results = analyze(study(&["a", "b"], &CROSSED, (40, 8, 3), effect), &options(None));
+    let [interaction] = &results.model.as_ref().unwrap().interactions[..] else { panic!("{:?}", results.model) };
+    let (p, chi_squared) = (interaction.p.unwrap(), interaction.chi_squared.unwrap());
+    assert!(p < 0.001 && (10.0..41.0).contains(&chi_squared), "{interaction:?}");
+}
+
+/// In the overall mean, people and conditions count equally, and nothing is said about people with one rating.
+#[test]
+fn people_count_equally_and_few_ratings_say_nothing() {
+    let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..6 {
+        builder.add_counts(&format!("S{person}"), &["a"], "3", 9).unwrap();
+        builder.add_counts(&format!("S{person}"), &["b"], &(person % 2).to_string(), 1).unwrap();
+    }
+    let lead = said(&analyze(builder.finish(), &options(None))).lead;
+    assert!(lead.iter().any(|text| text == "Their overall mean is 1.75."), "{lead:?}");
+    let one = |person: usize, row: usize| (person % 2 == row).then_some(row as f64);
+    let results = analyze(study(&["cond"], &[&["a"], &["b"]], (24, 1, 2), one), &options(None));
+    let html = page(&source(&["cond"]), &results);
+    assert!(html.contains("No participant gave 10 ratings") && !html.contains("Every participant used"), "{html}");
 }
 
 const CROSSED: [&[&str]; 4] = [&["p", "x"], &["p", "z"], &["q", "x"], &["q", "z"]];

@@ -520,6 +520,9 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
     write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
+    fs::create_dir(folder.path().join("two")).unwrap();
+    write("two/h1.csv", "id,count,y\np1,1,0\np1,2,\np2,1,1\np2,2,2\n");
+    write("two/h2.csv", "id,count,y\np3,1,1\np3,2,2\np4,1,\np4,2,2\n");
     let run = |file: &str, options: &[&str]| {
         let columns = ["analyze", file, "--subject", "id", "--response", "y"];
         let output = ["--out", "out", "--tables-only", "--draws", "99", "--force"];
@@ -536,6 +539,12 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
         ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
+        (
+            "two",
+            &["--terms", "count"],
+            0,
+            "h1.csv: 2 of 8 rows of 2 files, of which this is the first, have no response",
+        ),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
         ("q.csv", &["--terms", "a"], 1, "remove its second and third row"),

@@ -354,7 +354,7 @@ const STATED: [(&[&str], &[&str], &str); 9] = [
             "/sittings/1/seal/frames_sha256 removed",
         ],
         &WHO,
-        "Nothing seals the seal: whoever edits it can also make a new one.",
+        "Anyone who edits a seal can make a new one.",
     ),
     (
         &["dataset_description.json changed", "README.md changed", "CHANGES.md changed", ".psychds-ignore changed"],
