@@ -67,10 +67,7 @@ impl Shape {
     /// Says that there is neither a shape nor a file of this name.
     #[must_use]
     pub fn missing(name: &str) -> String {
-        let expected = Shape::EXPECTED;
-        format!(
-            "there is no shape {name:?}, and no file of this name was found; expected {expected}, or an OBJ, PLY, glTF or GLB file"
-        )
+        format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED)
     }
 
     /// The fewest vertices that the shape can have.
