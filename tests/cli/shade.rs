@@ -89,7 +89,7 @@ fn every_error_has_its_own_message() {
     for (options, status, words) in [
         ("goraud", 2, "goraud"),
         ("fixed --depth 0", 2, "1…32"),
-        ("flat --mesh teapot", 2, "no shape \"teapot\", and no file of this name was found; expected one of cube, "),
+        ("flat --mesh teapot", 2, "\"teapot\" is not known; expected one of cube, "),
         ("flat --facet-c1 1 --highlight cook-torrance", 2, "--facet-c1 has no effect with the highlight cook-torrance"),
         ("flat --mesh blob --vertices 3", 2, "--vertices"),
         ("flat --light 0,0,0", 2, "too short or long"),
