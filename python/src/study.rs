@@ -17,7 +17,7 @@ use machband::{
     stimulus::Stimulus,
     store::{
         FileError, FileErrors, Writer,
-        ratings::{self, Listed, SIMULATED},
+        ratings::{self, Listed},
         results,
         sidecar::Sidecar,
         table::List,
@@ -97,9 +97,10 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
         }
     }
     let columns = described.iter().zip(&values).map(|(known, values)| (known.name.clone(), Column::of(values)));
-    let columns = columns.chain([(SIMULATED.to_owned(), Column::Whole(simulated))]).collect();
+    let columns = columns.chain([(experiment::SIMULATED.to_owned(), Column::Whole(simulated))]).collect();
     let described = described.into_iter().map(|column| (column.name, column.unit, column.description));
-    let about = (SIMULATED.to_owned(), String::new(), "Whether a program answered instead of a person.".to_owned());
+    let about =
+        (experiment::SIMULATED.to_owned(), String::new(), "Whether a program answered instead of a person.".to_owned());
     Ok((columns, described.chain([about]).collect()))
 }
 

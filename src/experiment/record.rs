@@ -347,13 +347,16 @@ fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
     names.filter(|name| FIXED.iter().chain(TASK).all(|(fixed, ..)| fixed != name))
 }
 
+/// The column of a table that says whether a program answered, as the sidecars of result files do.
+pub const SIMULATED: &str = "simulated";
+
 /// Returns whether a column of every file has this name and is no parameter of the stimulus, or an analysis reads from it
 /// whether a program answered, so that a factor cannot have it.
 #[must_use]
 pub fn is_reserved(name: &str) -> bool {
     let is_parameter = name != STIMULUS[0] && STIMULUS.contains(&name);
     !is_parameter
-        && (name == "simulated" || name.ends_with(SECOND) || FIXED.iter().chain(TASK).any(|(fixed, ..)| *fixed == name))
+        && (name == SIMULATED || name.ends_with(SECOND) || FIXED.iter().chain(TASK).any(|(fixed, ..)| *fixed == name))
 }
 
 fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_json::Value> {

@@ -5,10 +5,10 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, Layout, SIMULATED, checked, has_session_rows, is_mark, is_missing},
+    ratings::{Header, Layout, checked, has_session_rows, is_mark, is_missing},
     table::{decoded, rows_from},
 };
-use crate::text::names::expected_one_of;
+use crate::{experiment::SIMULATED, text::names::expected_one_of};
 
 /// The columns of a table of answers.
 #[derive(Clone, Debug, Default)]

@@ -20,7 +20,6 @@ pub use files::{Listed, column_names, files, with_files};
 pub(super) use reader::is_mark;
 pub use reader::{read, read_columns};
 pub(super) use rows::checked;
-pub use selection::SIMULATED;
 pub(super) use selection::has_session_rows;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
 pub(super) use values::is_missing;

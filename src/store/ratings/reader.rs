@@ -119,14 +119,19 @@ fn read_inputs<T>(
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
         if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
-            read.sha256 = Some(file::sha256(&bytes));
-            let text = input.header.converted.as_ref().map_or(&bytes, |converted| &converted.bytes);
+            let sha256 = file::sha256(&bytes);
+            // A packed file may have the content of another one.
+            let (text, of_text) = match &input.header.converted {
+                Some(converted) => (&converted.bytes, file::sha256(&converted.bytes)),
+                None => (&bytes, sha256.clone()),
+            };
+            read.sha256 = Some(sha256);
             if input.layout == Layout::Long && is_doubled(text) {
                 let message = "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
                 notes.push(FileError::whole(&input.name, message));
             }
             let is_repeated = input.layout != Layout::Results;
-            if let Some(other) = is_repeated.then(|| contents.insert(file::sha256(text), &input.name)).flatten() {
+            if let Some(other) = is_repeated.then(|| contents.insert(of_text, &input.name)).flatten() {
                 let message = format!("has the same content as {other}; expected each rating once");
                 notes.push(FileError::whole(&input.name, message));
             }

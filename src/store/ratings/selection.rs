@@ -14,7 +14,7 @@ use super::{
     values,
 };
 use crate::{
-    experiment::{MAX_RATING, Protocol, columns_by_header},
+    experiment::{MAX_RATING, Protocol, SIMULATED, columns_by_header},
     stimulus::is_direction,
     store::{
         FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
@@ -32,9 +32,6 @@ pub(super) const SUBJECT: &str = "subject_id";
 /// The names of this column in the tables of PsychoPy, BIDS, jsPsych and E-Prime, and OpenSesame. A name such as `id` may stand
 /// for a trial or a stimulus.
 const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
-
-/// The column of a table that says whether a rating is simulated, as the sidecars of result files do.
-pub const SIMULATED: &str = "simulated";
 
 /// A file to read.
 #[derive(Debug)]
