@@ -77,6 +77,15 @@ impl Protocol {
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
+    /// Returns what is wrong with the reference of a task: that it does not differ from the target in what is shown. This
+    /// draws stimuli, so it is for definitions that are written; those of recorded sessions were checked.
+    #[must_use]
+    pub fn reference_errors(&self) -> Vec<DefinitionError> {
+        let mut errors = DefinitionErrors::default();
+        self.definition.check_reference(&self.conditions, &mut errors);
+        errors.0
+    }
+
     /// Returns a protocol whose definition differs in what `change` does to it.
     ///
     /// # Errors
@@ -320,21 +329,12 @@ impl Definition {
         if self.task.is_default() {
             return;
         }
-        fn choices<'a>(name: &'a str, levels: &[f64]) -> Vec<Option<(&'a str, f64)>> {
-            levels.iter().map(|level| Some((name, *level))).collect()
-        }
-        let (mut levels, mut seconds) = (vec![None], vec![None]);
-        if let Some(adaptive) = &self.adaptive {
-            levels = choices(&adaptive.common.parameter, &adaptive.range());
-            seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
-        }
-        let picks: Vec<_> =
-            levels.iter().flat_map(|level| seconds.iter().map(move |second| (*level, *second))).collect();
+        let picks = self.picks();
         let dial = self.task.dial().and_then(|dial| Some((dial.parameter?, dial.range)));
         let places: BTreeSet<u32> = self.task.places().into_iter().collect();
         for condition in conditions {
             let turns = places.iter().flat_map(|place| {
-                let turn = move |(level, second): &(_, _)| Turn {
+                let turn = move |[level, second]: &[_; 2]| Turn {
                     condition,
                     other: None,
                     place: *place,
@@ -356,9 +356,26 @@ impl Definition {
                 return;
             }
         }
-        let Some(reference) = self.task.reference() else { return };
+    }
+
+    /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
+    fn picks(&self) -> Vec<[Option<(&str, f64)>; 2]> {
+        fn choices<'a>(name: &'a str, levels: &[f64]) -> Vec<Option<(&'a str, f64)>> {
+            levels.iter().map(|level| Some((name, *level))).collect()
+        }
+        let (mut levels, mut seconds) = (vec![None], vec![None]);
+        if let Some(adaptive) = &self.adaptive {
+            levels = choices(&adaptive.common.parameter, &adaptive.range());
+            seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
+        }
+        levels.iter().flat_map(|level| seconds.iter().map(move |second| [*level, *second])).collect()
+    }
+
+    /// Adds the errors that [`Protocol::reference_errors`] returns.
+    fn check_reference(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
+        let (picks, Some(reference)) = (self.picks(), self.task.reference()) else { return };
         let targets = |condition: &Condition| -> Vec<Stimulus> {
-            let turn = |&(level, second): &_| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
+            let turn = |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
             picks.iter().map(|pick| turn(pick).target()).collect()
         };
         // Most differences are seen in few pixels; only more pixels tell that there is none.

@@ -222,7 +222,7 @@ impl Written {
     /// # Errors
     /// Returns every error.
     fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
-        let mut errors = DefinitionErrors::default();
+        let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
         let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
             self.pictures(place, &mut errors).into()
         } else {
@@ -253,6 +253,10 @@ impl Written {
             session: self.session,
             plan: self.plan,
             ..Definition::new(name, stimulus)
+        });
+        let protocol = protocol.and_then(|protocol| {
+            let wrong = if is_recorded { Vec::new() } else { protocol.reference_errors() };
+            if wrong.is_empty() { Ok(protocol) } else { Err(wrong) }
         });
         if errors.0.is_empty() {
             return protocol;
