@@ -237,7 +237,7 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
             .error(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
         [black, white] => {
             for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
-                if given.is_some() {
+                if given.is_some() && !document.has(other) {
                     document.error(name, format!("{name} is given without {other}; expected both"));
                 }
             }

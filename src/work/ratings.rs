@@ -84,7 +84,7 @@ pub struct Ratings {
 /// A factor and some of its levels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Only {
-    /// Name of the factor.
+    /// Name of the factor; quoted in text if it contains =.
     pub factor: String,
     /// The levels; `NA` stands for a missing value.
     pub levels: Vec<String>,
@@ -92,7 +92,10 @@ pub struct Only {
 
 impl fmt::Display for Only {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}={}", self.factor, list(&self.levels))
+        let Self { factor, levels } = self;
+        let is_quoted = factor.contains('=') || factor.starts_with('"');
+        let factor = if is_quoted { format!("\"{}\"", factor.replace('"', "\"\"")) } else { factor.clone() };
+        write!(f, "{factor}={}", list(levels))
     }
 }
 
@@ -101,10 +104,16 @@ impl FromStr for Only {
 
     fn from_str(text: &str) -> Result<Self, String> {
         const EXPECTED: &str = "expected a factor, =, and its levels, such as width=0.1,0.2";
-        let (factor, levels) = text.split_once('=').ok_or(EXPECTED)?;
+        let (factor, levels) = match text.strip_prefix('"').and_then(|text| text.split_once("\"=")) {
+            Some((factor, levels)) => (factor.replace("\"\"", "\""), levels),
+            None => {
+                let (factor, levels) = text.split_once('=').ok_or(EXPECTED)?;
+                (factor.trim().to_owned(), levels)
+            }
+        };
         match split_list(levels)? {
-            levels if levels.is_empty() || factor.trim().is_empty() => Err(EXPECTED.to_owned()),
-            levels => Ok(Self { factor: factor.trim().to_owned(), levels }),
+            levels if levels.is_empty() || factor.is_empty() => Err(EXPECTED.to_owned()),
+            levels => Ok(Self { factor, levels }),
         }
     }
 }

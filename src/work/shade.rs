@@ -12,7 +12,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{Image, Luminances, RequestError, Watcher, named, request::paths};
+use super::{
+    Image, Luminances, RequestError, Watcher, named,
+    request::{self, paths},
+};
 use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
@@ -502,6 +505,7 @@ impl OneMesh {
         notes: &mut Vec<String>,
     ) -> anyhow::Result<Drawing<'_>> {
         let (renderer, scene) = (self.renderer()?, self.scene()?);
+        notes.extend(self.idle(&renderer.shade));
         let surface = Surface::new(mesh.estimated(self.normals));
         let frame = scene.frame(&surface, size, size);
         let name = self.mesh.display();
@@ -532,6 +536,27 @@ impl OneMesh {
             Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
             None => Ok(Renderer { shade, naive }),
         }
+    }
+
+    /// Names the options that were given but have no effect.
+    fn idle(&self, shade: &shading::Shade) -> impl Iterator<Item = String> {
+        let (shader, mesh) = (format!("the shader {}", shade.shader), self.mesh.display().to_string());
+        let without_effect = move |(option, _): (String, Value)| {
+            let on = match option.as_str() {
+                "depth" | "boundary" if !shade.has_strip() => &shader,
+                "gradients" if !shade.has_gradients() => &shader,
+                "crease" if self.named().is_some() => &mesh,
+                "vertices" if !self.named().is_some_and(Shape::has_vertices) => &mesh,
+                _ => return None,
+            };
+            Some(format!("{option} has no effect on {on}"))
+        };
+        request::changed(self).into_iter().filter_map(without_effect)
+    }
+
+    /// Returns the built-in shape that the request names, if it does.
+    fn named(&self) -> Option<Shape> {
+        self.mesh.to_str().and_then(|name| name.parse().ok())
     }
 
     fn scene(&self) -> Result<Scene, RequestError> {
@@ -587,7 +612,7 @@ impl OneMesh {
     /// There is no such shape, or the file cannot be read.
     pub fn mesh(&self) -> anyhow::Result<FoundMesh> {
         let path = &self.mesh;
-        if let Some(shape) = path.to_str().and_then(|name| name.parse::<Shape>().ok()) {
+        if let Some(shape) = self.named() {
             let mesh = shapes::mesh(shape, self.vertices);
             let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
             return Ok(FoundMesh { mesh, note: None });

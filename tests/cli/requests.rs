@@ -31,12 +31,14 @@ fn words_repeat_a_request_and_leave_out_defaults() {
         "paths": ["a b.csv", "-c.csv"], "response": "score", "categories": ["low", "medium, mostly", "-high"],
         "terms": "width,num:inv_n", "link": "probit", "random": "none", "draws": "199", "seed": u64::MAX,
         "complete_only": true, "large": false, "subject": null, "missing": "-99,n", "min_time": 0.25,
+        "only": ["\"kind=x\"=a,b", "width=0.1"],
     }));
     let request: Analyze = from_names(&given).unwrap();
     let line = words(&request);
     assert_eq!(parsed::<Analyze>(&line), request, "{line:?}");
     assert!(line.contains(&u64::MAX.to_string()) && line.contains(&"--complete-only".to_owned()), "{line:?}");
     assert!(!line.iter().any(|word| word.contains("slopes") || word.contains("large")), "{line:?}");
+    assert_eq!((request.ratings.only[0].factor.as_str(), request.ratings.only[0].levels.len()), ("kind=x", 2));
     assert!(line.contains(&"--missing=-99,n".to_owned()) && line.contains(&"0.25".to_owned()), "{line:?}");
     let wide: Analyze = from_names(&fields(json!({ "paths": ["r"], "wide": ["near", "far"] }))).unwrap();
     assert_eq!(words(&wide), ["r", "--wide", "condition=near,far"]);

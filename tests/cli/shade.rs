@@ -110,6 +110,12 @@ fn every_error_has_its_own_message() {
         assert!(error.contains(words) && !folder.path().join("x.png").exists(), "{options}: {error}");
     }
     assert!(fails(folder.path(), &split("shade --shader flat"), 2).contains("nothing to write"));
+    let idle = "shade --mesh cube --shader phong --depth 3 --boundary 0.1 --gradients ring --crease 30 --vertices 99";
+    let notes = text(&machband(folder.path(), &split(&format!("{idle} --size 64 --out idle.png"))).stderr);
+    for (option, on) in [("depth", "the shader phong"), ("gradients", "the shader phong"), ("vertices", "cube")] {
+        assert!(notes.contains(&format!("note: {option} has no effect on {on}")), "{notes}");
+    }
+    assert_eq!(notes.matches("has no effect").count(), 5, "{notes}");
     for (mesh, options) in [("bunny.obj", ""), ("scan.PLY", "--shader flat --out x.png"), ("blob", "--shader flat")] {
         let error = fails(folder.path(), &split(&format!("shade {mesh} {options}")), 2);
         assert!(error.contains(&format!("expected a scene, or --mesh {mesh}")), "{error}");

@@ -393,6 +393,7 @@ fn display_profiles_and_observers_are_validated_too() {
     let cases = [
         (full, "200", "0.1", "5:1", "not above black_cd_m2"),
         (full, "white_cd_m2 = 200\n", "", "4:1", "black_cd_m2 is given without white_cd_m2"),
+        (full, "white_cd_m2 = 200", "white_cd_m2 = \"bright\"", "5:1", "white_cd_m2 is the text"),
         (full, "bits = 8", "bits = 800", "6:1", "bits 800"),
         (full, "[1920, 1080]", "[1920]", "7:1", "native_px"),
         (full, "2026-01-31", "31.1.2026", "8:14", "measured.on"),
