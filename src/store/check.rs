@@ -161,9 +161,12 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
 fn check_session(path: &Path) -> Result<String, StoreError> {
     let session = Recorded::open(path)?;
     let mut errors = [session.row_errors.clone(), session.changed.clone()].concat();
-    if let Some(partial_line) = &session.partial_line {
-        let message = format!("the file ends in the middle of a row, {partial_line:?}; expected complete rows");
-        errors.push(FileError::at(path, (session.rows.len() + 2, 1), message));
+    if let Some((line, text)) = session.incomplete_line() {
+        errors.push(FileError::at(
+            path,
+            (line, 1),
+            format!("the line is incomplete, {text:?}; expected complete rows"),
+        ));
     }
     FileErrors::none(errors)?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);

@@ -104,4 +104,7 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
         "{:?}",
         found.notes
     );
+    edit(&csv, |text| text[..10].to_owned());
+    let header = verified(&csv);
+    assert!(header.notes.iter().any(|note| note.contains("line 1 is incomplete")), "{:?}", header.notes);
 }

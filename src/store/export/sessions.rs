@@ -15,6 +15,7 @@ use crate::{
         error::io,
         frames,
         recorded::Recorded,
+        session::seal,
     },
     system::link_target,
     text::is_formula,
@@ -157,6 +158,8 @@ pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &m
         let is_complete = rated == planned && session.partial_line.is_none();
         if is_complete || !complete_only {
             notes.extend(session.changed.iter().map(|error| format!("{error}; exported as requested")));
+            let accepted = session.sidecar.incidents(seal::ACCEPTED);
+            notes.extend(accepted.map(|incident| format!("{}: the experimenter {incident}", session.csv.display())));
         }
         if is_complete {
             return true;

@@ -126,6 +126,12 @@ impl Recorded {
         })
     }
 
+    /// Returns the number and the beginning of the incomplete line at the end of the data file, which may be the header.
+    pub(in crate::store) fn incomplete_line(&self) -> Option<(usize, &str)> {
+        let line = self.rows.len() + 1 + usize::from(self.data.contains(&b'\n'));
+        self.partial_line.as_deref().map(|text| (line, text))
+    }
+
     /// Returns the part that all file names of the session share.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();

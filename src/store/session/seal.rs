@@ -23,7 +23,7 @@ use crate::store::{
 };
 
 /// How the incident begins that a user accepted a change of a file.
-pub(super) const ACCEPTED: &str = "accepted a change of ";
+pub(in crate::store) const ACCEPTED: &str = "accepted ";
 
 /// Maximum size of a file that is compared with a seal, in bytes. Frames of 8 hours at 480 Hz have a quarter of it.
 const MAX_HASHED: u64 = 4 << 30;
@@ -61,9 +61,9 @@ impl Difference {
     pub(super) fn accepted(&self) -> String {
         let file = self.path.file_name().unwrap_or_default().to_string_lossy();
         match (&self.was, &self.is) {
-            (None, _) => format!("accepted that sitting {} has no seal in {file}", self.sitting + 1),
-            (Some(was), Ok(is)) => format!("{ACCEPTED}{file}: sha256 {was} when sealed, {is} now"),
-            (Some(was), Err(why)) => format!("{ACCEPTED}{file}: sha256 {was} when sealed; it {why}"),
+            (None, _) => format!("{ACCEPTED}that sitting {} has no seal in {file}", self.sitting + 1),
+            (Some(was), Ok(is)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed, {is} now"),
+            (Some(was), Err(why)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed; it {why}"),
         }
     }
 }

@@ -142,12 +142,13 @@ impl Sidecar {
 
     /// True if damaged lines were moved from the data file.
     pub(in crate::store) fn is_repaired(&self) -> bool {
-        self.has_incident(REPAIRED)
+        self.incidents(REPAIRED).next().is_some()
     }
 
-    /// True if a sitting has an incident that begins like this.
-    pub(super) fn has_incident(&self, beginning: &str) -> bool {
-        self.sittings.iter().flat_map(|sitting| &sitting.incidents).any(|incident| incident.starts_with(beginning))
+    /// Returns the incidents of all sittings that begin like this.
+    pub fn incidents(&self, beginning: &str) -> impl Iterator<Item = &String> {
+        let all = self.sittings.iter().flat_map(|sitting| &sitting.incidents);
+        all.filter(move |incident| incident.starts_with(beginning))
     }
 
     /// Reads a sidecar; `None` if the file does not exist.

@@ -109,7 +109,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
                 found.errors.extend(errors);
             }
             check_pictures(&recorded, renderer, &mut found);
-            found.accepted = recorded.sidecar.has_incident(ACCEPTED);
+            found.accepted = recorded.sidecar.incidents(ACCEPTED).next().is_some();
             for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
                 found.notes.extend(sitting.incidents.iter().map(|incident| format!("sitting {number}: {incident}")));
             }
@@ -161,15 +161,12 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         );
         found.errors.push(FileError::whole(&recorded.csv, message));
     }
-    let line = recorded.rows.len() + 2;
-    match &recorded.partial_line {
-        Some(text) if is_complete => {
-            let message = format!(
-                "the file ends in the middle of a row, {text:?}; expected the complete rows of a complete session"
-            );
+    match recorded.incomplete_line() {
+        Some((line, text)) if is_complete => {
+            let message = format!("the line is incomplete, {text:?}; expected the complete rows of a complete session");
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
-        Some(_) => found.notes.push(format!(
+        Some((line, _)) => found.notes.push(format!(
             "line {line} is incomplete because the program was interrupted; its trial is shown again when the session is resumed"
         )),
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
