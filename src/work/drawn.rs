@@ -79,14 +79,15 @@ impl Args for Drawn {
                 [first, ..] => format!(" [default: {first} for {}; other kinds have their own]", kinds[0]),
                 [] => String::new(),
             };
-            let names =
-                parameter.expected.strip_prefix("one of ").map_or_else(String::new, |names| format!(": {names}"));
+            let expected = parameter.expected.trim_start_matches("one of ");
+            let is_told = !parameter.unit.is_empty() || parameter.description.contains(expected);
+            let expected = if is_told { String::new() } else { format!(" ({expected})") };
             command.arg(
                 Arg::new(parameter.name)
                     .long(parameter.option())
                     .value_name("VALUE")
                     .allow_hyphen_values(true)
-                    .help(format!("{}{names}{default}{of}", parameter.description)),
+                    .help(format!("{}{expected}{default}{of}", parameter.description)),
             )
         })
     }
