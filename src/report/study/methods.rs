@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, RandomSlope, Results,
+        Link, ModelReport, RandomSlope, Results,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -147,6 +147,28 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         fixed(model.loglik, 2),
         fixed(model.aic(), 2)
     );
+    text += &terms_tested(cited, results, report);
+    text += &interactions_tested(cited, results, report);
+    text += &limits(report);
+    if report.proportional_odds.iter().any(|test| test.p.is_some()) {
+        text += " Proportional odds were tested with likelihood ratios of models without random effects in simulated studies, or \
+                 with the χ² distribution where ratings are many, and corrected with Holm’s method.";
+    }
+    if report.comparisons.iter().any(|comparison| comparison.p_holm.is_some()) {
+        text += &format!(
+            " Levels were compared in the model, corrected within each factor with Holm’s method ({}).",
+            cited.cite("Holm, 1979")
+        );
+    }
+    if !results.is_inferential() {
+        text += " All inference is about repeated trials of this participant.";
+    }
+    Some(text)
+}
+
+/// Says how the terms of the model were tested.
+fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
+    let mut text = String::new();
     if !report.terms.is_empty() {
         let tests: Vec<String> = (report.terms.iter())
             .map(|test| match (names::term(results, &test.term), test.lr, test.p) {
@@ -163,13 +185,18 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
              if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.",
             cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
             results.options.resampling.seed,
-            if model.random.is_some() {
+            if report.model.random.is_some() {
                 ", with variances of the random effects corrected for the estimated means"
             } else {
                 ""
             }
         );
     }
+    text
+}
+
+/// Says how the interactions that the model does not have were tested.
+fn interactions_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
     let tested: Vec<String> = (report.interactions.iter())
         .filter_map(|test| {
             let (name, statistic) = (list_of(results, &test.factors), fixed(test.chi_squared, 2));
@@ -183,45 +210,35 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
             1 => String::new(),
             _ => format!(", corrected with the minimum-p method ({})", cited.cite("Westfall & Young, 1993")),
         };
-        text += &format!(
+        format!(
             " The two-way interactions left out of the model were tested with score tests: p is the proportion of patterns of \
              the signs of the participants’ residual scores with a statistic at least as large{corrected} ({}).",
             tested.join("; ")
-        );
+        )
     } else if left_out(false) {
-        text += &format!(
+        format!(
             " The two-way interactions left out of the model were tested with likelihood ratios in studies simulated from the \
              wider models, corrected with Holm’s method ({}).",
             tested.join("; ")
-        );
-    }
-    text += if model.random.is_some() {
-        " Intervals of coefficients and of standard deviations are profile-likelihood intervals"
+        )
     } else {
-        " Intervals of coefficients are profile-likelihood intervals"
+        String::new()
+    }
+}
+
+/// Says how the intervals of coefficients were found.
+fn limits(report: &ModelReport) -> String {
+    let is_simulated = report.terms.iter().any(|test| test.draws.is_some());
+    let of = if report.model.random.is_some() { "coefficients and of standard deviations" } else { "coefficients" };
+    let limits = match report.model.random {
+        _ if !is_simulated => "",
+        None => ", with limits from the same studies",
+        Some(_) => {
+            ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
+             deviations"
+        }
     };
-    text += if model.random.is_none() && report.terms.iter().any(|test| test.draws.is_some()) {
-        ", with limits from the same studies."
-    } else if report.terms.iter().any(|test| test.draws.is_some()) {
-        ", with limits from the same studies for coefficients, and adjusted for the number of participants for standard \
-         deviations."
-    } else {
-        "."
-    };
-    if report.proportional_odds.iter().any(|test| test.p.is_some()) {
-        text += " Proportional odds were tested with likelihood ratios of models without random effects in simulated studies, or \
-                 with the χ² distribution where ratings are many, and corrected with Holm’s method.";
-    }
-    if report.comparisons.iter().any(|comparison| comparison.p_holm.is_some()) {
-        text += &format!(
-            " Levels were compared in the model, corrected within each factor with Holm’s method ({}).",
-            cited.cite("Holm, 1979")
-        );
-    }
-    if !results.is_inferential() {
-        text += " All inference is about repeated trials of this participant.";
-    }
-    Some(text)
+    format!(" Intervals of {of} are profile-likelihood intervals{limits}.")
 }
 
 fn is_number(term: &Term) -> bool {

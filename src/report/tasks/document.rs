@@ -156,25 +156,47 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     }
     let mut section = Section::new("thresholds", "Thresholds");
     section.figures(figures, &["psychometric", "thresholds"]);
-    if !results.populations.is_empty() {
-        let row = |(condition, population): &(usize, Population)| {
-            vec![
-                study.name(*condition).into(),
-                whole(population.people.len() as u64),
-                level(common, population.mean),
-                range(population.interval, |end| level(common, end)),
-                fixed(population.sd, 3),
-                fixed(population.width, 3),
-                unit(population.lapse),
-            ]
-        };
-        let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Lapse rate"];
-        let rows = results.populations.iter().map(row).collect();
-        section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
-        if common.log {
-            section.note("The standard deviation and the width are in decadic logarithms of the level.");
-        }
+    populations(&mut section, study, results, common);
+    functions(&mut section, study, results, common);
+    doubts(&mut section, study, results);
+    let failed =
+        results.functions.iter().filter_map(|function| Some((of(study, function), function.fit.as_ref().err()?)));
+    section.list(failed.map(|(name, error)| format!("{name}: {error}")).collect());
+    let without = results.without_mean.iter();
+    section.list(
+        without
+            .map(|(condition, error)| format!("There is no mean over participants{}: {error}.", study.at(*condition)))
+            .collect(),
+    );
+    Some(section)
+}
+
+/// Adds the thresholds over participants, if there are any.
+fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
+    if results.populations.is_empty() {
+        return;
     }
+    let row = |(condition, population): &(usize, Population)| {
+        vec![
+            study.name(*condition).into(),
+            whole(population.people.len() as u64),
+            level(common, population.mean),
+            range(population.interval, |end| level(common, end)),
+            fixed(population.sd, 3),
+            fixed(population.width, 3),
+            unit(population.lapse),
+        ]
+    };
+    let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Lapse rate"];
+    let rows = results.populations.iter().map(row).collect();
+    section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
+    if common.log {
+        section.note("The standard deviation and the width are in decadic logarithms of the level.");
+    }
+}
+
+/// Adds the psychometric function of each participant.
+fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
     let row = |function: &PersonFunction| {
         let fit = function.fit.as_ref().ok();
         vec![
@@ -209,9 +231,17 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     ];
     let rows = results.functions.iter().map(row).collect();
     section.table("The psychometric function of each participant", &["Participant", "Condition"], &numbers, rows);
-    let of = |function: &&PersonFunction| format!("{}{}", study.people[function.person], study.at(function.condition));
+}
+
+/// Names a participant, and the condition if there are several.
+fn of(study: &TaskStudy, function: &PersonFunction) -> String {
+    format!("{}{}", study.people[function.person], study.at(function.condition))
+}
+
+/// Says what the answers do not determine, and which functions do not follow them.
+fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let told = |wanted: &dyn Fn(&PersonFunction) -> bool| -> Vec<String> {
-        results.functions.iter().filter(|function| wanted(function)).map(|function| of(&function)).collect()
+        results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
     };
     let beyond = told(&|function| function.fit.as_ref().is_ok_and(|fit| fit.is_extrapolated));
     if !beyond.is_empty() {
@@ -265,19 +295,6 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
             count(results.functions.len() as u64, "function")
         ));
     }
-    let failed: Vec<String> = results
-        .functions
-        .iter()
-        .filter_map(|function| Some(format!("{}: {}", of(&function), function.fit.as_ref().err()?)))
-        .collect();
-    section.list(failed);
-    let without = results.without_mean.iter();
-    section.list(
-        without
-            .map(|(condition, error)| format!("There is no mean over participants{}: {error}.", study.at(*condition)))
-            .collect(),
-    );
-    Some(section)
 }
 
 /// Returns the probability of at least `found` of `all` independent events with this probability.

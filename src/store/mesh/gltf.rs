@@ -319,6 +319,32 @@ impl TexturePlace {
     }
 }
 
+/// Positions, and normals if there are any.
+type Morphed = (Vec<[f64; 3]>, Option<Vec<[f64; 3]>>);
+
+/// The site, the normal and the paint of a vertex.
+type Vertex = (u32, Option<DVec3>, PaintedCorner);
+
+/// Checks that there is one of `what` for each of `count` positions.
+fn as_many(count: usize, found: usize, what: &str) -> Result<(), String> {
+    match found == count {
+        true => Ok(()),
+        false => Err(format!("it has {count} positions and {found} {what}; expected as many")),
+    }
+}
+
+/// Returns the corners of each triangle.
+fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
+    match mode {
+        Mode::Triangles => corners.as_chunks().0.to_vec(),
+        Mode::TriangleStrip => {
+            let turned = |(i, w): (usize, &[usize])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            corners.windows(3).enumerate().map(turned).collect()
+        }
+        _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
+    }
+}
+
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,
@@ -373,39 +399,10 @@ impl Reader<'_> {
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
         }
-        let get = |semantic: Semantic| primitive.get(&semantic);
-        let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
-        let mut positions = self.source.numbers::<3>(&positions, "positions")?;
-        let normals = get(Semantic::Normals).map(|normals| self.source.numbers::<3>(&normals, "normals"));
-        let mut normals = normals.transpose()?;
+        let (positions, normals) = self.morphed(primitive, weights)?;
         let count = positions.len();
-        let of_vertices = |found: usize, what: &str| {
-            if found == count {
-                Ok(())
-            } else {
-                Err(format!("it has {count} positions and {found} {what}; expected as many"))
-            }
-        };
-        for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            for (moves, values) in [(target.positions(), Some(&mut positions)), (target.normals(), normals.as_mut())] {
-                let (Some(moves), Some(values)) = (moves, values) else { continue };
-                let moves = self.source.numbers::<3>(&moves, "morph targets")?;
-                of_vertices(moves.len(), "vertices in a morph target")?;
-                for (value, by) in values.iter_mut().zip(moves) {
-                    *value = std::array::from_fn(|k| value[k] + f64::from(*weight) * by[k]);
-                }
-            }
-        }
         let corners = self.corners(primitive, count)?;
-        let triangles: Vec<[usize; 3]> = match mode {
-            Mode::Triangles => corners.as_chunks().0.to_vec(),
-            Mode::TriangleStrip => {
-                let turned =
-                    |(i, w): (usize, &[usize])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-                corners.windows(3).enumerate().map(turned).collect()
-            }
-            _ => corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]]).collect(),
-        };
+        let triangles = triangles(mode, &corners);
         self.triangles += triangles.len();
         if self.triangles > MAX_TRIANGLES {
             return Err(format!("the file has more than {MAX_TRIANGLES} triangles; expected at most as many"));
@@ -424,11 +421,51 @@ impl Reader<'_> {
         }
         let is_flat = self.is_flat && normals.is_none();
         if let Some(normals) = normals {
-            of_vertices(normals.len(), "normals")?;
+            as_many(count, normals.len(), "normals")?;
             for (vertex, normal) in vertices.iter_mut().zip(normals) {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
             }
         }
+        self.paint(primitive, linear, &mut vertices)?;
+        let coat = self.coat(&primitive.material())?;
+        self.without_normals += usize::from(is_flat);
+        for [a, b, c] in triangles {
+            // A transformation that mirrors also reverses the winding.
+            let mut corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
+            if is_flat {
+                let normal = newell(&corners.map(|(site, ..)| self.faces.position(site))).try_normalize();
+                corners.iter_mut().for_each(|corner| corner.1 = normal);
+            }
+            self.faces.add(corners.to_vec(), Some(coat));
+        }
+        Ok(())
+    }
+
+    /// Returns the positions and normals of a primitive whose morph targets have these weights.
+    fn morphed(&self, primitive: &Primitive<'_>, weights: &[f32]) -> Result<Morphed, String> {
+        let get = |semantic: Semantic| primitive.get(&semantic);
+        let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
+        let mut positions = self.source.numbers::<3>(&positions, "positions")?;
+        let normals = get(Semantic::Normals).map(|normals| self.source.numbers::<3>(&normals, "normals"));
+        let mut normals = normals.transpose()?;
+        let count = positions.len();
+        for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
+            for (moves, values) in [(target.positions(), Some(&mut positions)), (target.normals(), normals.as_mut())] {
+                let (Some(moves), Some(values)) = (moves, values) else { continue };
+                let moves = self.source.numbers::<3>(&moves, "morph targets")?;
+                as_many(count, moves.len(), "vertices in a morph target")?;
+                for (value, by) in values.iter_mut().zip(moves) {
+                    *value = std::array::from_fn(|k| value[k] + f64::from(*weight) * by[k]);
+                }
+            }
+        }
+        Ok((positions, normals))
+    }
+
+    /// Sets the colors, places in textures and tangents of a primitive's vertices.
+    fn paint(&self, primitive: &Primitive<'_>, linear: DMat3, vertices: &mut [Vertex]) -> Result<(), String> {
+        let get = |semantic: Semantic| primitive.get(&semantic);
+        let (count, side) = (vertices.len(), linear.determinant().signum());
         let material = primitive.material();
         let base = material.pbr_metallic_roughness();
         let [r, g, b, _] = base.base_color_factor().map(f64::from);
@@ -436,7 +473,7 @@ impl Reader<'_> {
             Some(colors) => self.source.numbers::<3>(&colors, "colors")?,
             None => vec![[1.0; 3]; count],
         };
-        of_vertices(colors.len(), "colors")?;
+        as_many(count, colors.len(), "colors")?;
         for (vertex, color) in vertices.iter_mut().zip(colors) {
             let color = DVec3::from_array(color) * DVec3::new(r, g, b);
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
@@ -455,28 +492,17 @@ impl Reader<'_> {
             let places = get(Semantic::TexCoords(set))
                 .ok_or_else(|| format!("it has no texture coordinates; expected TEXCOORD_{set}"))?;
             let places = self.source.numbers::<2>(&places, "texture coordinates")?;
-            of_vertices(places.len(), "texture coordinates")?;
+            as_many(count, places.len(), "texture coordinates")?;
             for (vertex, place) in vertices.iter_mut().zip(places) {
                 vertex.2.place = place_of.transform_point2(DVec2::from_array(place));
             }
         }
         if let Some(tangents) = get(Semantic::Tangents).filter(|_| sets[1].is_some()) {
             let tangents = self.source.numbers::<4>(&tangents, "tangents")?;
-            of_vertices(tangents.len(), "tangents")?;
+            as_many(count, tangents.len(), "tangents")?;
             for (vertex, [x, y, z, w]) in vertices.iter_mut().zip(tangents) {
                 vertex.2.tangent = (linear * DVec3::new(x, y, z)).normalize_or_zero().extend(w * side);
             }
-        }
-        let coat = self.coat(&material)?;
-        self.without_normals += usize::from(is_flat);
-        for [a, b, c] in triangles {
-            // A transformation that mirrors also reverses the winding.
-            let mut corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
-            if is_flat {
-                let normal = newell(&corners.map(|(site, ..)| self.faces.position(site))).try_normalize();
-                corners.iter_mut().for_each(|corner| corner.1 = normal);
-            }
-            self.faces.add(corners.to_vec(), Some(coat));
         }
         Ok(())
     }

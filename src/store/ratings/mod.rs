@@ -5,6 +5,7 @@
 //! are in memory. Practice rows of a result file are excluded, only the last attempt at each trial counts, and the ratings
 //! of an unfinished session count by default. [`Source`] reports all of this.
 
+mod cells;
 mod converted;
 mod files;
 mod reader;

@@ -9,9 +9,10 @@ use std::{
 use rayon::{iter::Either, prelude::*};
 
 use super::{
+    cells::{AreNumbers, Known, add_rows, texts},
     files,
-    rows::{MAX_ROWS, RowError, Rows, Status, What},
-    selection::{Columns as Used, Definitions, Input, RecordColumns, SUBJECT, Selection},
+    rows::{MAX_ROWS, RowError, Rows, Status},
+    selection::{Definitions, Input, RecordColumns, SUBJECT, Selection},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values,
@@ -19,9 +20,7 @@ use super::{
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError,
-        columns::{Mapped, Texts},
-        dataset,
+        Columns, FileError, FileErrors, StoreError, dataset,
         error::{RowErrors, io},
         file,
         table::Content,
@@ -369,179 +368,6 @@ fn read_attempts<'a>(
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
     };
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
-}
-
-/// Returns the columns of each file.
-fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
-    tables.iter().map(|rows| &rows.columns[..]).collect()
-}
-
-/// Which columns have only numbers, in all files together.
-struct AreNumbers {
-    factors: Vec<bool>,
-    /// For each column with responses; also if hardly any value is something else and the categories are not named.
-    responses: Vec<bool>,
-}
-
-/// What is known before rows are added.
-struct Known<'a> {
-    numbers: AreNumbers,
-    /// Texts that mean a missing response.
-    missing: &'a [String],
-    /// For each session, whether it is excluded because it is unfinished.
-    unfinished: Vec<bool>,
-}
-
-impl AreNumbers {
-    fn new(selection: &Selection, tables: &[Rows]) -> Self {
-        let tables = texts(tables);
-        let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
-        let first = &selection.inputs[0].columns;
-        Self {
-            factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
-            responses: (0..first.responses.len())
-                .map(|i| {
-                    let column = selection.texts(&tables, |columns| columns.responses[i]);
-                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
-                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
-                })
-                .collect(),
-        }
-    }
-}
-
-/// Calls `add` for every row of a file that counts. Collects the errors in the rows.
-fn add_rows(
-    selection: &Selection,
-    known: &Known<'_>,
-    input: &Input,
-    rows: &mut Rows,
-    mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
-) -> FileRead {
-    let mut errors = std::mem::take(&mut rows.errors);
-    let report = |errors: &mut RowErrors, error| rows.report(errors, error, input, &selection.inputs);
-    let columns = &input.columns;
-    let texts = |column: usize| &rows.columns[column];
-    let subjects = texts(columns.subject);
-    let is_own = columns.record.is_some();
-    let is_absent = |text: &str| !is_own && values::is_missing(text, false);
-    // For each text in a column with responses, the rating, if there is one, or whether it is missing.
-    let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
-        texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
-            _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
-            true if !among_numbers || values::number(text).is_some() => Ok(text),
-            _ => Err(false),
-        })
-    });
-    let responses: Vec<Mapped<'_, Result<&str, bool>>> = responses.collect();
-    let (least, most) = selection.shape.time_limits;
-    let counts = columns.count.map(|column| (column, texts(column).map(values::count)));
-    let factors = columns.factors.iter().zip(&selection.levels).zip(&known.numbers.factors);
-    let factors: Vec<Mapped<'_, &str>> = factors
-        .map(|((&column, defined), &among_numbers)| {
-            let defined = if is_own { &defined[..] } else { &[] };
-            texts(column).map(|text| values::level(text, defined, among_numbers))
-        })
-        .collect();
-    let places = columns.session.zip(columns.repetition);
-    let places = places.map(|(session, column)| (texts(session), column, texts(column).map(values::repetition)));
-    let orders = columns.order.map(|column| (column, texts(column).map(values::position)));
-    let sessions = columns.session.map(texts);
-    let mut levels = Vec::new();
-    let mut rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
-        let (subject, response) = (subjects.get(row), columns.responses[which]);
-        if matches!(rows.status[row], Status::Counts(session) if is_own && known.unfinished[session as usize]) {
-            return Ok(Err(Reason::Unfinished));
-        }
-        if is_absent(subject) {
-            return Ok(Err(Reason::NoParticipant));
-        } else if subject.is_empty() {
-            return Err(RowError::new(row, columns.subject, "a participant"));
-        }
-        let rating = match *responses[which].get(row) {
-            Ok(rating) => rating,
-            Err(true) => return Ok(Err(Reason::NoResponse)),
-            Err(false) => {
-                let Some(highest) = selection.own_scale else {
-                    let expected = "a number, as in other rows, unless this value is named as missing";
-                    return Err(RowError::new(row, response, expected));
-                };
-                // Any scale is possible in a table from elsewhere.
-                let unless =
-                    if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
-                return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
-            }
-        };
-        let count = match &counts {
-            Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
-            None => 1,
-        };
-        // An unreadable position or time is an error, but the rating still counts.
-        let place = places.as_ref().and_then(|(sessions, column, repetitions)| match repetitions.get(row) {
-            Ok(repetition) => repetition.map(|repetition| (sessions.get(row), repetition)),
-            Err(expected) => {
-                report(errors, RowError::new(row, *column, *expected));
-                None
-            }
-        });
-        let position = orders.as_ref().and_then(|(column, orders)| match orders.get(row) {
-            Ok(position) => position.map(|position| (sessions.map_or("", |sessions| sessions.get(row)), position)),
-            Err(expected) => {
-                report(errors, RowError::new(row, *column, *expected));
-                None
-            }
-        });
-        let response_time_s = columns.time.zip(rows.times.get(row)).and_then(|(column, &seconds)| {
-            if seconds < 0.0 || seconds.is_infinite() {
-                report(errors, RowError::new(row, column, "seconds, 0 or more"));
-            }
-            Some(seconds).filter(|seconds| seconds.is_finite() && *seconds >= 0.0)
-        });
-        match response_time_s {
-            Some(seconds) if least.is_some_and(|least| seconds < least) => return Ok(Err(Reason::TooFast)),
-            Some(seconds) if most.is_some_and(|most| seconds > most) => return Ok(Err(Reason::TooSlow)),
-            _ => {}
-        }
-        levels.clear();
-        levels.extend(factors.iter().map(|levels| *levels.get(row)));
-        levels.extend(selection.wide.get(which).map(String::as_str));
-        add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
-            .map_err(|message| RowError { row, cell: Some(response), what: What::Said(message) })?;
-        Ok(Ok(count))
-    };
-    let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
-    let each = columns.responses.len();
-    read.rows = (rows.status.len() * each) as u64;
-    for (row, which) in rows.all().flat_map(|row| (0..each).map(move |which| (row, which))) {
-        let place = match rows.status[row] {
-            Status::Counts(_) => match rating(row, which, &mut errors) {
-                Ok(Ok(count)) => {
-                    read.ratings += count;
-                    &mut read.counted
-                }
-                Ok(Err(reason)) => {
-                    let by_participant = read.left_out.entry(reason).or_default();
-                    let id = if reason == Reason::NoParticipant { "" } else { subjects.get(row) };
-                    by_participant.entry(id.to_owned()).or_default()
-                }
-                Err(error) => {
-                    report(&mut errors, error);
-                    &mut read.erroneous
-                }
-            },
-            Status::Practice => &mut read.practice,
-            Status::Superseded => &mut read.superseded,
-            Status::Repeated(file) => {
-                report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
-                read.repeated += 1;
-                &mut read.erroneous
-            }
-            Status::Wrong => &mut read.erroneous,
-        };
-        *place += 1;
-    }
-    rows.errors = errors;
-    read
 }
 
 /// Returns the errors in a file. If all its rows also occur in other files, that is the only one.

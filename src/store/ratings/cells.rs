@@ -1,0 +1,254 @@
+//! What the cells of a table mean, row by row.
+
+use super::{
+    rows::{RowError, Rows, Status, What},
+    selection::{Columns as Used, Input, Selection},
+    source::{FileRead, Reason},
+    values,
+};
+use crate::{
+    experiment::RatingRow,
+    store::{
+        columns::{Mapped, Texts},
+        error::RowErrors,
+    },
+};
+
+/// Returns the columns of each file.
+pub(super) fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
+    tables.iter().map(|rows| &rows.columns[..]).collect()
+}
+
+/// Which columns have only numbers, in all files together.
+pub(super) struct AreNumbers {
+    factors: Vec<bool>,
+    /// For each column with responses; also if hardly any value is something else and the categories are not named.
+    responses: Vec<bool>,
+}
+
+/// What is known before rows are added.
+pub(super) struct Known<'a> {
+    pub numbers: AreNumbers,
+    /// Texts that mean a missing response.
+    pub missing: &'a [String],
+    /// For each session, whether it is excluded because it is unfinished.
+    pub unfinished: Vec<bool>,
+}
+
+impl AreNumbers {
+    pub fn new(selection: &Selection, tables: &[Rows]) -> Self {
+        let tables = texts(tables);
+        let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
+        let first = &selection.inputs[0].columns;
+        Self {
+            factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
+            responses: (0..first.responses.len())
+                .map(|i| {
+                    let column = selection.texts(&tables, |columns| columns.responses[i]);
+                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
+                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                })
+                .collect(),
+        }
+    }
+}
+
+/// A value in a cell, or what is expected there instead.
+type Cell<T> = Result<T, &'static str>;
+
+/// The cells of a file. Each different text of a column is read once.
+struct Cells<'a> {
+    selection: &'a Selection,
+    known: &'a Known<'a>,
+    input: &'a Input,
+    rows: &'a Rows,
+    /// For each column with responses, the rating, if there is one, or whether it is missing.
+    responses: Vec<Mapped<'a, Result<&'a str, bool>>>,
+    factors: Vec<Mapped<'a, &'a str>>,
+    counts: Option<(usize, Mapped<'a, Cell<u64>>)>,
+    repetitions: Option<(usize, Mapped<'a, Cell<Option<u32>>>)>,
+    orders: Option<(usize, Mapped<'a, Cell<Option<f64>>>)>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(selection: &'a Selection, known: &'a Known<'_>, input: &'a Input, rows: &'a Rows) -> Self {
+        let columns = &input.columns;
+        let texts = |column: usize| &rows.columns[column];
+        let is_own = columns.record.is_some();
+        let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
+            texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
+                _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
+                true if !among_numbers || values::number(text).is_some() => Ok(text),
+                _ => Err(false),
+            })
+        });
+        let factors = columns.factors.iter().zip(&selection.levels).zip(&known.numbers.factors);
+        let factors = factors.map(|((&column, defined), &among_numbers)| {
+            let defined = if is_own { &defined[..] } else { &[] };
+            texts(column).map(|text| values::level(text, defined, among_numbers))
+        });
+        let repetition = columns.session.and(columns.repetition);
+        Self {
+            responses: responses.collect(),
+            factors: factors.collect(),
+            counts: columns.count.map(|column| (column, texts(column).map(values::count))),
+            repetitions: repetition.map(|column| (column, texts(column).map(values::repetition))),
+            orders: columns.order.map(|column| (column, texts(column).map(values::position))),
+            selection,
+            known,
+            input,
+            rows,
+        }
+    }
+
+    fn subject(&self, row: usize) -> &'a str {
+        self.text(row, self.input.columns.subject)
+    }
+
+    fn text(&self, row: usize, column: usize) -> &'a str {
+        self.rows.columns[column].get(row)
+    }
+
+    /// Returns the participant, the rating and its number, or why the rating is left out. It is in column `which` of the
+    /// columns with responses.
+    fn rating(&self, row: usize, which: usize) -> Result<Result<(&'a str, &'a str, u64), Reason>, RowError> {
+        let (columns, own_scale) = (&self.input.columns, self.selection.own_scale);
+        let (subject, is_own) = (self.subject(row), columns.record.is_some());
+        if matches!(self.rows.status[row], Status::Counts(session) if is_own && self.known.unfinished[session as usize])
+        {
+            return Ok(Err(Reason::Unfinished));
+        }
+        if !is_own && values::is_missing(subject, false) {
+            return Ok(Err(Reason::NoParticipant));
+        } else if subject.is_empty() {
+            return Err(RowError::new(row, columns.subject, "a participant"));
+        }
+        let rating = match *self.responses[which].get(row) {
+            Ok(rating) => rating,
+            Err(true) => return Ok(Err(Reason::NoResponse)),
+            Err(false) => {
+                let response = columns.responses[which];
+                let Some(highest) = own_scale else {
+                    let expected = "a number, as in other rows, unless this value is named as missing";
+                    return Err(RowError::new(row, response, expected));
+                };
+                // Any scale is possible in a table from elsewhere.
+                let unless =
+                    if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
+                return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
+            }
+        };
+        let count = match &self.counts {
+            Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
+            None => 1,
+        };
+        Ok(Ok((subject, rating, count)))
+    }
+
+    /// Returns the session and the repetition, if they are known.
+    fn place(&self, row: usize) -> Result<Option<(&'a str, u32)>, RowError> {
+        let found = self.input.columns.session.zip(self.repetitions.as_ref());
+        found.map_or(Ok(None), |(session, (column, repetitions))| match repetitions.get(row) {
+            Ok(repetition) => Ok(repetition.map(|repetition| (self.text(row, session), repetition))),
+            Err(expected) => Err(RowError::new(row, *column, *expected)),
+        })
+    }
+
+    /// Returns the session, and the place of the trial in it, if that is known.
+    fn position(&self, row: usize) -> Result<Option<(&'a str, f64)>, RowError> {
+        let session = || self.input.columns.session.map_or("", |session| self.text(row, session));
+        self.orders.as_ref().map_or(Ok(None), |(column, orders)| match orders.get(row) {
+            Ok(position) => Ok(position.map(|position| (session(), position))),
+            Err(expected) => Err(RowError::new(row, *column, *expected)),
+        })
+    }
+
+    /// Returns the response time in seconds, if it is known.
+    fn response_time_s(&self, row: usize) -> Result<Option<f64>, RowError> {
+        match self.input.columns.time.zip(self.rows.times.get(row)) {
+            Some((column, &seconds)) if seconds < 0.0 || seconds.is_infinite() => {
+                Err(RowError::new(row, column, "seconds, 0 or more"))
+            }
+            found => Ok(found.map(|(_, seconds)| *seconds).filter(|seconds| seconds.is_finite())),
+        }
+    }
+}
+
+/// Calls `add` for every row of a file that counts. Collects the errors in the rows.
+pub(super) fn add_rows(
+    selection: &Selection,
+    known: &Known<'_>,
+    input: &Input,
+    rows: &mut Rows,
+    mut add: impl FnMut(&RatingRow<'_>) -> Result<(), String>,
+) -> FileRead {
+    let mut errors = std::mem::take(&mut rows.errors);
+    let report = |errors: &mut RowErrors, error| rows.report(errors, error, input, &selection.inputs);
+    let cells = Cells::new(selection, known, input, rows);
+    let (least, most) = selection.shape.time_limits;
+    let mut levels = Vec::new();
+    let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
+        let (subject, rating, count) = match cells.rating(row, which)? {
+            Ok(found) => found,
+            Err(reason) => return Ok(Err(reason)),
+        };
+        // An unreadable position or time is an error, but the rating still counts.
+        let place = cells.place(row).unwrap_or_else(|error| {
+            report(errors, error);
+            None
+        });
+        let position = cells.position(row).unwrap_or_else(|error| {
+            report(errors, error);
+            None
+        });
+        let response_time_s = cells.response_time_s(row).unwrap_or_else(|error| {
+            report(errors, error);
+            None
+        });
+        match response_time_s {
+            Some(seconds) if least.is_some_and(|least| seconds < least) => return Ok(Err(Reason::TooFast)),
+            Some(seconds) if most.is_some_and(|most| seconds > most) => return Ok(Err(Reason::TooSlow)),
+            _ => {}
+        }
+        levels.clear();
+        levels.extend(cells.factors.iter().map(|levels| *levels.get(row)));
+        levels.extend(selection.wide.get(which).map(String::as_str));
+        let cell = Some(input.columns.responses[which]);
+        add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
+            .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
+        Ok(Ok(count))
+    };
+    let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
+    let each = input.columns.responses.len();
+    read.rows = (rows.status.len() * each) as u64;
+    for (row, which) in rows.all().flat_map(|row| (0..each).map(move |which| (row, which))) {
+        let place = match rows.status[row] {
+            Status::Counts(_) => match add_rating(row, which, &mut errors) {
+                Ok(Ok(count)) => {
+                    read.ratings += count;
+                    &mut read.counted
+                }
+                Ok(Err(reason)) => {
+                    let by_participant = read.left_out.entry(reason).or_default();
+                    let id = if reason == Reason::NoParticipant { "" } else { cells.subject(row) };
+                    by_participant.entry(id.to_owned()).or_default()
+                }
+                Err(error) => {
+                    report(&mut errors, error);
+                    &mut read.erroneous
+                }
+            },
+            Status::Practice => &mut read.practice,
+            Status::Superseded => &mut read.superseded,
+            Status::Repeated(file) => {
+                report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
+                read.repeated += 1;
+                &mut read.erroneous
+            }
+            Status::Wrong => &mut read.erroneous,
+        };
+        *place += 1;
+    }
+    rows.errors = errors;
+    read
+}
