@@ -71,6 +71,10 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     } else if request.steps {
         let found = request.steps(None, &bar)?;
         if let Some(path) = dither_out {
+            if !found.is_srgb {
+                let message = "writes sRGB's primaries, but the picture has others; expected a picture of sRGB";
+                return Err(RequestError::value("dither_out", message).into());
+            }
             store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
         }
         vec![Case::of_steps(&found)?]
@@ -142,13 +146,13 @@ impl Case {
     }
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
-        let of_8_bits = found.rounded.unwrap_or(found.steps);
-        let remedy = if of_8_bits < 1.0 {
-            "the steps of 8 bits are below threshold: no dither is needed"
-        } else if found.dithered < of_8_bits {
-            "write 16 bits, or dither to 8 (--dither-out)"
+        let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
+        let remedy = if times < 1.0 {
+            format!("the steps of {written} bits are below threshold: no dither is needed")
+        } else if found.dithered < times {
+            "write 16 bits, or dither to 8 (--dither-out)".to_owned()
         } else {
-            "dither would be as visible as the steps: write 16 bits"
+            "dither would be as visible as the steps: write 16 bits".to_owned()
         };
         let rounded = found.rounded.map_or_else(String::new, |times| format!("; rounded to 8 bits {times:.3}"));
         let line = format!(

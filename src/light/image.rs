@@ -75,6 +75,15 @@ pub enum Samples {
 }
 
 impl CodeImage {
+    /// Returns the number of bits of a code: 8 or 16.
+    #[must_use]
+    pub fn bits(&self) -> u32 {
+        match self.samples {
+            Samples::Eight(_) => 8,
+            Samples::Sixteen(_) => 16,
+        }
+    }
+
     /// Returns the 8-bit codes, with red, green and blue interleaved; `None` if this image has 16 bits.
     #[must_use]
     pub fn bytes(&self) -> Option<&[u8]> {

@@ -13,6 +13,7 @@ pub mod dither;
 pub mod halftone;
 pub mod image;
 pub mod interpolation;
+pub mod levels;
 pub mod palette;
 pub mod quantize;
 pub mod transfer;
@@ -21,5 +22,6 @@ pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Threshold
 pub use halftone::Halftone;
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::{Depth, DepthError, Interpolation};
+pub use levels::Levels;
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
 pub use transfer::{Gog, Transfer, TransferError, TransferTable, Transfers};

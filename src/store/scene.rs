@@ -15,7 +15,8 @@ use crate::{
     light::Depth,
     shading::{
         Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals,
-        Shade, Shader, Surface, Transparency, View, shapes,
+        Shade, Shader, Surface, Transparency, View,
+        shapes::{self, Shape},
     },
     system::found,
     text::names::named,
@@ -174,7 +175,7 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
         let Ok(shape) = table.mesh.parse() else {
             let file = path.with_file_name(&table.mesh);
             if !table.mesh.is_empty() && file.extension().is_none() && matches!(found(&file), Ok(None)) {
-                document.error(&format!("mesh.{i}.mesh"), shapes::Shape::missing(&table.mesh));
+                document.error(&format!("mesh.{i}.mesh"), Shape::missing(&table.mesh));
             }
             return None;
         };
@@ -295,10 +296,21 @@ fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
     if table.gradients != default.gradients && !shade.has_gradients() {
         idle.push(("gradients", of_shader));
     }
+    let shape = table.mesh.parse::<Shape>().ok();
+    if table.vertices != default.vertices && shape.map_or(table.mesh.contains('.'), |shape| !shape.has_vertices()) {
+        idle.push(("vertices", "has no effect on this mesh; expected none".to_owned()));
+    }
+    if table.crease != default.crease && shape.is_some() {
+        idle.push(("crease", "has no effect on a built-in shape; expected none".to_owned()));
+    }
     idle.extend(shade.idle_correction().map(|(key, _, problem)| (key, format!("{problem}; expected \"off\""))));
     idle.extend(table.highlight.idle_option([table.facet_slope, table.facet_c1, table.facet_index]));
-    if table.transparency == Transmits::Opaque && table.transmission != default.transmission {
-        idle.push(("transmission", "has no effect on an opaque mesh; expected transparency".to_owned()));
+    let of_transparent =
+        [("transmission", table.transmission != default.transmission), ("index", table.index.is_some())];
+    for (key, is_given) in of_transparent {
+        if is_given && table.transparency == Transmits::Opaque {
+            idle.push((key, "has no effect on an opaque mesh; expected transparency".to_owned()));
+        }
     }
     if table.transparency != Transmits::Filtered && table.filter != default.filter {
         idle.push(("filter", "has no effect; expected transparency = \"filtered\"".to_owned()));

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{Encoded, Encoding, Luminances, RequestError, Watcher, request::paths};
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer, Transfers},
+    light::{Bits, CodeImage, Dither, Levels, LinearImage, Quantizer, Samples, Transfer, Transfers},
     report::terminal::printable,
     shading::crease,
     stimulus::ViewingConditions,
@@ -119,23 +119,29 @@ pub struct Steps {
     pub picture: String,
     /// The visible difference from the smoothest picture with these codes, in times threshold.
     pub steps: f64,
-    /// The visible difference of a picture of 16 bits from itself in 8 bits without dither.
+    /// The visible difference of a picture of more than 8 bits from itself in 8 bits without dither.
     pub rounded: Option<f64>,
-    /// The same with blue-noise dither, whose grain is a visible difference too; of a picture of 8 bits, the smoothest
-    /// picture is dithered.
+    /// The same with blue-noise dither, whose grain is a visible difference too; of a picture of fewer than
+    /// 16 bits, the smoothest picture is dithered.
     pub dithered: f64,
     pub window_deg: f64,
     pub white_cd_m2: f64,
     pub black_cd_m2: f64,
     /// What the codes mean, and where that is said.
     pub light: String,
-    /// True if the codes of 16 bits are those of 8 bits; it is judged as a picture of 8 bits.
-    pub padded: bool,
+    /// The number of bits of the codes that are judged.
+    pub bits: u32,
+    /// The number of bits of a code in the file.
+    #[serde(skip)]
+    pub file_bits: u32,
     /// The picture in 8 bits with blue-noise dither, and what its codes mean.
     #[serde(skip)]
     pub picture_dithered: CodeImage,
     #[serde(skip)]
     pub transfers: Transfers,
+    /// True if the primaries are sRGB's.
+    #[serde(skip)]
+    pub is_srgb: bool,
 }
 
 /// The name of two pictures, and how they compare.
@@ -264,21 +270,19 @@ impl Compare {
         watcher.stage("smoothing");
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
-        let step = step(&picture.codes);
-        let smooth = smooth(&picture, step);
+        let levels = Levels::of(&picture.codes, picture.significant_bits);
+        let smooth = smooth(&picture, levels);
         let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
-        let is_16 = matches!(picture.codes.samples, Samples::Sixteen(_));
-        let is_fine = is_16 && step == 1;
-        let source = if is_fine { picture.codes.light(&picture.transfers) } else { smooth.clone() };
+        let source = if levels.bits == 16 { picture.codes.light(&picture.transfers) } else { smooth.clone() };
         let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
         let viewing = self.viewing(&encoded, width);
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (shown, reference) = (cd_m2(picture.luminances()), cd_m2(weigh(&smooth)));
         let of_codes = |codes: CodeImage| cd_m2(Picture { codes, ..picture.clone() }.luminances());
         let grain = of_codes(dithered.clone());
-        let rounded = is_fine.then(|| of_codes(quantizer.quantize_with(&source, &Dither::None)));
+        let rounded = (levels.bits > 8).then(|| of_codes(quantizer.quantize_with(&source, &Dither::None)));
         let target = cd_m2(weigh(&source));
         watcher.stage("comparing");
         let judge = viewing.judge(size, &reference).map_err(|error| wrong(&name, &error))?;
@@ -294,7 +298,9 @@ impl Compare {
             white_cd_m2: viewing.white_cd_m2,
             black_cd_m2: viewing.black_cd_m2,
             light: said(&picture),
-            padded: is_16 && !is_fine,
+            bits: levels.bits,
+            file_bits: picture.bits,
+            is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
             picture: name,
             picture_dithered: dithered,
             transfers: picture.transfers,
@@ -348,7 +354,10 @@ impl Compare {
         } else {
             format!("{}; reference: {}", shown.light, reference.light)
         };
-        let sum = |light: &[f64]| light.iter().sum::<f64>();
+        let sum = |light: &[f64]| match &share {
+            None => light.iter().sum::<f64>(),
+            Some(share) => light.iter().zip(share).map(|(light, share)| light * share).sum(),
+        };
         let mean_ratio = sum(&mine) / sum(&theirs);
         let judged = || {
             let judge = viewing.judge(size, &theirs)?;
@@ -361,7 +370,8 @@ impl Compare {
         Ok(Compared {
             picture: shown.name,
             reference: reference.name,
-            times_threshold: map.largest(),
+            // The middle lies between pixels.
+            times_threshold: map.largest().max(center),
             center,
             places: map.peaks(PLACES, APART_DEG * size[0] as f64 / viewing.window_deg),
             window_deg: viewing.window_deg,
@@ -432,8 +442,8 @@ impl Steps {
     /// Says what is unusual about the codes.
     #[must_use]
     pub fn note(&self) -> Option<String> {
-        let padded = "its 16 bits hold codes of 8 bits, which are judged";
-        self.padded.then(|| padded.to_owned())
+        let Self { bits, file_bits, .. } = self;
+        (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"))
     }
 }
 
@@ -463,22 +473,14 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the step between the codes that a picture can have: programs write codes of 8 bits into 16 as multiples of 257
-/// or 256.
-fn step(codes: &CodeImage) -> u16 {
-    let Samples::Sixteen(codes) = &codes.samples else { return 1 };
-    [257, 256].into_iter().find(|step| codes.par_iter().all(|code| code % step == 0)).unwrap_or(1)
-}
-
-/// Returns the light of the smoothest picture that has the codes of this one, which are multiples of `step`.
-fn smooth(picture: &Picture, step: u16) -> LinearImage {
+/// Returns the light of the smoothest picture that has the codes of this one.
+fn smooth(picture: &Picture, levels: Levels) -> LinearImage {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
-    let (codes, most): (Vec<f64>, f64) = match samples {
-        Samples::Eight(codes) => (codes.iter().map(|code| f64::from(*code)).collect(), 255.0),
-        Samples::Sixteen(codes) => {
-            (codes.iter().map(|code| f64::from(code / step)).collect(), 65535.0 / f64::from(step))
-        }
+    let level = |code: u32| f64::from(levels.level(code));
+    let codes: Vec<f64> = match samples {
+        Samples::Eight(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
+        Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
     let first = channel(0);
@@ -488,7 +490,7 @@ fn smooth(picture: &Picture, step: u16) -> LinearImage {
         if own == first { smooth_first.clone() } else { unrounded(&own, size) }
     });
     let transfers: &[Transfer; 3] = picture.transfers.channels();
-    let light = |k: usize, value: f64| transfers[k].linear_from_encoded((value / most).clamp(0.0, 1.0)) as f32;
+    let light = |k: usize, value: f64| transfers[k].linear_from_encoded(levels.encoded(value).clamp(0.0, 1.0)) as f32;
     let data = (0..first.len())
         .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
         .collect();

@@ -631,7 +631,8 @@ impl OneMesh {
 
     /// Describes all parameters of the image.
     fn describe(&self, scene: &Scene, renderer: &Renderer, size: u32) -> Value {
-        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": self.vertices, "crease_deg": self.crease, "normals": self.normals });
+        let vertices = self.named().is_some_and(Shape::has_vertices).then_some(self.vertices);
+        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
         append(&mut all, renderer.describe());
         if let Some(file) = &self.truth {
             append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));

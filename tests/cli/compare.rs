@@ -228,6 +228,52 @@ fn steps_are_judged_without_a_reference() {
     assert!(number(&out, "times_threshold") > 0.5, "{out}");
 }
 
+/// Coarse codes in a file of more bits are judged as what they are: as far from the smooth picture as they really are.
+#[test]
+fn steps_are_those_of_the_bits_that_codes_have() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let level = |i: u32, bits: u32| {
+        ((60.0 + 140.0 * f64::from(i % 256) / 256.0) / 255.0 * f64::from((1 << bits) - 1)).round() as u16
+    };
+    let write = |name: &str, of: fn(u16) -> u16, bits: u32, prepare: &dyn Fn(&mut png::Info)| {
+        let codes: Vec<u8> = (0..256 * 64).flat_map(|i| of(level(i, bits)).to_be_bytes()).collect();
+        png(&at(name), [256, 64], png::ColorType::Grayscale, &codes, |info| {
+            info.bit_depth = png::BitDepth::Sixteen;
+            prepare(info);
+        });
+    };
+    write("smooth.png", |level| level, 16, &|_| {});
+    write("shifted.png", |level| level << 10, 6, &|_| {});
+    write("repeated.png", |level| level << 10 | level << 4 | level >> 2, 6, &|_| {});
+    write("scaled.png", |level| (f64::from(level) * 65535.0 / 63.0).round() as u16, 6, &|_| {});
+    write("said.png", |level| level << 7, 9, &|info| info.sbit = Some(vec![9].into()));
+    let nibbles: Vec<u8> = (0..128 * 64).map(|i| (level(2 * i, 4) << 4 | level(2 * i + 1, 4)) as u8).collect();
+    png(&at("four.png"), [256, 64], png::ColorType::Grayscale, &nibbles, |info| info.bit_depth = png::BitDepth::Four);
+    let bytes: Vec<u8> = (0..256 * 64).map(|i| 17 * level(i, 4) as u8).collect();
+    png(&at("seventeens.png"), [256, 64], png::ColorType::Grayscale, &bytes, |_| {});
+    let run = |line: &str| -> (Value, String) {
+        let output = machband(folder.path(), &split(line));
+        (serde_json::from_slice(&output.stdout).unwrap(), text(&output.stderr))
+    };
+    for (name, bits, is_noted) in [
+        ("shifted.png", 6, true),
+        ("repeated.png", 6, true),
+        ("scaled.png", 6, true),
+        ("said.png", 9, true),
+        ("four.png", 4, false),
+        ("seventeens.png", 4, true),
+    ] {
+        let (found, said) = run(&format!("compare {name} --steps --window 30 --json"));
+        let (truth, _) = run(&format!("compare {name} smooth.png --window 30 --json"));
+        let ratio = found["steps"].as_f64().unwrap() / truth["times_threshold"].as_f64().unwrap();
+        assert!((ratio - 1.0).abs() < 0.15 && found["bits"] == bits, "{name}: {ratio} {found}");
+        assert_eq!(said.contains(&format!("bits hold codes of {bits} bits")), is_noted, "{name}: {said}");
+    }
+    let (smooth, _) = run("compare smooth.png --steps --window 30 --json");
+    assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
+}
+
 #[test]
 fn impossible_comparisons_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -332,6 +378,18 @@ fn what_codes_mean_is_kept_and_never_guessed() {
     let found: Value = serde_json::from_str(&found).unwrap();
     let ratio = found["mean_ratio"].as_f64().unwrap();
     assert!((ratio - 1.0).abs() < 0.02 && found["light"] == "by the file's gAMA chunk", "{found}");
+    // Codes for other primaries are not written as sRGB's.
+    png(&at("wide.png"), [96; 2], png::ColorType::Grayscale, &slow, |info| {
+        let xy = |x, y| (png::ScaledFloat::from_scaled(x), png::ScaledFloat::from_scaled(y));
+        info.source_chromaticities = Some(png::SourceChromaticities {
+            white: xy(31_270, 32_900),
+            red: xy(68_000, 32_000),
+            green: xy(26_500, 69_000),
+            blue: xy(15_000, 6_000),
+        });
+    });
+    let error = fails(folder.path(), &split("compare wide.png --steps --window 8 --dither-out wide8.png"), 2);
+    assert!(error.contains("--dither-out writes sRGB's primaries") && !at("wide8.png").exists(), "{error}");
     // The pictures of a folder are inputs; a brighter picture is said to be one.
     fs::create_dir_all(at("a")).unwrap();
     fs::copy(at("none.png"), at("a/none.png")).unwrap();

@@ -1,5 +1,6 @@
 //! PLY, glTF and GLB files, winding, and what paint does to a picture.
 
+use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
@@ -131,6 +132,13 @@ fn textures_may_be_jpeg_images() {
     let color = paint.coats[0].base.as_ref().unwrap().at(DVec2::splat(0.3));
     let expected = [200.0, 100.0, 50.0].map(|code| Transfer::Srgb.linear_from_encoded(code / 255.0));
     assert!(color.distance(DVec3::from_array(expected)) < 0.02, "{color}");
+    // A file beside the mesh, whose name is written as a URI.
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ü b.jpg"), BASE64_STANDARD.decode(JPEG).unwrap()).unwrap();
+    let path = folder.path().join("it.glb");
+    std::fs::write(&path, glb(|json| json["images"] = json!([{ "uri": "./%C3%BC%20b.jpg" }]))).unwrap();
+    let beside = mesh::read(&path, 180.0, Normals::Given).unwrap().mesh.paint.unwrap();
+    assert_eq!(beside.coats[0].base, paint.coats[0].base);
 }
 
 /// A node may place, scale and mirror its mesh.

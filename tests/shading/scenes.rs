@@ -289,6 +289,9 @@ fn scenes_are_read_and_their_errors_have_places() {
         ("mesh = \"torus\"", "mesh = \"torous\"", 11, "torous"),
         ("shader = \"fixed\"", "shader = \"phong\"", 20, "depth has no effect on the shader phong"),
         ("transparency = \"interpolated\"\n", "", 24, "transmission has no effect on an opaque mesh"),
+        ("mesh = \"box.obj\"", "mesh = \"box.obj\"\nvertices = 99", 18, "vertices has no effect"),
+        ("vertices = 300", "vertices = 300\ncrease = 30", 13, "crease has no effect on a built-in shape"),
+        ("vertices = 300", "vertices = 300\nindex = 1.5", 13, "index has no effect on an opaque mesh"),
         ("position = [0.0, 2.0, 1.0]", "direction = [0, 2, 1]", 43, "attenuation has no effect on a far lamp"),
         ("attenuation = [1.0, 0.2, 0.1]", "attenuation = [0, 0, 0]", 43, "attenuation is 0"),
     ] {

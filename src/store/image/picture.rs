@@ -35,6 +35,10 @@ pub struct Picture {
     pub weights: [f64; 3],
     /// Where the meaning of the codes comes from.
     pub origin: Origin,
+    /// The number of bits of a code in the file.
+    pub bits: u32,
+    /// The number of those that mean something, as far as the file says.
+    pub significant_bits: u32,
 }
 
 /// Where the meaning of a picture's codes comes from.
@@ -64,7 +68,9 @@ impl Picture {
     /// Returns codes whose meaning the user knows.
     #[must_use]
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
-        Picture { codes, transfers, weights: Picture::srgb_weights(), origin: Origin::Given }
+        let bits = codes.bits();
+        let weights = Picture::srgb_weights();
+        Picture { codes, transfers, weights, origin: Origin::Given, bits, significant_bits: bits }
     }
 
     /// Returns the relative luminance of each pixel, row by row, 1 for white.
@@ -112,12 +118,16 @@ pub fn parse_picture(
     pixels: u64,
 ) -> Result<Picture, StoreError> {
     let (codes, info) = decode(name, content, pixels, transfers.is_none(), |_| Ok(MAX_SIZE))?;
+    // The bits of a palette's indices are not those of its colors.
+    let bits = if info.color_type == ColorType::Indexed { 8 } else { info.bit_depth as u32 };
+    let said = info.sbit.as_ref().and_then(|said| said.iter().max());
+    let significant_bits = said.map_or(bits, |said| u32::from(*said).min(bits));
     if let Some(transfers) = transfers {
-        return Ok(Picture::given(codes, transfers.clone()));
+        return Ok(Picture { bits, significant_bits, ..Picture::given(codes, transfers.clone()) });
     }
     undamaged(content, &info).map_err(|message| FileErrors::whole(name, message))?;
     let (transfers, weights, origin) = declared(&info).map_err(|message| FileErrors::whole(name, message))?;
-    Ok(Picture { codes, transfers, weights, origin })
+    Ok(Picture { codes, transfers, weights, origin, bits, significant_bits })
 }
 
 /// Refuses a file with a chunk about its codes that could not be read: what is damaged is not absent.

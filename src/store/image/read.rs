@@ -47,7 +47,7 @@ pub(super) fn decode(
     let broken = |error: DecodingError| {
         // What follows is the crate's own name of the chunk.
         let error = error.to_string();
-        let reason = error.split(" while decoding ").next().unwrap_or_default();
+        let reason = error.split(" while decoding ").next().unwrap_or_default().trim_end_matches('.');
         fail(format!("is not a complete PNG: {reason}; expected an image"))
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
@@ -63,6 +63,9 @@ pub(super) fn decode(
     if u64::from(width) * u64::from(height) > pixels {
         let message = format!("has {width} × {height} pixels; expected at most {pixels}");
         return Err(StoreError::LargeImage(FileErrors::whole(name, message)));
+    }
+    if info.animation_control.is_some_and(|animation| animation.num_frames > 1) {
+        return Err(fail("is animated; expected one picture".to_owned()));
     }
     let (color, depth) = reader.output_color_type();
     // Samples per pixel, and how often the first of them is repeated.

@@ -7,7 +7,7 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    path::Path,
+    path::{Component, Path},
     sync::Arc,
 };
 
@@ -21,6 +21,7 @@ use gltf::{
     mesh::Mode,
     texture::{MagFilter, WrappingMode},
 };
+use percent_encoding::percent_decode_str;
 use serde_json::Value;
 
 use super::{
@@ -207,12 +208,12 @@ impl Source<'_> {
                 .decode(text)
                 .map_err(|error| format!("its data are not in base64 ({error}); expected base64"));
         }
-        let name = uri.replace("%20", " ");
-        let is_plain = !name.contains(':')
-            && Path::new(&name).components().all(|part| matches!(part, std::path::Component::Normal(_)));
+        let name = percent_decode_str(uri).decode_utf8_lossy();
+        let is_below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
+        let is_plain = !name.contains(':') && Path::new(&*name).components().all(is_below);
         match self.folder.filter(|_| is_plain) {
             Some(folder) => {
-                let read = read_bytes(&folder.join(&name), self.left, "a file that the mesh refers to");
+                let read = read_bytes(&folder.join(&*name), self.left, "a file that the mesh refers to");
                 let bytes =
                     read.map_err(|error| format!("{error} (the mesh and all its files may have {MAX_FILE} bytes)"))?;
                 self.left -= bytes.len() as u64;
