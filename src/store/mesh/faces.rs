@@ -133,6 +133,11 @@ impl Faces {
             &format!("open edge runs beside another one {drawn}"),
             "open edges run beside others and are not joined with them, so that lines may show there",
         );
+        found(
+            seams.between,
+            "vertex lies on an open edge that it does not divide, so that a line may show there",
+            "vertices lie on open edges that they do not divide, so that lines may show there",
+        );
         // Other normals will replace these anyway.
         let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
         Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })
