@@ -118,7 +118,7 @@ fn normals_from_the_file_take_precedence() {
 fn errors_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     for (text, expected) in [
-        ("", "it.obj: has no faces; expected at least one line \"f 1 2 3\""),
+        ("", "it.obj: is empty; expected an OBJ, PLY, glTF or GLB file"),
         ("v 0 0 0\n v 1 NaN 0\n", "it.obj:2:6: \"NaN\" is not finite or is beyond ±1e30; expected a finite coordinate"),
         ("v 1,5 0 1", "it.obj:1:3: \"1,5\" is not a number; expected one"),
         ("v 1 2", "it.obj:1:1: the line has too few numbers (2); expected three"),
@@ -158,6 +158,7 @@ fn files_of_other_kinds_are_reported() {
     let missing = folder.path().join("missing.obj");
     assert!(error(&missing).contains("missing.obj: cannot be opened: "), "{}", error(&missing));
     assert!(error(folder.path()).ends_with("is a folder; expected an OBJ, PLY, glTF or GLB file"));
+    assert_eq!(message(b"\n"), "it.obj: is empty; expected an OBJ, PLY, glTF or GLB file");
     let picture = folder.path().join("picture.obj");
     std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
     assert!(error(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", error(&picture));

@@ -77,6 +77,9 @@ fn parse_in(
     normals: Normals,
 ) -> Result<MeshFile, FileErrors> {
     let text = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content).trim_ascii_start();
+    if text.is_empty() {
+        return Err(FileErrors::whole(file, "is empty; expected an OBJ, PLY, glTF or GLB file"));
+    }
     // A binary STL file has 80 bytes of any kind, the number of its triangles, and 50 bytes for each.
     let triangles = content.get(80..84).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
     let is_stl = triangles.is_some_and(|count| content.len() as u64 == 84 + 50 * u64::from(count));
