@@ -154,16 +154,19 @@ fn words_and_numbers_have_one_direction() {
     assert!(finding.contains("at 1 are an estimated"), "{finding}");
 }
 
-/// Nothing depends on the unit of a number: the same z and p, and intervals that scale.
+/// Nothing depends on the unit of a number or on its origin: the same z and p, and intervals that scale.
 #[test]
-fn units_do_not_matter() {
+fn units_and_origins_do_not_matter() {
     let levels = ["1", "1.5", "2", "2.5", "3", "4", "5.5", "7"];
-    let scaled = |power: i32| -> Vec<String> {
-        levels.iter().map(|level| format!("{:e}", level.parse::<f64>().unwrap() * 10_f64.powi(power))).collect()
+    let scaled = |power: i32, origin: f64| -> Vec<String> {
+        levels
+            .iter()
+            .map(|level| format!("{:e}", origin + level.parse::<f64>().unwrap() * 10_f64.powi(power)))
+            .collect()
     };
     for people in [1, 5] {
-        let of = |power: i32| {
-            let levels = scaled(power);
+        let of = |power: i32, origin: f64| {
+            let levels = scaled(power, origin);
             let rows: Vec<[&str; 1]> = levels.iter().map(|level| [level.as_str()]).collect();
             let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
             let latent = |_: usize, level: usize| Some(0.4 * level as f64 - 1.5);
@@ -176,20 +179,57 @@ fn units_do_not_matter() {
             let multiplied = finding.split("multiplied by ").nth(1).unwrap().to_owned();
             (numbers.map(|number| number * unit), report.terms[0].p, report.terms[0].lr.unwrap(), multiplied)
         };
-        let (numbers, p, lr, text) = of(0);
+        let (numbers, p, lr, text) = of(0, 0.0);
         assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");
-        for power in [-12, -6, -3, 3, 9] {
-            let (other, other_p, other_lr, other_text) = of(power);
+        for (power, origin) in
+            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6)]
+        {
+            let (other, other_p, other_lr, other_text) = of(power, origin);
             for (number, other) in numbers.iter().zip(other) {
-                assert!((number - other).abs() < 1e-3 * number.abs(), "{people}, 1e{power}: {numbers:?} {other:?}");
+                assert!(
+                    (number - other).abs() < 1e-3 * number.abs(),
+                    "{people}, 1e{power} from {origin}: {numbers:?} {other:?}"
+                );
             }
             assert!(
                 (lr - other_lr).abs() < 1e-6 && (p.unwrap() - other_p.unwrap()).abs() < 1e-6,
-                "{people}, 1e{power}: {p:?} {other_p:?}"
+                "{people}, 1e{power} from {origin}: {p:?} {other_p:?}"
             );
-            assert_eq!(text, other_text, "{people}, 1e{power}");
+            assert_eq!(text, other_text, "{people}, 1e{power} from {origin}");
         }
     }
+}
+
+/// What falls and rises again has no linear trend, and the sentence speaks of no more than that; the model does not
+/// describe it.
+#[test]
+fn a_turn_is_no_linear_trend() {
+    let turn = |_: usize, row: usize| Some([2.5, -2.5, 2.5][row]);
+    let results = analyze(study(&["x"], &[&["1"], &["2"], &["3"]], (8, 8, 5), turn), &options(Some("num:x")));
+    let Summary { findings, cautions, .. } = said(&results);
+    assert!(
+        findings[0].contains("shows no clear linear trend") && !findings[0].contains("cannot distinguish"),
+        "{findings:?}"
+    );
+    let cautions = cautions.join(" ");
+    assert!(cautions.contains("no clear effect of x as a linear trend"), "{cautions}");
+    assert!(cautions.contains("perhaps because the effect of x is not linear: without num:"), "{cautions}");
+    let results = analyze(study(&["x"], &[&["1"], &["2"], &["3"]], (8, 8, 5), turn), &options(None));
+    let all = said(&results).cautions.join(" ");
+    assert!(!all.contains("does not describe"), "{all}");
+}
+
+/// Means that differ by rounding alone are the same.
+#[test]
+fn tied_means_are_one() {
+    let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2"]);
+    for (subject, a, b) in [("p", [1, 0, 0], [2, 1, 1]), ("q", [1, 1, 0], [1, 1, 0]), ("r", [2, 1, 1], [1, 0, 0])] {
+        for (level, ratings) in [("A", a), ("B", b)] {
+            ratings.iter().for_each(|rating| builder.add_counts(subject, &[level], &rating.to_string(), 1).unwrap());
+        }
+    }
+    let finding = said(&analyze(builder.finish(), &options(None))).findings[0].clone();
+    assert!(finding.contains("0.78 at all levels") || finding.contains("the same at all levels"), "{finding}");
 }
 
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.

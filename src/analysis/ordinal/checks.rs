@@ -66,10 +66,11 @@ impl Proportion {
 
 impl Checks {
     /// Returns whether more proportions in the single conditions lie outside than chance allows: three standard deviations more
-    /// than 5 % of them.
+    /// than 5 % of them. The conditions of a single factor are its levels.
     pub fn is_poor(&self) -> bool {
-        let (all, share) = (self.cells.len() as f64, 0.05);
-        let outside = self.cells.iter().filter(|cell| cell.is_outside()).count() as f64;
+        let single = if self.cells.is_empty() { &self.proportions } else { &self.cells };
+        let (all, share) = (single.len() as f64, 0.05);
+        let outside = single.iter().filter(|cell| cell.is_outside()).count() as f64;
         outside > all * share + 3.0 * (all * share * (1.0 - share)).sqrt()
     }
 }

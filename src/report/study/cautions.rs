@@ -126,7 +126,11 @@ fn about_model(results: &Results) -> Vec<String> {
         let names: Vec<&str> = names::varied(results).map(|factor| factor.name.as_str()).collect();
         let all = names.iter().map(|name| findings::main_effect(results, name)?.variables.first().cloned());
         let has_all = all.collect::<Option<Vec<_>>>().is_some_and(|all| results.spec.terms.has(&Term { variables: all }));
-        let why = if has_all {
+        let why = if let [one] = names[..]
+            && findings::is_slope(results, one)
+        {
+            format!(", perhaps because the effect of {one} is not linear: without num:, its levels are compared")
+        } else if has_all {
             String::new()
         } else {
             format!(", perhaps because effects depend on each other: {} has all interactions", findings::product(&names))

@@ -52,6 +52,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     };
     let size = size(results, factor, &evidence);
     let p = p_is(evidence.p);
+    let is_trend = !evidence.is_rank_test && is_slope(results, &factor.name);
     if evidence.p < ALPHA && size.as_ref().is_none_or(|size| !size.has_interval) {
         return format!(
             "{before}{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
@@ -74,6 +75,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                 match (evidence.is_rank_test, factor.levels.len()) {
                     (true, _) => "orders this consistent",
                     (false, 2) => "a difference this large",
+                    (false, _) if is_trend => "a linear trend this steep",
                     (false, _) => "differences this large",
                 },
                 evidence.test
@@ -81,7 +83,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         } else {
             let [(least, low), (most, high)] = least_and_most(results, factor);
             let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
-            let span = if least == most {
+            let span = if low == high {
                 format!("{ratings} are {least} at all levels")
             } else {
                 format!(
@@ -89,8 +91,13 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                     if factor.levels.len() == 2 { "are" } else { "lie between" }
                 )
             };
-            let what = if results.is_inferential() { "this study" } else { "these trials" };
-            format!("By {name}, {span}, and {what} cannot distinguish the levels ({}, {p}).", evidence.test)
+            let what = match (results.is_inferential(), is_trend) {
+                (true, false) => "this study cannot distinguish the levels",
+                (false, false) => "these trials cannot distinguish the levels",
+                (true, true) => "this study shows no clear linear trend",
+                (false, true) => "these trials show no clear linear trend",
+            };
+            format!("By {name}, {span}, and {what} ({}, {p}).", evidence.test)
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
@@ -98,7 +105,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     if evidence.p < ALPHA || !chosen {
         text.extend(size.map(|size| format!(" {}.", size.text)));
     }
-    if evidence.p < ALPHA && chosen {
+    if evidence.p < ALPHA && chosen && !is_trend {
         text += " These two levels were chosen because their means differ most, so their difference is probably \
                  overestimated.";
     }
@@ -225,12 +232,14 @@ fn means(results: &Results, factor: &FactorResults) -> String {
             turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
             turns.extend(inside(lowest).then(|| format!("lowest {least} at {low}")));
             // A slope is the same at every level.
-            let is_slope = main_effect(results, &factor.name)
-                .is_some_and(|term| matches!(term.variables[..], [Variable::Number(_)]));
-            let turns = if turns.is_empty() || is_slope { String::new() } else { format!(" ({})", turns.join(", ")) };
+            let turns = if turns.is_empty() || is_slope(results, &factor.name) {
+                String::new()
+            } else {
+                format!(" ({})", turns.join(", "))
+            };
             format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
         }
-        None if (&least, &low) == (&most, &high) => {
+        None if low == high => {
             format!("{the_mean} is {least}: the same at all levels of {name}")
         }
         None if factor.levels.len() == 2 => {
@@ -238,6 +247,11 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         }
         None => format!("By {name}, {of_these} is highest ({most}) at {high} and lowest ({least}) at {low}"),
     }
+}
+
+/// True if the model has the slope of a factor's numbers, and not the differences between its levels.
+pub(super) fn is_slope(results: &Results, name: &str) -> bool {
+    main_effect(results, name).is_some_and(|term| matches!(term.variables[..], [Variable::Number(_)]))
 }
 
 /// Returns the lowest and the highest mean with their levels, such as `0.61` and `45°`; levels with equal means are
@@ -417,7 +431,8 @@ pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name:
     Some(verdict(&shown, &ratio_test(test), p) + &size)
 }
 
-/// Returns the names of the factors and covariates of which no effect was found.
+/// Returns the names of the factors and covariates of which no effect was found, and of which only a linear one was
+/// sought.
 pub(super) fn unclear(results: &Results) -> Vec<String> {
     let dependences = dependences(results);
     let factors = names::varied(results).filter_map(|factor| Some((&factor.name, evidence(results, factor)?.p)));
@@ -429,7 +444,12 @@ pub(super) fn unclear(results: &Results) -> Vec<String> {
         notes.filter_map(|note| if let Note::Nested { factor, .. } = note { Some(factor) } else { None }).collect();
     let is_unclear =
         |(name, p): &(&String, f64)| *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(name);
-    factors.chain(covariates).filter(is_unclear).map(|(name, _)| names::factor(results, name)).collect()
+    let name = |(name, _): (&String, f64)| {
+        let linear = if is_slope(results, name) { " as a linear trend" } else { "" };
+        format!("{}{linear}", names::factor(results, name))
+    };
+    let covariates = covariates.filter(is_unclear).map(|(name, _)| names::factor(results, name));
+    factors.filter(is_unclear).map(name).chain(covariates).collect()
 }
 
 /// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0

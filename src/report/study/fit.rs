@@ -34,10 +34,12 @@ pub(super) fn fit_of_model(
         1 => "one lies".to_owned(),
         n => format!("{} lie", whole(n as u64)),
     };
+    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
     section.text(format!(
-        "Of {} at the levels of the factors, {} outside.",
+        "Of {} at the levels of the factors, {} outside{}.",
         count(checks.proportions.len() as u64, "proportion"),
-        lie(outside.len())
+        lie(outside.len()),
+        if checks.cells.is_empty() { poor } else { "" }
     ));
     if !checks.cells.is_empty() {
         section.text(format!(
@@ -46,9 +48,9 @@ pub(super) fn fit_of_model(
             list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
             lie(far),
             if checks.is_poor() {
-                ": more than chance allows, so the model does not describe them, for example because effects depend on each other"
+                format!("{poor}, for example because effects depend on each other")
             } else {
-                ": no more than chance allows"
+                ": no more than chance allows".to_owned()
             }
         ));
     }
