@@ -366,6 +366,12 @@ impl Analyze {
 fn determined(counts: &Counts, names: [Vec<String>; 2]) -> Option<String> {
     let [factors, numbers] =
         names.map(|names| names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect::<Vec<usize>>());
+    if let Some(both) = factors.iter().find(|factor| numbers.contains(factor)) {
+        let name = &counts.factors[*both].name;
+        return Some(format!(
+            "{name} is both a factor and a number, so its effects cannot be told apart; expected one of them"
+        ));
+    }
     let mut pairs = factors.iter().flat_map(|own| factors.iter().chain(&numbers).map(move |other| (*own, *other)));
     let (own, other) = pairs.find(|(own, other)| counts.determines(*own, *other))?;
     let [one, two] = [own, other].map(|factor| &counts.factors[factor].name);

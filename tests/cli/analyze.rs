@@ -535,6 +535,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
         ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
+        ("usual.csv", &["--terms", "count,num:count"], 2, "--terms count is both a factor and a number"),
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
