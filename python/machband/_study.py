@@ -72,10 +72,6 @@ def _paths(data: object) -> Iterator[str]:
         raise TypeError(f"{type(data).__name__} is not a path; expected paths, or one DataFrame or dict of columns")
 
 
-#: Names of the column with the participant, beside subject_id.
-_SUBJECTS = {"participant", "participant_id", "subject", "subject_nr"}
-
-
 def _names(argument: str, given: Any) -> list[str]:
     """Return a list of names, which may be one line of CSV."""
     return next(csv.reader([texts(argument, given)]), [])
@@ -281,8 +277,7 @@ def analyze(
     missing
         Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     level
-        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
-        `subject` then has no default.
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
         all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
@@ -333,8 +328,6 @@ def analyze(
         elif known.get("simulated"):
             found["simulated"] = np.ones(len(data), np.int64)
         if level is not None:
-            usual = [name for name in found if name.lower() in _SUBJECTS]
-            subject = subject or ("subject_id" if "subject_id" in found else usual[0] if len(usual) == 1 else None)
             used = [level, str(correct), *([] if total is None else [total])]
             lost = _answered(found, used, on_error == "drop")
             orders = {name: order for name, order in orders.items() if name in _names("factors", factors or [])}

@@ -321,3 +321,10 @@ def test_answers_at_levels_keep_the_order_of_their_factors():
     assert machband.analyze(ordered, **given).tables["thresholds"].columns[1] == "trials"
     with pytest.raises(machband.Error, match="is no level of it; expected"):
         machband.analyze(frame, factors={"dose": [*doses, "most"]}, **given)
+
+
+def test_the_default_column_of_participants_is_told_once():
+    table = {"level": [1.0, 2, 3, 4] * 30, "right": [5, 7, 9, 10] * 30, "n": [10] * 120, "Participant": [*"ab"] * 60}
+    with pytest.warns(machband.DataWarning, match="participants are in the column Participant") as told:
+        found = machband.analyze(table, level="level", correct="right", total="n", guess=0.5)
+    assert len(told) == 1 and found.summary().startswith("2 participants gave 1,200 answers")

@@ -232,7 +232,7 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let AnswersRead { mut rows, missing } = read(&columns)?;
+        let AnswersRead { mut rows, missing, note } = read(&columns)?;
         let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
@@ -272,6 +272,7 @@ impl Analyze {
         let factors = factors.into_iter().map(order).collect();
         let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
+        study.warnings.extend(note);
         if missing > 0 {
             let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
             let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");

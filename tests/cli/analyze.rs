@@ -591,3 +591,39 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     assert!(error.contains("d.csv:9:6: rating -99; expected one of 0, 1, 2, 3") && error.contains(expected), "{error}");
     assert!(!folder.path().join("x").exists());
 }
+
+/// Analyzes a table of answers; returns what is printed to stdout and to stderr.
+fn answers(folder: &Path, rows: &str, options: &str) -> [String; 2] {
+    fs::write(folder.join("answers.csv"), rows).unwrap();
+    let line = format!("analyze answers.csv --level level --correct right --total n --out a --force {options}");
+    let output = machband(folder, &split(&line));
+    assert!(output.status.success(), "{options}: {}", text(&output.stderr));
+    [text(&output.stdout), text(&output.stderr)]
+}
+
+/// Answers to eight levels by each of these people at each of these conditions, with this threshold.
+fn of_people(conditions: &[(&str, std::ops::Range<usize>)], threshold: f64, step: f64) -> String {
+    let right = [10, 11, 12, 14, 17, 19, 20, 20];
+    let row = |condition: &str, person: usize| -> String {
+        let level = |i: usize| threshold + step * (i as f64 - 3.5 + 0.3 * person as f64);
+        (0..8).map(|i| format!("p{person},{condition},{},{},20\n", level(i), right[i])).collect()
+    };
+    let rows = conditions.iter().flat_map(|(condition, people)| people.clone().map(|person| row(condition, person)));
+    "who,cond,level,right,n\n".to_owned() + &rows.collect::<String>()
+}
+
+/// Without `--subject`, answers have the participants that ratings would have.
+#[test]
+fn answers_are_of_the_participants_in_the_usual_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = of_people(&[("c", 0..3)], 0.0, 1.0);
+    let run = |name: &str| answers(folder.path(), &rows.replace("who", name), "--guess 0.5");
+    let [printed, warnings] = run("subject_id");
+    assert!(printed.starts_with("3 participants gave 480 answers.") && warnings.is_empty(), "{printed}{warnings}");
+    let [printed, warnings] = run("Participant");
+    assert!(printed.starts_with("3 participants gave 480 answers."), "{printed}");
+    let expected =
+        "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that is named";
+    assert_eq!(warnings, format!("warning: {expected}\n"));
+    assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
+}

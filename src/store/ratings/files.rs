@@ -231,6 +231,12 @@ fn has_suffix(path: &Path, suffix: &str) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
 }
 
+/// The column with the participant ID in result files.
+pub(super) const SUBJECT: &str = "subject_id";
+/// The names of this column in the tables of PsychoPy, BIDS, jsPsych and E-Prime, and OpenSesame. A name such as `id` may stand
+/// for a trial or a stimulus.
+const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
+
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
 
@@ -338,6 +344,31 @@ impl Header {
     /// Returns the index of a column.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
+    }
+
+    /// Returns the column with the participants if none is named: [`SUBJECT`], or the only one with a usual name.
+    pub fn subject(&self) -> Option<&str> {
+        let mut usual = self.names.iter().filter(|name| SUBJECTS.contains(&name.to_lowercase().as_str()));
+        match (usual.next(), usual.next()) {
+            _ if self.position(SUBJECT).is_some() => Some(SUBJECT),
+            (Some(one), None) => Some(one),
+            _ => None,
+        }
+    }
+
+    /// Says that the participants are in this column of the file `name`, which was not named, unless it is [`SUBJECT`].
+    pub fn note_of_subject(&self, name: &str, index: usize) -> Option<FileError> {
+        let column = Some(&self.names[index]).filter(|column| *column != SUBJECT)?;
+        let message = format!("participants are in the column {column}; expected {SUBJECT}, or a column that is named");
+        Some(self.error(name, self.column(index), message))
+    }
+
+    /// Creates an error in the header of the file `name`.
+    pub fn error(&self, name: &str, column: usize, message: String) -> FileError {
+        if self.columns.is_some() {
+            return FileError::whole(name, message);
+        }
+        FileError::at(name, (self.line, column), message)
     }
 
     /// Returns the column, in characters from 1, where the name at an index begins.

@@ -12,7 +12,7 @@ use super::{
     cells::{AreNumbers, Known, add_rows, texts},
     files,
     rows::{MAX_ROWS, RowError, Rows, Status},
-    selection::{Definitions, Input, RecordColumns, SUBJECT, Selection},
+    selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values,
@@ -155,11 +155,9 @@ fn read_inputs<T>(
 /// Says which column has the participants, if it was not named, and which IDs look alike.
 fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
     let Some(first) = selection.inputs.first() else { return Vec::new() };
-    let (index, mut notes) = (first.columns.subject, Vec::new());
-    let name = &first.header.names[index];
-    if options.subject.is_none() && name != SUBJECT {
-        let message = format!("participants are in the column {name}; expected {SUBJECT}, or a column that is named");
-        notes.push(first.error(first.header.column(index), message));
+    let mut notes = Vec::new();
+    if options.subject.is_none() {
+        notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
     let columns = selection.texts(&texts(tables), |columns| columns.subject);
     let alike = values::alike(columns.iter().flat_map(|column| &column.texts).map(AsRef::as_ref));
