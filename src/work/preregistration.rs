@@ -18,7 +18,7 @@ use crate::{
     report::{
         document::numbers::{count, list},
         names,
-        tasks::{MODEL_OVER_PEOPLE, method, model_of_a_person, task},
+        tasks::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, method, model_of_a_person, task},
     },
 };
 
@@ -329,7 +329,7 @@ impl PlannedThresholds {
     fn analysis(&self) -> String {
         let model = Model::of(&self.protocol).map_or_else(String::new, |model| model_of_a_person(&model));
         format!(
-            "{model}\n\n{MODEL_OVER_PEOPLE}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
+            "{model}\n\n{MODEL_OVER_PEOPLE} {MODEL_OF_DIFFERENCES}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
              comparisons are not corrected for their number. Everything else is exploratory and will be called so."
         )
     }

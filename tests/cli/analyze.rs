@@ -627,3 +627,73 @@ fn answers_are_of_the_participants_in_the_usual_column() {
     assert_eq!(warnings, format!("warning: {expected}\n"));
     assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
 }
+
+/// Functions that fall where they should rise have no threshold anywhere, and no part in a mean.
+#[test]
+fn reversed_functions_have_no_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let says =
+        "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out";
+    let [printed, _] = answers(folder.path(), "level,right,n\n1,19,20\n2,14,20\n3,9,20\n", "--guess 0.1");
+    assert!(printed.contains(says) && !printed.contains("threshold"), "{printed}");
+    let rows = of_people(&[("c", 0..4)], 0.0, 1.0);
+    let reversed = |line: &str| match line.strip_prefix("p3,c,") {
+        Some(rest) => format!("p3,c,{}\n", rest.strip_prefix('-').map_or(format!("-{rest}"), str::to_owned)),
+        None => format!("{line}\n"),
+    };
+    let rows: String = rows.lines().map(reversed).collect();
+    let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
+    assert!(printed.contains(&format!("{says} (")) && printed.contains(": p3."), "{printed}");
+    assert_eq!(table(&folder.path().join("a/population.csv")).1[0][0], "3");
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    assert!(!report.contains("below the lowest level"), "{report}");
+}
+
+/// Two conditions are compared by the people who have both, and no sentence is about a comparison that there is not.
+#[test]
+fn conditions_are_compared_by_the_people_who_have_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |conditions| {
+        let [printed, _] =
+            answers(folder.path(), &of_people(conditions, 0.0, 1.0), "--guess 0.5 --subject who --factors cond");
+        let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+        (printed, report.contains("Conditions are compared by the differences"))
+    };
+    let (printed, is_method) = run(&[("A", 0..5), ("B", 1..5)]);
+    assert!(printed.contains("difference of the thresholds at cond A and at cond B is "), "{printed}");
+    assert!(printed.contains(" over 4 participants, so ") && is_method, "{printed}");
+    let (printed, is_method) = run(&[("A", 0..3), ("B", 3..6)]);
+    assert!(printed.contains("at cond B is ") && !printed.contains("difference") && !is_method, "{printed}");
+}
+
+/// A threshold has as many digits as its interval determines, whatever the size of the levels.
+#[test]
+fn thresholds_have_the_digits_of_their_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    for (threshold, step) in [(589.0, 0.1), (3e6, 1e5), (1e-9, 1e-10)] {
+        let rows = of_people(&[("c", 0..5)], threshold, step);
+        let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
+        let [mean, low, high] = ["threshold", "threshold_low", "threshold_high"].map(|name| {
+            let (header, rows) = table(&folder.path().join("a/population.csv"));
+            rows[0][header.iter().position(|known| known == name).unwrap()].parse::<f64>().unwrap()
+        });
+        let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
+        let numbers: Vec<f64> = told
+            .replace("\u{a0}×\u{a0}10", "e")
+            .replace("⁻¹⁰", "-10")
+            .replace("⁻⁹", "-9")
+            .replace('⁶', "6")
+            .replace("(95\u{a0}%", "")
+            .split(|c: char| !c.is_ascii_digit() && !".e-".contains(c))
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        for (told, exact) in numbers.iter().zip([mean, low, high]) {
+            assert!((told - exact).abs() < 0.01 * (high - low), "{numbers:?} {mean} {low} {high}: {printed}");
+        }
+        assert!(numbers.len() == 3 && numbers[1] < numbers[0] && numbers[0] < numbers[2], "{printed}");
+    }
+    let apart = of_people(&[("c", 0..1), ("c", 9..10)], 0.0, 1.0);
+    answers(folder.path(), &apart, "--guess 0.5 --subject who");
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    assert!(report.contains("The interval of the mean threshold reaches beyond the levels that could be shown"));
+}

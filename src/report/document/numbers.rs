@@ -25,6 +25,26 @@ pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> Shown {
     Shown::new(number, if is_negative { format!("−{text}") } else { text })
 }
 
+const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
+/// Formats a number of this size with three digits from the first one of `step`; in scientific notation below 10⁻⁴ and from
+/// 10⁶ on.
+pub fn significant(number: f64, size: f64, step: f64) -> Shown {
+    let place = |number: f64| number.log10().floor();
+    if size == 0.0 || !number.is_finite() {
+        return fixed(number, 0);
+    }
+    let decimals = |first: f64| (2.0 - first).clamp(0.0, 15.0) as usize;
+    if (1e-4..1e6).contains(&size) {
+        return fixed(number, decimals(place(step)));
+    }
+    let power = place(size);
+    let mantissa = fixed(number / 10_f64.powf(power), decimals(place(step) - power));
+    let raised = |digit: char| digit.to_digit(10).map_or('⁻', |digit| SUPERSCRIPTS[digit as usize]);
+    let exponent: String = power.to_string().chars().map(raised).collect();
+    Shown::new(number, format!("{}{NBSP}×{NBSP}10{exponent}", &*mantissa))
+}
+
 /// Formats a mean rating.
 pub fn mean(number: f64) -> Shown {
     fixed(number, 2)
