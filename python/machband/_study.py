@@ -310,7 +310,7 @@ def analyze(
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}
-    orders: dict[str, Any] = {}
+    orders: dict[str, list[str]] = {}
     lost: tuple[list[str], list[str]] = [], []
     given_columns = columns(data)
     if given_columns is None:
@@ -330,7 +330,6 @@ def analyze(
         if level is not None:
             used = [level, str(correct), *([] if total is None else [total])]
             lost = _answered(found, used, on_error == "drop")
-            orders = {name: order for name, order in orders.items() if name in _names("factors", factors or [])}
         else:
             ratings = found.get("rating")
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
@@ -346,15 +345,16 @@ def analyze(
     if categories is not None and response is None and wide is None:
         response = "rating"
     given = options(analyze, locals(), "factors", "on_error")
+    declared: dict[str, Any] = {}
     for factor, listed in factors.items() if isinstance(factors, Mapping) else ():
         if texts_of := ordered(factor, listed, found.get(factor), factor not in (only or {})):
-            orders[factor] = texts_of
+            declared[factor] = texts_of
     if factors is not None:
         given["factors"] = texts("factors", factors)
-    if orders:
-        given["levels"] = levels("factors", orders)
+    if declared:
+        given["levels"] = levels("factors", declared)
     with progress("simulated studies") as show:
-        analysis = Analysis(_machband.analyze(given, cells, on_error == "drop", show))
+        analysis = Analysis(_machband.analyze(given, cells, [*orders.items()], on_error == "drop", show))
     analysis.warnings += lost[0]
     analysis.errors += lost[1]
     for problem in [*analysis.warnings, *analysis.errors]:

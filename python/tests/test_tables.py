@@ -323,6 +323,36 @@ def test_answers_at_levels_keep_the_order_of_their_factors():
         machband.analyze(frame, factors={"dose": [*doses, "most"]}, **given)
 
 
+def test_ordered_columns_that_are_no_factors_have_no_say():
+    """The order of a column counts if it is a factor, whatever else is ordered, and only the levels that occur count."""
+    needs("polars")
+    import polars
+
+    conds = ["some", "few", "none"]
+    frame = pandas.DataFrame({"who": [*"abcdefgh"] * 12, "cond": conds * 32, "age": [*"xy"] * 48})
+    frame["rating"] = [(7 * i + i // 5) % 4 for i in range(96)]
+    given = dict(subject="who", response="rating", factors=["cond"], draws=99)
+    expected = machband.analyze(frame, **{**given, "factors": {"cond": conds}})
+    assert expected.tables["by_cond"]["cond"].tolist() == conds
+    enum = polars.DataFrame(frame).with_columns(cond=polars.col("cond").cast(polars.Enum([*conds, "all"])))
+    ordered = frame.assign(
+        age=pandas.Categorical(frame.age, ["y", "x"], ordered=True),
+        who=pandas.Categorical(frame.who, [*"hgfedcba"], ordered=True),
+        cond=pandas.Categorical(frame.cond, ["all", *conds], ordered=True),
+    )
+    for table in [enum, ordered, ordered.astype({"rating": pandas.CategoricalDtype([0, 1, 2, 3], ordered=True)})]:
+        assert machband.analyze(table, **given).tables["by_cond"]["cond"].tolist() == conds
+    assert [*machband.analyze(ordered[ordered.cond != "few"], **given).tables["by_cond"]["cond"]] == ["some", "none"]
+    assert [*machband.analyze(ordered, **{**given, "factors": None}, terms=["cond"]).tables["by_cond"]["cond"]] == conds
+    rows = machband.simulate("quick", participants=2, seed=1)
+    told = machband.analyze(rows, draws=99).files["by_width.csv"]
+    rows["session_id"] = pandas.Categorical(rows.session_id, ordered=True)
+    assert machband.analyze(rows, draws=99).files["by_width.csv"] == told
+    # A dict that names what is no factor or no level is refused as before.
+    with pytest.raises(machband.Error, match="is no level of it"):
+        machband.analyze(ordered, **{**given, "factors": {"cond": ["all", *conds]}})
+
+
 def test_the_default_column_of_participants_is_told_once():
     table = {"level": [1.0, 2, 3, 4] * 30, "right": [5, 7, 9, 10] * 30, "n": [10] * 120, "Participant": [*"ab"] * 60}
     with pytest.warns(machband.DataWarning, match="participants are in the column Participant") as told:

@@ -265,7 +265,7 @@ impl Analyze {
             return Err(RequestError::value("levels", message).into());
         }
         let order = |factor: String| {
-            let known = self.ratings.levels.iter().find(|one| one.factor == factor);
+            let known = self.ratings.levels.iter().chain(&self.ratings.orders).find(|one| one.factor == factor);
             let levels = known.map_or_else(Vec::new, |one| one.levels.clone());
             (factor, levels)
         };

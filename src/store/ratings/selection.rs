@@ -539,7 +539,7 @@ fn shape(
     let scale = |highest: u8| (0..=highest).map(|rating| rating.to_string()).collect();
     Shape {
         directions: directions(&factors, protocol, options),
-        levels: options.levels.clone(),
+        levels: [&options.levels[..], &options.orders].concat(),
         factors,
         subject: first.subject(options).to_owned(),
         response: options.response().to_owned(),

@@ -50,6 +50,8 @@ pub struct ReadOptions {
     pub details: bool,
     /// Factors, each with the order of its levels; those that are not named follow.
     pub levels: Vec<(String, Vec<String>)>,
+    /// Columns of a table in memory, each with the order that it has by itself, unless `levels` names it.
+    pub orders: Vec<(String, Vec<String>)>,
     /// Factors that are directions, in addition to stimulus parameters that are.
     pub direction: Vec<String>,
     /// Participants to leave out after reading.
