@@ -245,7 +245,8 @@ def test_ratings_without_a_level_are_a_warning(sessions):
     frame.loc[:3, "width"] = np.nan
     with pytest.warns(UserWarning, match="the model: 4 ratings without a value of width are excluded"):
         found = machband.analyze(frame, factors=["width"], draws=99, slopes="none")
-    assert len(found.warnings) == 1 and not found.model["random"]["slopes"]
+    assert "4 of 168 ratings have no value of width" in found.warnings[0]
+    assert len(found.warnings) == 2 and not found.model["random"]["slopes"]
 
 
 @pytest.mark.parametrize("seed", [2**53 + 1, 2**63 + 12345, 2**64 - 1])

@@ -493,7 +493,8 @@ fn the_script_quotes_any_name() {
         ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
     let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "99"];
     let terms = ["--terms", r#"odd "name",num:time-ms,=group"#];
-    succeeds(folder.path(), &[&arguments[..], &categories, &terms].concat());
+    // Missing levels are a warning.
+    assert!(machband(folder.path(), &[&arguments[..], &categories, &terms].concat()).status.success());
     let out = folder.path().join("a");
     let script = fs::read_to_string(out.join("analysis.R")).unwrap();
     assert!(script.is_ascii() && script.contains(r#"levels = c("a\"b", "c\\d", "it's", "#), "{script}");
@@ -696,4 +697,23 @@ fn thresholds_have_the_digits_of_their_intervals() {
     answers(folder.path(), &apart, "--guess 0.5 --subject who");
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
     assert!(report.contains("The interval of the mean threshold reaches beyond the levels that could be shown"));
+}
+
+/// Ratings without a level are told, and are no condition.
+#[test]
+fn ratings_without_a_level_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (levels, expected, conditions) in [
+        (&["c", "", "NA"][..], "160 of 240 ratings have no value of cond", "1 condition by"),
+        (&["a", "b", "c", "a", "b", ""], "40 of 240 ratings have no value of cond", "3 conditions by"),
+    ] {
+        let row = |i: usize| format!("p{},{},{}\n", i % 8, levels[i / 8 % levels.len()], (i * i / 7 + i % 5) % 4);
+        let rows: String = (0..240).map(row).collect();
+        fs::write(folder.path().join("d.csv"), format!("subject_id,cond,rating\n{rows}")).unwrap();
+        let line = "analyze d.csv --factors cond --draws 99 --tables-only --out a --force";
+        let output = machband(folder.path(), &split(line));
+        let (printed, warnings) = (text(&output.stdout), text(&output.stderr));
+        assert!(warnings.contains(&format!("warning: d.csv: {expected}; expected one in every row")), "{warnings}");
+        assert!(output.status.success() && printed.contains(&format!("240 ratings of {conditions}")), "{printed}");
+    }
 }

@@ -312,7 +312,10 @@ mod layouts {
         assert_eq!(counts.factors[1].levels, ["None", "high", "low"]);
         // Rows without a rating or a participant are counted and named once.
         let said = study.source.warnings.iter().map(|warning| warning.message.as_str()).collect::<Vec<_>>();
-        assert!(said.len() == 2 && said[0].starts_with("6 of 101 rows have no response ("), "{said:?}");
+        let without =
+            ["size", "mask"].map(|name| format!("1 of 94 ratings has no value of {name}; expected one in every row"));
+        assert_eq!(said[2..], without);
+        assert!(said[0].starts_with("6 of 101 rows have no response ("), "{said:?}");
         assert!(said[1].starts_with("1 of 101 rows has no participant ("), "{said:?}");
         assert_eq!((study.source.left_out(Reason::NoResponse), counts.total()), ((6, 1), 94));
         // Among words, only words that never name a category are missing.

@@ -229,6 +229,8 @@ pub struct FileRead {
     pub repeated: u64,
     /// Other rows that do not count: for each reason, their number by participant.
     pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
+    /// For each factor, the number of ratings that have no value of it.
+    pub without_level: Vec<u64>,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,
