@@ -1,6 +1,11 @@
 //! The analysis of ratings.
 
-use std::{collections::HashSet, fmt, path::Path, str::FromStr};
+use std::{
+    collections::{BTreeSet, HashSet},
+    fmt,
+    path::Path,
+    str::FromStr,
+};
 
 use serde::Serialize;
 
@@ -219,8 +224,8 @@ impl Analyze {
     ) -> anyhow::Result<TaskStudy> {
         let other = changed(self).into_iter().find(|(field, _)| !OF_LEVELS.contains(&field.as_str()));
         if let Some((option, _)) = other {
-            let message = "does not apply to answers at levels; expected only --subject, --factors, --exclude, --seed and the \
-                           options of answers, such as --guess";
+            let message = "does not apply to answers at levels; expected only --subject, --factors, --levels, --exclude, --seed \
+                           and the options of answers, such as --guess";
             return Err(RequestError::new(&option, message).into());
         }
         let given = self.levels.clone();
@@ -235,8 +240,10 @@ impl Analyze {
         let AnswersRead { mut rows, missing, note } = read(&columns)?;
         let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
-        if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
-            return Err(RequestError::value("exclude", format!("{unknown}: no row has this participant")).into());
+        let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
+        if let Some(unknown) = exclude.iter().find(|id| !people.contains(id.as_str())) {
+            let expected = expected_one_of(unknown, &Vec::from_iter(people));
+            return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
         }
         rows.retain(|row| !exclude.contains(&row.subject));
         let common = Common {

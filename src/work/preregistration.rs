@@ -302,6 +302,7 @@ impl PlannedThresholds {
             let number =
                 |what: &str, value: Option<f64>| value.map_or_else(String::new, |value| format!(", {what} {value:.3}"));
             let share = match one.quantity {
+                _ if one.half_width.is_none() => String::new(),
                 Quantity::Difference { truth, .. } if truth != 0.0 => format!(", power {:.0} %", 100.0 * one.share().0),
                 Quantity::Difference { .. } => format!(", false alarms {:.0} %", 100.0 * one.share().0),
                 Quantity::Person | Quantity::Mean => String::new(),

@@ -717,3 +717,48 @@ fn ratings_without_a_level_are_told() {
         assert!(output.status.success() && printed.contains(&format!("240 ratings of {conditions}")), "{printed}");
     }
 }
+
+/// A message says what is wrong and what was expected, once.
+#[test]
+fn requests_that_cannot_be_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = of_people(&[("c", 0..3)], 0.0, 1.0).replace("who", "subject_id");
+    let [printed, _] = answers(folder.path(), "level,right,n\n1,14,20\n1,16,20\n", "--guess 0.5");
+    let expected = "all: there is no threshold of level: expected trials at two or more levels.";
+    assert!(printed.contains(expected), "{printed}");
+    fs::write(folder.path().join("answers.csv"), rows).unwrap();
+    let of_answers = "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b";
+    let of_ratings = "analyze answers.csv --response right --out b";
+    let definition = "schema = 1\nname = \"const\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"gray\"\n[factors]\norientation_deg = \
+        [0, 90]\n[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"constant\"\ntrials = 10\n\
+        parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n";
+    fs::write(folder.path().join("const.toml"), definition).unwrap();
+    // One participant has no interval, and so no false alarms.
+    let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
+    assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
+    let (header, rows) = table(&folder.path().join("plan.csv"));
+    let places = ["found", "false_alarms", "ci_high"].map(|name| header.iter().position(|one| one == name).unwrap());
+    assert!(places.into_iter().all(|place| rows[2][place].is_empty()), "{rows:?}");
+    for (line, status, expected) in [
+        (
+            "plan const.toml --participants 4 --trials 12".to_owned(),
+            2,
+            "error: --trials 12 is not a multiple of the 5 levels; expected each level equally often",
+        ),
+        (format!("{of_answers} --exclude p9"), 2, "--exclude p9 is not a participant; expected one of p0, p1, p2"),
+        (format!("{of_answers} --link probit"), 2, "expected only --subject, --factors, --levels, --exclude"),
+        (
+            format!("{of_ratings} --terms num:foo"),
+            1,
+            "the column foo is missing; expected one of subject_id, cond, level",
+        ),
+        (
+            format!("{of_ratings} --factors cond --items foo"),
+            1,
+            "the column foo is missing; expected one of subject_id",
+        ),
+    ] {
+        let error = fails(folder.path(), &split(&line), status);
+        assert!(error.contains(expected), "{line}: {error}");
+    }
+}

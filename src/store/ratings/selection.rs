@@ -524,14 +524,14 @@ fn shape(
             stimulus.map(str::to_owned).chain(first.other_columns(options.response())).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
-        // A missing column is reported later as an error in the file.
-        (None, None, Layout::Long) => {
-            options.also.iter().filter(|name| has(name) || *name != "inv_n").cloned().collect()
-        }
+        (None, None, Layout::Long) => Vec::new(),
     };
     // `inv_n` is 1/n for the depth n; it is a term and not a column.
-    let also = options.also().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
-    factors.extend(also.filter(|name| has(name)).map(str::to_owned));
+    // In a table from elsewhere, a missing column is reported later as an error in the file.
+    factors.extend(options.also().filter_map(|name| match name.as_str() {
+        "inv_n" if !has(name) => Some("depth".to_owned()).filter(|depth| has(depth)),
+        _ => Some(name.clone()).filter(|name| has(name) || first.layout == Layout::Long),
+    }));
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()) && Some(name) != options.wide_factor());
