@@ -762,3 +762,38 @@ fn requests_that_cannot_be_are_explained() {
         assert!(error.contains(expected), "{line}: {error}");
     }
 }
+
+/// What is not a file cannot be read, like a file without permission, so nothing is written.
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_if_data_are_not_a_file() {
+    let folder = study("quick", 3);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    let commands = ["counts results --out counts.csv", "analyze results --draws 99 --out a"];
+    for (path, expected) in [(csv.clone(), "is not a regular file"), (csv.with_extension("json"), "is a folder")] {
+        let aside = path.with_file_name("aside");
+        fs::rename(&path, &aside).unwrap();
+        if expected == "is a folder" {
+            fs::create_dir(&path).unwrap();
+        } else {
+            assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+        }
+        for line in commands {
+            let error = fails(folder.path(), &split(line), 1);
+            assert!(error.contains(expected), "{line}: {error}");
+            assert!(!folder.path().join("counts.csv").exists() && !folder.path().join("a").exists(), "{line}");
+        }
+        if path.is_dir() { fs::remove_dir(&path) } else { fs::remove_file(&path) }.unwrap();
+        fs::rename(&aside, &path).unwrap();
+    }
+    let error = fails(folder.path(), &["repair", "typo.csv"], 1);
+    assert!(error.contains("typo.csv: does not exist; expected a data file, or a folder of data files"), "{error}");
+    let mut bytes = fs::read(&csv).unwrap();
+    bytes.extend([0; 64]);
+    fs::write(&csv, bytes).unwrap();
+    let error = text(&machband(folder.path(), &["verify", "results"]).stderr);
+    assert!(
+        error.contains("the line has only zero bytes; expected the complete rows of a complete session"),
+        "{error}"
+    );
+}

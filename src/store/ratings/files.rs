@@ -16,7 +16,7 @@ use crate::{
         dataset::{self, DATA_FILE, DESCRIPTION},
         error::io,
         frames,
-        open::open_regular,
+        open::{is_data, open_regular},
         table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
     },
     system::{entries, found, identified, is_of_another_user},
@@ -53,7 +53,7 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
         }
     }
     let mut seen = HashSet::new();
-    all.files.retain(|path| match path.canonicalize().map_err(io(path, "access")) {
+    all.files.retain(|path| match full(path) {
         Ok(full) => seen.insert(full),
         Err(error) => {
             errors.extend(error.errors(path));
@@ -61,6 +61,16 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
         }
     });
     if errors.is_empty() { Ok(all) } else { Err(FileErrors([errors, all.warnings].concat())) }
+}
+
+/// Returns the full path of a data file, if it is a file, and so is its sidecar: otherwise, they cannot be read.
+fn full(path: &Path) -> Result<PathBuf, StoreError> {
+    let sidecar = has_suffix(path, DATA_FILE).then(|| path.with_extension("json"));
+    for one in [path].into_iter().chain(sidecar.as_deref()) {
+        let metadata = found(one).map_err(io(one, "access"))?;
+        metadata.map_or(Ok(()), |metadata| is_data(&metadata)).map_err(io(one, "read"))?;
+    }
+    path.canonicalize().map_err(io(path, "access"))
 }
 
 /// Returns the names of the columns of a table, in the order of the file. A name may be empty or appear twice.
@@ -221,7 +231,12 @@ impl Listed {
                 "belongs to another user and cannot be read, so it was not examined; expected a readable folder";
             self.warnings.push(FileError::whole(folder, message));
         } else {
-            let message = format!("the folder cannot be read: {error}; expected a readable folder");
+            let message = match error.kind() {
+                std::io::ErrorKind::NotFound => {
+                    "does not exist; expected a data file, or a folder of data files".to_owned()
+                }
+                _ => format!("the folder cannot be read: {error}; expected a readable folder"),
+            };
             self.errors.push(FileError::whole(folder, message));
         }
     }
