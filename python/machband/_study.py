@@ -65,7 +65,7 @@ def read_results(folder: str | PathLike[str]) -> Table:
 def _paths(data: object) -> Iterator[str]:
     if isinstance(data, (str, os.PathLike)):
         yield os.fspath(data)
-    elif isinstance(data, Sequence):
+    elif isinstance(data, Sequence) and not isinstance(data, (bytes, bytearray)):
         for one in data:
             yield from _paths(one)
     else:

@@ -358,3 +358,22 @@ def test_the_default_column_of_participants_is_told_once():
     with pytest.warns(machband.DataWarning, match="participants are in the column Participant") as told:
         found = machband.analyze(table, level="level", correct="right", total="n", guess=0.5)
     assert len(told) == 1 and found.summary().startswith("2 participants gave 1,200 answers")
+
+
+def test_what_is_no_value_is_refused():
+    keys = {"schema": 1, "name": "sets", "stimulus": {"kind": "mach-band", "color": "gray"}}
+    for wrong in [{"factors": {"color": {"red", "gray"}}}, {"factors": {"color": frozenset(["red"])}}, {"name": b"x"}]:
+        with pytest.raises(TypeError, match="cannot be part of a definition; expected a number, text, a list or a dict"):
+            machband.Definition.from_dict({**keys, **wrong})
+    with pytest.raises(TypeError, match="bytes is not a path; expected paths"):
+        machband.analyze(b"x.csv")
+    for wrong in ["0.5", b"0.5", ["0.5"], 0.5j, [1 + 1j]]:
+        with pytest.raises(TypeError, match="expected numbers"):
+            machband.interpolate(wrong, 1)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    for wrong in [corners.astype(complex), corners.astype(str)]:
+        with pytest.raises(TypeError, match="(?s)vertices is .*; expected numbers"):
+            machband.shade(wrong, [[0, 1, 2]], size=16)
+    with pytest.raises(machband.Error, match='rating: "1,0" is not a number; expected numbers'):
+        rows = {"subject_id": [*"ab"] * 4, "width": [1, 1, 2, 2] * 2, "rating": ["1,0"] * 6 + ["2", "3"]}
+        machband.analyze(rows, factors=["width"])

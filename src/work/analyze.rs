@@ -175,11 +175,12 @@ impl Analyze {
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);
         }
-        let words = counts.categories.iter().filter(|category| number_of(category).is_none());
+        let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
         let message = format!(
-            "{}: {} are not numbers; expected numbers, or the order of all categories, lowest first",
+            "{}: {} {}; expected numbers, or the order of all categories, lowest first",
             study.source.shape.response,
-            list(words.take(12))
+            list(words.iter().take(12)),
+            if words.len() == 1 { "is not a number" } else { "are not numbers" }
         );
         // Not an order of these words, which somebody would copy.
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
