@@ -680,10 +680,7 @@ fn thresholds_have_the_digits_of_their_intervals() {
         });
         let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
         let numbers: Vec<f64> = told
-            .replace("\u{a0}×\u{a0}10", "e")
-            .replace("⁻¹⁰", "-10")
-            .replace("⁻⁹", "-9")
-            .replace('⁶', "6")
+            .replace('−', "-")
             .replace("(95\u{a0}%", "")
             .split(|c: char| !c.is_ascii_digit() && !".e-".contains(c))
             .filter_map(|word| word.parse().ok())

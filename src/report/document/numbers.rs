@@ -25,10 +25,8 @@ pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> Shown {
     Shown::new(number, if is_negative { format!("−{text}") } else { text })
 }
 
-const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-
-/// Formats a number of this size with three digits from the first one of `step`; in scientific notation below 10⁻⁴ and from
-/// 10⁶ on.
+/// Formats a number of this size with three digits from the first one of `step`; in scientific notation below 1e−4 and from
+/// 1e6 on.
 pub fn significant(number: f64, size: f64, step: f64) -> Shown {
     let place = |number: f64| number.log10().floor();
     if size == 0.0 || !number.is_finite() {
@@ -40,9 +38,7 @@ pub fn significant(number: f64, size: f64, step: f64) -> Shown {
     }
     let power = place(size);
     let mantissa = fixed(number / 10_f64.powf(power), decimals(place(step) - power));
-    let raised = |digit: char| digit.to_digit(10).map_or('⁻', |digit| SUPERSCRIPTS[digit as usize]);
-    let exponent: String = power.to_string().chars().map(raised).collect();
-    Shown::new(number, format!("{}{NBSP}×{NBSP}10{exponent}", &*mantissa))
+    Shown::new(number, format!("{}e{}", &*mantissa, &*fixed(power, 0)))
 }
 
 /// Formats a mean rating.
