@@ -162,9 +162,11 @@ def number(name: str, given: object) -> float:
 
 def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return an array of numbers."""
-    given = unmasked(name, given)
+    array = np.asarray(unmasked(name, given))
     try:
-        return np.asarray(given, dtype=np.float64)
+        if array.dtype.kind in "USc":
+            raise TypeError
+        return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected numbers") from None
 

@@ -31,7 +31,8 @@ def _plain(given: object) -> Any:
         if not given > -math.inf:
             raise _machband.Error(f"a value is {given}; expected a number, inf or text")
         return "inf" if given == math.inf else given
-    if isinstance(given, Iterable):
+    # A set has no order, and bytes are numbers.
+    if isinstance(given, Iterable) and not isinstance(given, (bytes, bytearray, set, frozenset)):
         return [_plain(item) for item in given]
     raise TypeError(f"{given!r} cannot be part of a definition; expected a number, text, a list or a dict")
 

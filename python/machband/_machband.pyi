@@ -112,7 +112,11 @@ class Analysis:
     def problems(self) -> tuple[list[str], list[str]]: ...
 
 def analyze(
-    fields: _Fields, data: list[str] | list[tuple[str, _Cells]], drop_errors: bool, progress: _Progress
+    fields: _Fields,
+    data: list[str] | list[tuple[str, _Cells]],
+    orders: list[tuple[str, list[str]]],
+    drop_errors: bool,
+    progress: _Progress,
 ) -> Analysis: ...
 def write_analysis(
     folder: _Path, files: list[tuple[str, bytes]], inputs: list[str], force: bool

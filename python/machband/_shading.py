@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Fields, Seed, flag, options, path, png, suggests, unmasked, whole
+from ._common import Dither, Fields, Seed, flag, numbers, options, path, png, suggests, unmasked, whole
 from ._stimulus import Codes, Transfer
 
 Triple = Sequence[float]
@@ -95,7 +95,7 @@ def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
 
 
 def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
-    array = np.asarray(unmasked(name, given))
+    array = np.asarray(unmasked(name, given)) if dtype is np.uint32 else numbers(name, given)
     if array.ndim != 2 or array.shape[1] != 3:
         raise _machband.Error(f"{name} has shape {array.shape}; expected (n, 3)")
     if dtype is np.uint32:

@@ -65,15 +65,11 @@ def read_results(folder: str | PathLike[str]) -> Table:
 def _paths(data: object) -> Iterator[str]:
     if isinstance(data, (str, os.PathLike)):
         yield os.fspath(data)
-    elif isinstance(data, Sequence):
+    elif isinstance(data, Sequence) and not isinstance(data, (bytes, bytearray)):
         for one in data:
             yield from _paths(one)
     else:
         raise TypeError(f"{type(data).__name__} is not a path; expected paths, or one DataFrame or dict of columns")
-
-
-#: Names of the column with the participant, beside subject_id.
-_SUBJECTS = {"participant", "participant_id", "subject", "subject_nr"}
 
 
 def _names(argument: str, given: Any) -> list[str]:
@@ -281,8 +277,7 @@ def analyze(
     missing
         Numbers or texts that mean a missing response, such as -99, in addition to an empty cell, NA and similar words.
     level
-        Column with the levels of a psychometric function: the table has answers at levels instead of ratings. In a file,
-        `subject` then has no default.
+        Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
         all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
@@ -315,7 +310,7 @@ def analyze(
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}
-    orders: dict[str, Any] = {}
+    orders: dict[str, list[str]] = {}
     lost: tuple[list[str], list[str]] = [], []
     given_columns = columns(data)
     if given_columns is None:
@@ -333,11 +328,8 @@ def analyze(
         elif known.get("simulated"):
             found["simulated"] = np.ones(len(data), np.int64)
         if level is not None:
-            usual = [name for name in found if name.lower() in _SUBJECTS]
-            subject = subject or ("subject_id" if "subject_id" in found else usual[0] if len(usual) == 1 else None)
             used = [level, str(correct), *([] if total is None else [total])]
             lost = _answered(found, used, on_error == "drop")
-            orders = {name: order for name, order in orders.items() if name in _names("factors", factors or [])}
         else:
             ratings = found.get("rating")
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
@@ -353,15 +345,16 @@ def analyze(
     if categories is not None and response is None and wide is None:
         response = "rating"
     given = options(analyze, locals(), "factors", "on_error")
+    declared: dict[str, Any] = {}
     for factor, listed in factors.items() if isinstance(factors, Mapping) else ():
         if texts_of := ordered(factor, listed, found.get(factor), factor not in (only or {})):
-            orders[factor] = texts_of
+            declared[factor] = texts_of
     if factors is not None:
         given["factors"] = texts("factors", factors)
-    if orders:
-        given["levels"] = levels("factors", orders)
+    if declared:
+        given["levels"] = levels("factors", declared)
     with progress("simulated studies") as show:
-        analysis = Analysis(_machband.analyze(given, cells, on_error == "drop", show))
+        analysis = Analysis(_machband.analyze(given, cells, [*orders.items()], on_error == "drop", show))
     analysis.warnings += lost[0]
     analysis.errors += lost[1]
     for problem in [*analysis.warnings, *analysis.errors]:

@@ -25,7 +25,7 @@ use machband::{
     system::now,
     text::{Cell, Table},
     work::{
-        Analyze, Export, Ratings, changed,
+        Analyze, Export, Only, Ratings, changed,
         verify::{Verified, Verify},
         words,
     },
@@ -129,13 +129,14 @@ pub enum Data<'py> {
 /// The name of a table in messages.
 const TABLE: &str = "table";
 
-/// Analyzes ratings or the answers to a task with the command's options. Rows with errors are an error unless they are to
+/// Analyzes ratings or the answers to a task with the command's options. `orders` are those of columns of the data. Rows with errors are an error unless they are to
 /// be dropped. Progress counts the simulated studies.
 #[pyfunction]
 pub fn analyze(
     py: Python<'_>,
     mut fields: Fields,
     data: Data<'_>,
+    orders: Vec<(String, Vec<String>)>,
     drop_errors: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Analysis> {
@@ -144,7 +145,8 @@ pub fn analyze(
         Data::Columns(columns) => (vec![TABLE.to_owned()], Some(table::given(&columns)?)),
     };
     fields.insert("paths".to_owned(), Field::List(paths));
-    let asked: Analyze = request(fields)?;
+    let mut asked: Analyze = request(fields)?;
+    asked.ratings.orders = orders.into_iter().map(|(factor, levels)| Only { factor, levels }).collect();
     let command = if columns.is_some() { call(&asked) } else { command(&asked) };
     let found = job::run(py, progress, false, move |job, _| {
         let refused = |errors: &[FileError]| match errors {

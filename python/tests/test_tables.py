@@ -321,3 +321,59 @@ def test_answers_at_levels_keep_the_order_of_their_factors():
     assert machband.analyze(ordered, **given).tables["thresholds"].columns[1] == "trials"
     with pytest.raises(machband.Error, match="is no level of it; expected"):
         machband.analyze(frame, factors={"dose": [*doses, "most"]}, **given)
+
+
+def test_ordered_columns_that_are_no_factors_have_no_say():
+    """The order of a column counts if it is a factor, whatever else is ordered, and only the levels that occur count."""
+    needs("polars")
+    import polars
+
+    conds = ["some", "few", "none"]
+    frame = pandas.DataFrame({"who": [*"abcdefgh"] * 12, "cond": conds * 32, "age": [*"xy"] * 48})
+    frame["rating"] = [(7 * i + i // 5) % 4 for i in range(96)]
+    given = dict(subject="who", response="rating", factors=["cond"], draws=99)
+    expected = machband.analyze(frame, **{**given, "factors": {"cond": conds}})
+    assert expected.tables["by_cond"]["cond"].tolist() == conds
+    enum = polars.DataFrame(frame).with_columns(cond=polars.col("cond").cast(polars.Enum([*conds, "all"])))
+    ordered = frame.assign(
+        age=pandas.Categorical(frame.age, ["y", "x"], ordered=True),
+        who=pandas.Categorical(frame.who, [*"hgfedcba"], ordered=True),
+        cond=pandas.Categorical(frame.cond, ["all", *conds], ordered=True),
+    )
+    for table in [enum, ordered, ordered.astype({"rating": pandas.CategoricalDtype([0, 1, 2, 3], ordered=True)})]:
+        assert machband.analyze(table, **given).tables["by_cond"]["cond"].tolist() == conds
+    assert [*machband.analyze(ordered[ordered.cond != "few"], **given).tables["by_cond"]["cond"]] == ["some", "none"]
+    assert [*machband.analyze(ordered, **{**given, "factors": None}, terms=["cond"]).tables["by_cond"]["cond"]] == conds
+    rows = machband.simulate("quick", participants=2, seed=1)
+    told = machband.analyze(rows, draws=99).files["by_width.csv"]
+    rows["session_id"] = pandas.Categorical(rows.session_id, ordered=True)
+    assert machband.analyze(rows, draws=99).files["by_width.csv"] == told
+    # A dict that names what is no factor or no level is refused as before.
+    with pytest.raises(machband.Error, match="is no level of it"):
+        machband.analyze(ordered, **{**given, "factors": {"cond": ["all", *conds]}})
+
+
+def test_the_default_column_of_participants_is_told_once():
+    table = {"level": [1.0, 2, 3, 4] * 30, "right": [5, 7, 9, 10] * 30, "n": [10] * 120, "Participant": [*"ab"] * 60}
+    with pytest.warns(machband.DataWarning, match="participants are in the column Participant") as told:
+        found = machband.analyze(table, level="level", correct="right", total="n", guess=0.5)
+    assert len(told) == 1 and found.summary().startswith("2 participants gave 1,200 answers")
+
+
+def test_what_is_no_value_is_refused():
+    keys = {"schema": 1, "name": "sets", "stimulus": {"kind": "mach-band", "color": "gray"}}
+    for wrong in [{"factors": {"color": {"red", "gray"}}}, {"factors": {"color": frozenset(["red"])}}, {"name": b"x"}]:
+        with pytest.raises(TypeError, match="cannot be part of a definition; expected a number, text, a list or a dict"):
+            machband.Definition.from_dict({**keys, **wrong})
+    with pytest.raises(TypeError, match="bytes is not a path; expected paths"):
+        machband.analyze(b"x.csv")
+    for wrong in ["0.5", b"0.5", ["0.5"], 0.5j, [1 + 1j]]:
+        with pytest.raises(TypeError, match="expected numbers"):
+            machband.interpolate(wrong, 1)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    for wrong in [corners.astype(complex), corners.astype(str)]:
+        with pytest.raises(TypeError, match="(?s)vertices is .*; expected numbers"):
+            machband.shade(wrong, [[0, 1, 2]], size=16)
+    with pytest.raises(machband.Error, match='rating: "1,0" is not a number; expected numbers'):
+        rows = {"subject_id": [*"ab"] * 4, "width": [1, 1, 2, 2] * 2, "rating": ["1,0"] * 6 + ["2", "3"]}
+        machband.analyze(rows, factors=["width"])

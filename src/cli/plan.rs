@@ -100,7 +100,10 @@ fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
             |value: Option<f64>| Shown::new(value, value.map_or_else(String::new, |value| format!("{value:.3}")));
         let (share, interval) = found.share();
         let percent = format!("{:.1} % ({:.1}–{:.1})", 100.0 * share, 100.0 * interval.low, 100.0 * interval.high);
-        let percent = |shown: bool| if shown { Shown::new(share, percent.clone()) } else { Shown::from("") };
+        // One participant has no interval, which could exclude 0.
+        let percent = |shown: bool| {
+            if shown && found.half_width.is_some() { Shown::new(share, percent.clone()) } else { Shown::from("") }
+        };
         vec![
             Shown::new(found.participants, found.participants.to_string()),
             Shown::new(found.trials, found.trials.to_string()),

@@ -29,7 +29,7 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
     let mut line = format!(
         "{} of {} by {}, from {}",
         count(counts.total(), "rating"),
-        count(counts.conditions.len() as u64, "condition"),
+        count(counts.complete_conditions(), "condition"),
         count(counts.subjects.len() as u64, "participant"),
         count(source.files.len() as u64, "file")
     );

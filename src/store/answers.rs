@@ -19,7 +19,7 @@ pub struct AnswerColumns {
     pub correct: String,
     /// The number of trials; without it, each row is one trial.
     pub total: Option<String>,
-    /// The participant; without it, all rows are those of one.
+    /// The participant [default: as in a table of ratings]; without such a column, all rows are those of one.
     pub subject: Option<String>,
     /// The factors.
     pub factors: Vec<String>,
@@ -49,6 +49,8 @@ pub struct AnswersRead {
     pub rows: Vec<AnswerRow>,
     /// Number of rows without a level or an answer, which are left out.
     pub missing: usize,
+    /// Which column has the participants, if that is not plain.
+    pub note: Option<FileError>,
 }
 
 /// Maximum number of rows.
@@ -78,7 +80,7 @@ pub fn read(path: &Path, columns: &AnswerColumns) -> Result<AnswersRead, StoreEr
         rows.len() <= MAX_ROWS
     });
     outcome.map_err(|error| StoreError::io(path, "read", error))?;
-    finish(rows, errors.finish(&name, &header.names), &name)
+    finish(rows, errors.finish(&name, &header.names), &name, places.note)
 }
 
 /// Takes the rows of a table in memory; `name` stands for it in messages.
@@ -101,10 +103,15 @@ pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Resul
             }
         }
     }
-    finish(rows, errors.finish(name, &header.names), name)
+    finish(rows, errors.finish(name, &header.names), name, places.note)
 }
 
-fn finish(rows: Vec<Option<AnswerRow>>, errors: Vec<FileError>, name: &str) -> Result<AnswersRead, StoreError> {
+fn finish(
+    rows: Vec<Option<AnswerRow>>,
+    errors: Vec<FileError>,
+    name: &str,
+    note: Option<FileError>,
+) -> Result<AnswersRead, StoreError> {
     FileErrors::none(errors)?;
     let all = rows.len();
     let rows: Vec<AnswerRow> = rows.into_iter().flatten().collect();
@@ -112,7 +119,7 @@ fn finish(rows: Vec<Option<AnswerRow>>, errors: Vec<FileError>, name: &str) -> R
         let message = format!("has {} rows; expected 1 to {MAX_ROWS}", rows.len());
         return Err(FileErrors::whole(name, message).into());
     }
-    Ok(AnswersRead { missing: all - rows.len(), rows })
+    Ok(AnswersRead { missing: all - rows.len(), rows, note })
 }
 
 /// Where the columns are.
@@ -123,6 +130,7 @@ struct Places {
     subject: Option<usize>,
     factors: Vec<usize>,
     simulated: Option<usize>,
+    note: Option<FileError>,
 }
 
 impl Places {
@@ -138,21 +146,24 @@ impl Places {
                 FileErrors::whole(name, message)
             })
         };
+        let subject = columns.subject.clone().or_else(|| header.subject().map(str::to_owned));
         let given = [&columns.level, &columns.correct];
-        let all = given.into_iter().chain(&columns.total).chain(&columns.subject).chain(&columns.factors);
+        let all = given.into_iter().chain(&columns.total).chain(&subject).chain(&columns.factors);
         let mut names: Vec<&String> = all.collect();
         names.sort();
         if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
             let message = format!("the column {} has two uses; expected one for each column", twice[0]);
             return Err(FileErrors::whole(name, message));
         }
+        let subject = subject.as_ref().map(place).transpose()?;
         Ok(Self {
             level: place(&columns.level)?,
             correct: place(&columns.correct)?,
             total: columns.total.as_ref().map(place).transpose()?,
-            subject: columns.subject.as_ref().map(place).transpose()?,
+            subject,
             factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
             simulated: header.position(SIMULATED),
+            note: subject.filter(|_| columns.subject.is_none()).and_then(|index| header.note_of_subject(name, index)),
         })
     }
 

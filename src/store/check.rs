@@ -161,12 +161,8 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
 fn check_session(path: &Path) -> Result<String, StoreError> {
     let session = Recorded::open(path)?;
     let mut errors = [session.row_errors.clone(), session.changed.clone()].concat();
-    if let Some((line, text)) = session.incomplete_line() {
-        errors.push(FileError::at(
-            path,
-            (line, 1),
-            format!("the line is incomplete, {text:?}; expected complete rows"),
-        ));
+    if let Some((line, what)) = session.incomplete_line() {
+        errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
     }
     FileErrors::none(errors)?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);

@@ -1,6 +1,11 @@
 //! The analysis of ratings.
 
-use std::{collections::HashSet, fmt, path::Path, str::FromStr};
+use std::{
+    collections::{BTreeSet, HashSet},
+    fmt,
+    path::Path,
+    str::FromStr,
+};
 
 use serde::Serialize;
 
@@ -170,11 +175,12 @@ impl Analyze {
         if counts.is_ordered(study.source.shape.categories.as_deref()) {
             return Ok(study);
         }
-        let words = counts.categories.iter().filter(|category| number_of(category).is_none());
+        let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
         let message = format!(
-            "{}: {} are not numbers; expected numbers, or the order of all categories, lowest first",
+            "{}: {} {}; expected numbers, or the order of all categories, lowest first",
             study.source.shape.response,
-            list(words.take(12))
+            list(words.iter().take(12)),
+            if words.len() == 1 { "is not a number" } else { "are not numbers" }
         );
         // Not an order of these words, which somebody would copy.
         Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
@@ -219,8 +225,8 @@ impl Analyze {
     ) -> anyhow::Result<TaskStudy> {
         let other = changed(self).into_iter().find(|(field, _)| !OF_LEVELS.contains(&field.as_str()));
         if let Some((option, _)) = other {
-            let message = "does not apply to answers at levels; expected only --subject, --factors, --exclude, --seed and the \
-                           options of answers, such as --guess";
+            let message = "does not apply to answers at levels; expected only --subject, --factors, --levels, --exclude, --seed \
+                           and the options of answers, such as --guess";
             return Err(RequestError::new(&option, message).into());
         }
         let given = self.levels.clone();
@@ -232,11 +238,13 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let AnswersRead { mut rows, missing } = read(&columns)?;
+        let AnswersRead { mut rows, missing, note } = read(&columns)?;
         let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
-        if let Some(unknown) = exclude.iter().find(|id| !rows.iter().any(|row| row.subject == **id)) {
-            return Err(RequestError::value("exclude", format!("{unknown}: no row has this participant")).into());
+        let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
+        if let Some(unknown) = exclude.iter().find(|id| !people.contains(id.as_str())) {
+            let expected = expected_one_of(unknown, &Vec::from_iter(people));
+            return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
         }
         rows.retain(|row| !exclude.contains(&row.subject));
         let common = Common {
@@ -265,13 +273,14 @@ impl Analyze {
             return Err(RequestError::value("levels", message).into());
         }
         let order = |factor: String| {
-            let known = self.ratings.levels.iter().find(|one| one.factor == factor);
+            let known = self.ratings.levels.iter().chain(&self.ratings.orders).find(|one| one.factor == factor);
             let levels = known.map_or_else(Vec::new, |one| one.levels.clone());
             (factor, levels)
         };
         let factors = factors.into_iter().map(order).collect();
         let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
+        study.warnings.extend(note);
         if missing > 0 {
             let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
             let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");

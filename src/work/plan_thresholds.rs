@@ -127,7 +127,7 @@ impl Plan {
             }
             Protocol::new(definition).map_err(|errors| {
                 let message = errors.into_iter().next().map_or_else(String::new, |error| error.message);
-                RequestError::value("trials", message)
+                RequestError::value("trials", message.strip_prefix("trials ").unwrap_or(&message))
             })
         };
         in_order(&self.trials).into_iter().map(with).collect()
@@ -246,7 +246,9 @@ impl PlannedThresholds {
             Quantity::Difference { truth, .. } => Some(truth),
             _ => None,
         };
-        let share = truth.map(|truth| (found.share(), truth != 0.0));
+        // One participant has no interval, which could exclude 0.
+        let tested = truth.filter(|_| found.half_width.is_some());
+        let share = tested.map(|truth| (found.share(), truth != 0.0));
         let observer = &self.observer;
         vec![
             self.protocol.name.as_str().into(),
@@ -255,7 +257,7 @@ impl PlannedThresholds {
             self.name(&found.quantity).as_str().into(),
             truth.into(),
             found.studies.into(),
-            truth.map(|_| found.found as f64).into(),
+            tested.map(|_| found.found as f64).into(),
             found.missing.into(),
             share.filter(|(_, is_true)| *is_true).map(|((share, _), _)| share).into(),
             share.filter(|(_, is_true)| !*is_true).map(|((share, _), _)| share).into(),

@@ -18,7 +18,7 @@ use crate::{
     report::{
         document::numbers::{count, list},
         names,
-        tasks::{MODEL_OVER_PEOPLE, method, model_of_a_person, task},
+        tasks::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, method, model_of_a_person, task},
     },
 };
 
@@ -302,6 +302,7 @@ impl PlannedThresholds {
             let number =
                 |what: &str, value: Option<f64>| value.map_or_else(String::new, |value| format!(", {what} {value:.3}"));
             let share = match one.quantity {
+                _ if one.half_width.is_none() => String::new(),
                 Quantity::Difference { truth, .. } if truth != 0.0 => format!(", power {:.0} %", 100.0 * one.share().0),
                 Quantity::Difference { .. } => format!(", false alarms {:.0} %", 100.0 * one.share().0),
                 Quantity::Person | Quantity::Mean => String::new(),
@@ -329,7 +330,7 @@ impl PlannedThresholds {
     fn analysis(&self) -> String {
         let model = Model::of(&self.protocol).map_or_else(String::new, |model| model_of_a_person(&model));
         format!(
-            "{model}\n\n{MODEL_OVER_PEOPLE}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
+            "{model}\n\n{MODEL_OVER_PEOPLE} {MODEL_OF_DIFFERENCES}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
              comparisons are not corrected for their number. Everything else is exploratory and will be called so."
         )
     }

@@ -53,6 +53,10 @@ pub struct Ratings {
     /// factors can be given [default: numbers in ascending order, other levels in natural order].
     #[arg(long, value_name = "FACTOR=LEVEL,…")]
     pub levels: Vec<Only>,
+    /// The orders that columns of a table in memory have by themselves; those of columns that are no factors say nothing.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub orders: Vec<Only>,
     /// Factors that are directions, which are circular [default: stimulus parameters that are directions].
     #[arg(long, value_name = "COL,…")]
     pub direction: Option<List>,
@@ -192,6 +196,7 @@ impl Ratings {
             also,
             roles,
             levels: pairs(&self.levels),
+            orders: pairs(&self.orders),
             direction: self.direction.clone().unwrap_or_default().0,
             exclude,
             only,

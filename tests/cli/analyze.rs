@@ -493,7 +493,8 @@ fn the_script_quotes_any_name() {
         ["analyze", "odd.csv", "--out", "a", "--subject", "who is it", "--response", "answer", "--tables-only"];
     let categories = ["--categories", r#"low,"medium, mostly",high"#, "--draws", "99"];
     let terms = ["--terms", r#"odd "name",num:time-ms,=group"#];
-    succeeds(folder.path(), &[&arguments[..], &categories, &terms].concat());
+    // Missing levels are a warning.
+    assert!(machband(folder.path(), &[&arguments[..], &categories, &terms].concat()).status.success());
     let out = folder.path().join("a");
     let script = fs::read_to_string(out.join("analysis.R")).unwrap();
     assert!(script.is_ascii() && script.contains(r#"levels = c("a\"b", "c\\d", "it's", "#), "{script}");
@@ -533,7 +534,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is far from the other values"),
         ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
         ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
-        ("words.csv", &["--terms", "count"], 2, "y: oops are not numbers"),
+        ("words.csv", &["--terms", "count"], 2, "y: oops is not a number"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
         ("usual.csv", &["--terms", "count,num:count"], 2, "--terms count is both a factor and a number"),
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
@@ -591,4 +592,206 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
         "error: d.csv: 6 of 240 rows cannot be read, so nothing is concluded from the others; expected at most 2";
     assert!(error.contains("d.csv:9:6: rating -99; expected one of 0, 1, 2, 3") && error.contains(expected), "{error}");
     assert!(!folder.path().join("x").exists());
+}
+
+/// Analyzes a table of answers; returns what is printed to stdout and to stderr.
+fn answers(folder: &Path, rows: &str, options: &str) -> [String; 2] {
+    fs::write(folder.join("answers.csv"), rows).unwrap();
+    let line = format!("analyze answers.csv --level level --correct right --total n --out a --force {options}");
+    let output = machband(folder, &split(&line));
+    assert!(output.status.success(), "{options}: {}", text(&output.stderr));
+    [text(&output.stdout), text(&output.stderr)]
+}
+
+/// Answers to eight levels by each of these people at each of these conditions, with this threshold.
+fn of_people(conditions: &[(&str, std::ops::Range<usize>)], threshold: f64, step: f64) -> String {
+    let right = [10, 11, 12, 14, 17, 19, 20, 20];
+    let row = |condition: &str, person: usize| -> String {
+        let level = |i: usize| threshold + step * (i as f64 - 3.5 + 0.3 * person as f64);
+        (0..8).map(|i| format!("p{person},{condition},{},{},20\n", level(i), right[i])).collect()
+    };
+    let rows = conditions.iter().flat_map(|(condition, people)| people.clone().map(|person| row(condition, person)));
+    "who,cond,level,right,n\n".to_owned() + &rows.collect::<String>()
+}
+
+/// Without `--subject`, answers have the participants that ratings would have.
+#[test]
+fn answers_are_of_the_participants_in_the_usual_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = of_people(&[("c", 0..3)], 0.0, 1.0);
+    let run = |name: &str| answers(folder.path(), &rows.replace("who", name), "--guess 0.5");
+    let [printed, warnings] = run("subject_id");
+    assert!(printed.starts_with("3 participants gave 480 answers.") && warnings.is_empty(), "{printed}{warnings}");
+    let [printed, warnings] = run("Participant");
+    assert!(printed.starts_with("3 participants gave 480 answers."), "{printed}");
+    let expected =
+        "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that is named";
+    assert_eq!(warnings, format!("warning: {expected}\n"));
+    assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
+}
+
+/// Functions that fall where they should rise have no threshold anywhere, and no part in a mean.
+#[test]
+fn reversed_functions_have_no_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let says =
+        "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out";
+    let [printed, _] = answers(folder.path(), "level,right,n\n1,19,20\n2,14,20\n3,9,20\n", "--guess 0.1");
+    assert!(printed.contains(says) && !printed.contains("threshold"), "{printed}");
+    let rows = of_people(&[("c", 0..4)], 0.0, 1.0);
+    let reversed = |line: &str| match line.strip_prefix("p3,c,") {
+        Some(rest) => format!("p3,c,{}\n", rest.strip_prefix('-').map_or(format!("-{rest}"), str::to_owned)),
+        None => format!("{line}\n"),
+    };
+    let rows: String = rows.lines().map(reversed).collect();
+    let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
+    assert!(printed.contains(&format!("{says} (")) && printed.contains(": p3."), "{printed}");
+    assert_eq!(table(&folder.path().join("a/population.csv")).1[0][0], "3");
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    assert!(!report.contains("below the lowest level"), "{report}");
+}
+
+/// Two conditions are compared by the people who have both, and no sentence is about a comparison that there is not.
+#[test]
+fn conditions_are_compared_by_the_people_who_have_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |conditions| {
+        let [printed, _] =
+            answers(folder.path(), &of_people(conditions, 0.0, 1.0), "--guess 0.5 --subject who --factors cond");
+        let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+        (printed, report.contains("Conditions are compared by the differences"))
+    };
+    let (printed, is_method) = run(&[("A", 0..5), ("B", 1..5)]);
+    assert!(printed.contains("difference of the thresholds at cond A and at cond B is "), "{printed}");
+    assert!(printed.contains(" over 4 participants, so ") && is_method, "{printed}");
+    let (printed, is_method) = run(&[("A", 0..3), ("B", 3..6)]);
+    assert!(printed.contains("at cond B is ") && !printed.contains("difference") && !is_method, "{printed}");
+}
+
+/// A threshold has as many digits as its interval determines, whatever the size of the levels.
+#[test]
+fn thresholds_have_the_digits_of_their_intervals() {
+    let folder = tempfile::tempdir().unwrap();
+    for (threshold, step) in [(589.0, 0.1), (3e6, 1e5), (1e-9, 1e-10)] {
+        let rows = of_people(&[("c", 0..5)], threshold, step);
+        let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
+        let [mean, low, high] = ["threshold", "threshold_low", "threshold_high"].map(|name| {
+            let (header, rows) = table(&folder.path().join("a/population.csv"));
+            rows[0][header.iter().position(|known| known == name).unwrap()].parse::<f64>().unwrap()
+        });
+        let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
+        let numbers: Vec<f64> = told
+            .replace('−', "-")
+            .replace("(95\u{a0}%", "")
+            .split(|c: char| !c.is_ascii_digit() && !".e-".contains(c))
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        for (told, exact) in numbers.iter().zip([mean, low, high]) {
+            assert!((told - exact).abs() < 0.01 * (high - low), "{numbers:?} {mean} {low} {high}: {printed}");
+        }
+        assert!(numbers.len() == 3 && numbers[1] < numbers[0] && numbers[0] < numbers[2], "{printed}");
+    }
+    let apart = of_people(&[("c", 0..1), ("c", 9..10)], 0.0, 1.0);
+    answers(folder.path(), &apart, "--guess 0.5 --subject who");
+    let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+    assert!(report.contains("The interval of the mean threshold reaches beyond the levels that could be shown"));
+}
+
+/// Ratings without a level are told, and are no condition.
+#[test]
+fn ratings_without_a_level_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for (levels, expected, conditions) in [
+        (&["c", "", "NA"][..], "160 of 240 ratings have no value of cond", "1 condition by"),
+        (&["a", "b", "c", "a", "b", ""], "40 of 240 ratings have no value of cond", "3 conditions by"),
+    ] {
+        let row = |i: usize| format!("p{},{},{}\n", i % 8, levels[i / 8 % levels.len()], (i * i / 7 + i % 5) % 4);
+        let rows: String = (0..240).map(row).collect();
+        fs::write(folder.path().join("d.csv"), format!("subject_id,cond,rating\n{rows}")).unwrap();
+        let line = "analyze d.csv --factors cond --draws 99 --tables-only --out a --force";
+        let output = machband(folder.path(), &split(line));
+        let (printed, warnings) = (text(&output.stdout), text(&output.stderr));
+        assert!(warnings.contains(&format!("warning: d.csv: {expected}; expected one in every row")), "{warnings}");
+        assert!(output.status.success() && printed.contains(&format!("240 ratings of {conditions}")), "{printed}");
+    }
+}
+
+/// A message says what is wrong and what was expected, once.
+#[test]
+fn requests_that_cannot_be_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = of_people(&[("c", 0..3)], 0.0, 1.0).replace("who", "subject_id");
+    let [printed, _] = answers(folder.path(), "level,right,n\n1,14,20\n1,16,20\n", "--guess 0.5");
+    let expected = "all: there is no threshold of level: expected trials at two or more levels.";
+    assert!(printed.contains(expected), "{printed}");
+    fs::write(folder.path().join("answers.csv"), rows).unwrap();
+    let of_answers = "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b";
+    let of_ratings = "analyze answers.csv --response right --out b";
+    let definition = "schema = 1\nname = \"const\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"gray\"\n[factors]\norientation_deg = \
+        [0, 90]\n[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"constant\"\ntrials = 10\n\
+        parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n";
+    fs::write(folder.path().join("const.toml"), definition).unwrap();
+    // One participant has no interval, and so no false alarms.
+    let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
+    assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
+    let (header, rows) = table(&folder.path().join("plan.csv"));
+    let places = ["found", "false_alarms", "ci_high"].map(|name| header.iter().position(|one| one == name).unwrap());
+    assert!(places.into_iter().all(|place| rows[2][place].is_empty()), "{rows:?}");
+    for (line, status, expected) in [
+        (
+            "plan const.toml --participants 4 --trials 12".to_owned(),
+            2,
+            "error: --trials 12 is not a multiple of the 5 levels; expected each level equally often",
+        ),
+        (format!("{of_answers} --exclude p9"), 2, "--exclude p9 is not a participant; expected one of p0, p1, p2"),
+        (format!("{of_answers} --link probit"), 2, "expected only --subject, --factors, --levels, --exclude"),
+        (
+            format!("{of_ratings} --terms num:foo"),
+            1,
+            "the column foo is missing; expected one of subject_id, cond, level",
+        ),
+        (
+            format!("{of_ratings} --factors cond --items foo"),
+            1,
+            "the column foo is missing; expected one of subject_id",
+        ),
+    ] {
+        let error = fails(folder.path(), &split(&line), status);
+        assert!(error.contains(expected), "{line}: {error}");
+    }
+}
+
+/// What is not a file cannot be read, like a file without permission, so nothing is written.
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_if_data_are_not_a_file() {
+    let folder = study("quick", 3);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    let commands = ["counts results --out counts.csv", "analyze results --draws 99 --out a"];
+    for (path, expected) in [(csv.clone(), "is not a regular file"), (csv.with_extension("json"), "is a folder")] {
+        let aside = path.with_file_name("aside");
+        fs::rename(&path, &aside).unwrap();
+        if expected == "is a folder" {
+            fs::create_dir(&path).unwrap();
+        } else {
+            assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+        }
+        for line in commands {
+            let error = fails(folder.path(), &split(line), 1);
+            assert!(error.contains(expected), "{line}: {error}");
+            assert!(!folder.path().join("counts.csv").exists() && !folder.path().join("a").exists(), "{line}");
+        }
+        if path.is_dir() { fs::remove_dir(&path) } else { fs::remove_file(&path) }.unwrap();
+        fs::rename(&aside, &path).unwrap();
+    }
+    let error = fails(folder.path(), &["repair", "typo.csv"], 1);
+    assert!(error.contains("typo.csv: does not exist; expected a data file, or a folder of data files"), "{error}");
+    let mut bytes = fs::read(&csv).unwrap();
+    bytes.extend([0; 64]);
+    fs::write(&csv, bytes).unwrap();
+    let error = text(&machband(folder.path(), &["verify", "results"]).stderr);
+    assert!(
+        error.contains("the line has only zero bytes; expected the complete rows of a complete session"),
+        "{error}"
+    );
 }

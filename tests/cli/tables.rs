@@ -10,7 +10,7 @@ use machband::{
 use proptest::prelude::*;
 use serde_json::{Map, Value};
 
-use crate::common::succeeds;
+use crate::common::{machband, succeeds, text};
 
 /// Reads a CSV file as one object per row, in which every value is the text of the cell.
 fn rows(csv: &[u8]) -> Vec<Vec<(String, String)>> {
@@ -81,10 +81,11 @@ fn levels_keep_their_text() {
     let folder = tempfile::tempdir().unwrap();
     let levels = ["inf", "007", "nan", "\"a, \"\"b\"\"\"", "-1", "=2", ""];
     let rows = (0..8 * levels.len()).map(|i| format!("0{},{},{}\n", i % 8, levels[i / 8], (i * i / 3) % 4));
-    let text = "subject_id,level,rating\n".to_owned() + &rows.collect::<String>();
-    fs::write(folder.path().join("levels.csv"), text).unwrap();
+    let table = "subject_id,level,rating\n".to_owned() + &rows.collect::<String>();
+    fs::write(folder.path().join("levels.csv"), table).unwrap();
     let analyze = ["analyze", "levels.csv", "--factors", "level", "--out", "a", "--tables-only", "--draws", "99"];
-    succeeds(folder.path(), &analyze);
+    let warnings = text(&machband(folder.path(), &analyze).stderr);
+    assert_eq!(warnings, "warning: levels.csv: 16 of 56 ratings have no value of level; expected one in every row\n");
     let column = |file: &str, name: &str| -> BTreeSet<String> {
         let rows = self::rows(&fs::read(folder.path().join("a").join(file)).unwrap());
         rows.into_iter().flatten().filter(|(column, _)| column == name).map(|(_, cell)| cell).collect()

@@ -312,7 +312,10 @@ mod layouts {
         assert_eq!(counts.factors[1].levels, ["None", "high", "low"]);
         // Rows without a rating or a participant are counted and named once.
         let said = study.source.warnings.iter().map(|warning| warning.message.as_str()).collect::<Vec<_>>();
-        assert!(said.len() == 2 && said[0].starts_with("6 of 101 rows have no response ("), "{said:?}");
+        let without =
+            ["size", "mask"].map(|name| format!("1 of 94 ratings has no value of {name}; expected one in every row"));
+        assert_eq!(said[2..], without);
+        assert!(said[0].starts_with("6 of 101 rows have no response ("), "{said:?}");
         assert!(said[1].starts_with("1 of 101 rows has no participant ("), "{said:?}");
         assert_eq!((study.source.left_out(Reason::NoResponse), counts.total()), ((6, 1), 94));
         // Among words, only words that never name a category are missing.
@@ -585,8 +588,32 @@ mod elsewhere {
         let of = format!("<Relationship Id=\"r\" Type=\"{OFFICE}/officeDocument\" Target=\"xl/workbook.xml\"/>");
         add("_rels/.rels", format!("<Relationships {relations}>{of}</Relationships>"));
         add("xl/_rels/workbook.xml.rels", format!("<Relationships {relations}>{links}</Relationships>"));
+        let styles = [0, 14, 22, 46, 21].map(|format| format!("<xf numFmtId=\"{format}\"/>")).concat();
+        add("xl/styles.xml", format!("<styleSheet {MAIN}><cellXfs count=\"5\">{styles}</cellXfs></styleSheet>"));
         add("xl/workbook.xml", format!("<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets>{names}</sheets></workbook>"));
         packed.finish().unwrap().into_inner()
+    }
+
+    /// Dates and times of a workbook are texts as in ISO 8601 and no numbers of days; what is no date of Excel's is a number.
+    #[test]
+    fn dates_of_workbooks_are_dates() {
+        let folder = tempfile::tempdir().unwrap();
+        let dates = [("45296", 1), ("45296.520833333336", 2), ("45296", 2), ("1.5416782407407408", 3), ("0.25", 4)];
+        let cells = dates.into_iter().chain([("7.5", 0), ("-3", 1)]).enumerate();
+        let row = |(i, (days, style)): (usize, (&str, usize))| {
+            let row = i + 2;
+            format!(
+                "<row r=\"{row}\"><c r=\"A{row}\"><v>{i}</v></c><c r=\"B{row}\" s=\"{style}\"><v>{days}</v></c>\
+                 <c r=\"C{row}\"><v>1</v></c></row>"
+            )
+        };
+        let head =
+            ["subject", "day", "y"].map(|name| format!("<c t=\"inlineStr\"><is><t>{name}</t></is></c>")).concat();
+        let sheet = format!("<row r=\"1\">{head}</row>{}", cells.map(row).collect::<String>());
+        let read = study(&file(&folder, "t.xlsx", workbook(&[("One", &sheet)])), "y", "day", ReadOptions::default());
+        let mut levels = read.measured.counts.factors[0].levels.clone();
+        levels.sort_unstable();
+        assert_eq!(levels, ["-3", "06:00:00", "2024-01-05", "2024-01-05T12:30:00", "37:00:01", "7.5"]);
     }
 
     /// The same table as text, packed, and as a workbook; what unpacks to too much is refused.

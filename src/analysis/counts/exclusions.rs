@@ -54,6 +54,11 @@ pub enum ExclusionError {
 }
 
 impl Counts {
+    /// Returns the number of conditions in which every factor has a value.
+    pub fn complete_conditions(&self) -> u64 {
+        self.conditions.iter().filter(|levels| levels.iter().all(Option::is_some)).count() as u64
+    }
+
     /// Returns the levels of a factor, and `NA` if it has missing values.
     pub fn selectable_levels(&self, factor: usize) -> Vec<String> {
         let is_missing = self.conditions.iter().any(|levels| levels[factor].is_none());

@@ -242,7 +242,11 @@ fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> 
 #[serde(tag = "note", rename_all = "snake_case")]
 pub enum Note {
     /// Some ratings have no value for a factor that the model needs.
-    #[error("{ratings} ratings without a value of {factor} are excluded")]
+    #[error(
+        "{ratings} {} without a value of {factor} {} excluded",
+        if *.ratings == 1 { "rating" } else { "ratings" },
+        if *.ratings == 1 { "is" } else { "are" }
+    )]
     MissingValues {
         factor: String,
         /// Number of excluded ratings.

@@ -25,6 +25,22 @@ pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> Shown {
     Shown::new(number, if is_negative { format!("−{text}") } else { text })
 }
 
+/// Formats a number of this size with three digits from the first one of `step`; in scientific notation below 1e−4 and from
+/// 1e6 on.
+pub fn significant(number: f64, size: f64, step: f64) -> Shown {
+    let place = |number: f64| number.log10().floor();
+    if size == 0.0 || !number.is_finite() {
+        return fixed(number, 0);
+    }
+    let decimals = |first: f64| (2.0 - first).clamp(0.0, 15.0) as usize;
+    if (1e-4..1e6).contains(&size) {
+        return fixed(number, decimals(place(step)));
+    }
+    let power = place(size);
+    let mantissa = fixed(number / 10_f64.powf(power), decimals(place(step) - power));
+    Shown::new(number, format!("{}e{}", &*mantissa, &*fixed(power, 0)))
+}
+
 /// Formats a mean rating.
 pub fn mean(number: f64) -> Shown {
     fixed(number, 2)

@@ -139,7 +139,7 @@ pub(super) fn rated(who: &str, results: &Results, differ: &str, levels: impl Fn(
     let varied: Vec<String> =
         varied(results).map(|one| format!("{} ({})", factor(results, &one.name), levels(one))).collect();
     let by = if varied.is_empty() { String::new() } else { format!(", {differ} {}", list(&varied)) };
-    let (ratings, conditions) = (count(counts.total(), "rating"), count(counts.conditions.len() as u64, "condition"));
+    let (ratings, conditions) = (count(counts.total(), "rating"), count(counts.complete_conditions(), "condition"));
     format!("{who} gave {ratings} of {conditions}{by}.")
 }
 

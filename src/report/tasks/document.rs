@@ -22,6 +22,7 @@ use crate::{
         figures::Figure,
         study::Provenance,
     },
+    statistics::Interval,
 };
 
 /// Below this p, the answers vary more than a psychometric function allows.
@@ -47,8 +48,9 @@ pub fn document(
     Document { title: title.clone(), subtitle, sections }
 }
 
-fn level(common: &Common, value: f64) -> Shown {
-    further::scaled(common.log, value)
+/// Returns how a level is written whose interval, if any, is known.
+fn level(common: &Common, interval: Option<Interval>) -> impl Fn(f64) -> Shown {
+    further::scaled(common.log, interval)
 }
 
 fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -75,8 +77,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     let name = study.asked.factor(&common.parameter);
     let sentence = |(condition, population): &(usize, Population)| {
         let of = study.at(*condition);
-        let interval = with_interval(population.interval, |end| level(common, end));
-        format!("The mean threshold of {name}{of} is {}{interval} over participants.", level(common, population.mean))
+        let level = level(common, population.interval);
+        let interval = with_interval(population.interval, &level);
+        format!("The mean threshold of {name}{of} is {}{interval} over participants.", level(population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {
@@ -86,28 +89,34 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
-            let fit = function.fit.as_ref().ok()?;
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            let interval = with_interval(Some(fit.threshold), |end| level(common, end));
+            if let Err(error) = &function.fit {
+                return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
+            }
+            let fit = function.described()?;
+            let level = level(common, Some(fit.threshold));
+            let interval = with_interval(Some(fit.threshold), &level);
             let what = match (function.beyond, fit.determined_threshold()) {
                 (Some(place), _) => format!("was not measured: it lies {}", end(common, place)),
-                (None, Some(threshold)) => format!("is {}{interval}", level(common, threshold)),
+                (None, Some(threshold)) => format!("is {}{interval}", level(threshold)),
                 (None, None) => format!("is not determined by the answers{interval}"),
             };
             Some(format!("{who}: the threshold of {name}{of} {what}."))
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
+    misfits(&mut section, study, results);
     for ([one, two], difference) in &results.differences {
         let Some(interval) = difference.interval else { continue };
         let clear = interval.low > 0.0 || interval.high < 0.0;
         let (one, two) = (study.name(*one), study.name(*two));
-        let ratio = |value: f64| if common.log { fixed(f64::powf(10.0, value), 3) } else { fixed(value, 3) };
-        let between = format!("{} to {}", ratio(interval.low), ratio(interval.high));
+        let level = level(common, Some(interval));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
-            "The {kind} at {one} and at {two} is {} (95\u{a0}% interval {between}), {}.",
-            ratio(difference.mean),
+            "The {kind} at {one} and at {two} is {}{} over {}, {}.",
+            level(difference.mean),
+            with_interval(Some(interval), &level),
+            count(difference.people as u64, "participant"),
             if clear { "so they differ" } else { "so it is not clear that they differ" }
         ));
     }
@@ -177,13 +186,14 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
         return;
     }
     let row = |(condition, population): &(usize, Population)| {
+        let level = level(common, population.interval);
         vec![
             study.name(*condition).into(),
             whole(population.people.len() as u64),
-            level(common, population.mean),
-            range(population.interval, |end| level(common, end)),
-            fixed(population.sd, 3),
-            fixed(population.width, 3),
+            level(population.mean),
+            range(population.interval, &level),
+            further::scaled(false, None)(population.sd),
+            further::scaled(false, None)(population.width),
             unit(population.lapse),
         ]
     };
@@ -198,22 +208,22 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
 /// Adds the psychometric function of each participant.
 fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
     let row = |function: &PersonFunction| {
-        let fit = function.fit.as_ref().ok();
+        let fit = function.described();
+        let level = level(common, fit.map(|fit| fit.threshold));
+        let slope = further::scaled(false, fit.map(|fit| fit.slope_interval));
         vec![
             study.people[function.person].as_str().into(),
             study.name(function.condition).into(),
             whole(function.trials()),
             match (fit, function.beyond) {
                 (None, _) => fixed(None, 0),
-                (Some(fit), None) => {
-                    fit.determined_threshold().map_or_else(|| fixed(None, 0), |threshold| level(common, threshold))
-                }
+                (Some(fit), None) => fit.determined_threshold().map_or_else(|| fixed(None, 0), &level),
                 (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
                 (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
             },
-            range(fit.map(|fit| fit.threshold), |end| level(common, end)),
-            fixed(fit.and_then(Fit::determined_slope), 2),
-            range(fit.map(|fit| fit.slope_interval), |end| fixed(end, 2)),
+            range(fit.map(|fit| fit.threshold), &level),
+            fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), &slope),
+            range(fit.map(|fit| fit.slope_interval), &slope),
             unit(fit.map(|fit| fit.estimate.guess)),
             unit(fit.map(|fit| fit.estimate.lapse)),
             probability(function.goodness.map(|goodness| goodness.p)),
@@ -238,12 +248,35 @@ fn of(study: &TaskStudy, function: &PersonFunction) -> String {
     format!("{}{}", study.people[function.person], study.at(function.condition))
 }
 
+/// Names the functions that are `wanted`.
+fn told(study: &TaskStudy, results: &TaskResults, wanted: &dyn Fn(&PersonFunction) -> bool) -> Vec<String> {
+    results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
+}
+
+/// Says which functions mean nothing, and why.
+fn misfits(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+    for (misfit, what) in [
+        (
+            Misfit::Reversed,
+            "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
+             \"low\" in a definition, or --easier low, says that low levels are easier)",
+        ),
+        (
+            Misfit::BelowGuessing,
+            "Fewer answers are correct than by guessing, so these functions mean nothing and are left out",
+        ),
+    ] {
+        let odd = told(study, results, &|function| function.misfit == Some(misfit));
+        if !odd.is_empty() {
+            section.warning(format!("{what}: {}.", short_list(&odd, 12)));
+        }
+    }
+}
+
 /// Says what the answers do not determine, and which functions do not follow them.
 fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    let told = |wanted: &dyn Fn(&PersonFunction) -> bool| -> Vec<String> {
-        results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
-    };
-    let beyond = told(&|function| function.fit.as_ref().is_ok_and(|fit| fit.is_extrapolated));
+    let told = |wanted: &dyn Fn(&PersonFunction) -> bool| told(study, results, wanted);
+    let beyond = told(&|function| function.described().is_some_and(|fit| fit.is_extrapolated));
     if !beyond.is_empty() {
         section.warning(format!(
             "The interval of a threshold reaches beyond the levels that could be shown, where only the prior limits it: {}.",
@@ -251,9 +284,17 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         ));
     }
     for (condition, population) in &results.populations {
-        let own =
-            results.functions.iter().filter(|function| function.condition == *condition && function.beyond.is_some());
-        let count = own.count();
+        let [low, high] = population.range;
+        if population.interval.is_some_and(|mean| mean.low < low || mean.high > high) {
+            section.warning(format!(
+                "The interval of the mean threshold{} reaches beyond the levels that could be shown, where no answers limit it.",
+                study.at(*condition)
+            ));
+        }
+        let is_beyond = |function: &&PersonFunction| {
+            function.condition == *condition && function.described().is_some() && function.beyond.is_some()
+        };
+        let count = results.functions.iter().filter(is_beyond).count();
         if count > 0 {
             section.warning(format!(
                 "The thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
@@ -265,25 +306,12 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     }
     let undetermined = |function: &PersonFunction| {
         let is_missing = |fit: &Fit| fit.determined_threshold().is_none() || fit.determined_slope().is_none();
-        function.beyond.is_none() && function.fit.as_ref().is_ok_and(is_missing)
+        function.beyond.is_none() && function.described().is_some_and(is_missing)
     };
     if results.functions.iter().any(undetermined) {
         section.note(
             "A threshold or slope is left out if its most probable value lies outside its interval: the answers do not determine it.",
         );
-    }
-    for (misfit, what) in [
-        (
-            Misfit::Reversed,
-            "The answers say that the other end of the levels is easier, so these functions mean nothing (easier = \"low\" in a \
-             definition, or --easier low, says that low levels are easier)",
-        ),
-        (Misfit::BelowGuessing, "Fewer answers are correct than by guessing, so these functions mean nothing"),
-    ] {
-        let odd = told(&|function| function.misfit == Some(misfit));
-        if !odd.is_empty() {
-            section.warning(format!("{what}: {}.", short_list(&odd, 12)));
-        }
     }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
     let expected = POOR_FIT * results.functions.len() as f64;
@@ -327,14 +355,20 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if !results.populations.is_empty() {
         section.text(MODEL_OVER_PEOPLE);
     }
+    if !results.differences.is_empty() {
+        section.text(MODEL_OF_DIFFERENCES);
+    }
     section
 }
 
 /// How the answers of all people are modeled.
 pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
-     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13). Conditions are compared by the \
-     differences between the contributions of the same participants.";
+     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13).";
+
+/// How the thresholds of two conditions are compared.
+pub const MODEL_OF_DIFFERENCES: &str =
+    "Conditions are compared by the differences between the contributions of the participants who have both.";
 
 /// Says how the answers of one person in one condition are modeled.
 #[must_use]

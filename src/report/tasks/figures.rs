@@ -51,7 +51,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         });
         // A line of one person would not be that of the others' answers.
         let of_one = own.clone().next().filter(|_| own.clone().count() == 1);
-        let of_one = of_one.and_then(|function| function.fit.as_ref().ok()).map(|fit| fit.estimate);
+        let of_one = of_one.and_then(PersonFunction::described).map(|fit| fit.estimate);
         let parameters = of_people.or(of_one).map(|estimate| model.parameters(&estimate));
         let at = |index: usize| range[0] + (range[1] - range[0]) * index as f64 / (DRAWN - 1) as f64;
         let line =
@@ -88,7 +88,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         let own = |person: usize| {
             let mut all = results.functions.iter();
             let function = all.find(|function| function.condition == condition && function.person == person)?;
-            let fit = function.fit.as_ref().ok().filter(|_| function.beyond.is_none())?;
+            let fit = function.described().filter(|_| function.beyond.is_none())?;
             Some((fit.determined_threshold()?, Some(fit.threshold)))
         };
         let mut all: Vec<_> = (0..study.people.len()).map(own).collect();

@@ -15,25 +15,26 @@ use crate::{
     report::{
         document::{
             Section, Shown,
-            numbers::{count, fixed, range, unit, whole, with_interval},
+            numbers::{count, fixed, range, significant, unit, whole, with_interval},
         },
         figures::Figure,
     },
+    statistics::Interval,
 };
 
 /// Returns the sentences of the summary.
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let (two, guess) = (|value: f64| fixed(value, 2), unit(study.asked.guess));
-    let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), unit);
+    let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), |_| unit);
     let of_share = |(at, mean)| {
         format!("The proportion of correct answers{at} is {mean} on average over participants; guessing gives {guess}.")
     };
     let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
-    let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), two).into_iter();
+    let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), |_| two).into_iter();
     all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d′{at} is {mean} on average over participants.")));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
     if let Some(dial) = study.asked.dial.as_ref() {
-        let format = |value| scaled(dial.log, value);
+        let format = |interval| scaled(dial.log, interval);
         let (what, kind) = (set(study, dial), if dial.log { "geometric mean" } else { "mean" });
         let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
         let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean} over participants.");
@@ -43,11 +44,18 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     all
 }
 
-/// Formats a level or a setting, which is a logarithm if the method or the dial counts in ratios.
-pub(super) fn scaled(log: bool, value: f64) -> Shown {
-    let value = if log { f64::powf(10.0, value) } else { value };
-    let decimals = (2.0 - value.abs().max(1e-12).log10().floor()).clamp(0.0, 8.0) as usize;
-    fixed(value, decimals)
+/// Returns how a level or a setting is written, which is a logarithm if the method or the dial counts in ratios: with three
+/// significant digits, and more if its interval is narrow.
+pub(super) fn scaled(log: bool, interval: Option<Interval>) -> impl Fn(f64) -> Shown {
+    let of_scale = move |value: f64| if log { f64::powf(10.0, value) } else { value };
+    let width = interval.map(|interval| of_scale(interval.high) - of_scale(interval.low));
+    let width = width.filter(|width| *width > 0.0).unwrap_or(f64::INFINITY);
+    move |value| {
+        let value = of_scale(value);
+        // On a linear scale, a value near 0 is as large as its error.
+        let size = value.abs().max(if log || width.is_infinite() { 0.0 } else { width / 10.0 });
+        significant(value, size, width.min(size))
+    }
 }
 
 /// Averages one value of each person; `None` if there are none. No value can be outside `ends`, if there are any.
@@ -56,16 +64,17 @@ pub(super) fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean
 }
 
 /// Returns ` at CONDITION` and the mean over people of one value of each, with its interval.
-fn means<T>(
+fn means<T, F: Fn(f64) -> Shown>(
     study: &TaskStudy,
     all: &[OfPerson<T>],
     ends: Option<[f64; 2]>,
     value: impl Fn(&T) -> Option<f64>,
-    format: impl Fn(f64) -> Shown,
+    format: impl Fn(Option<Interval>) -> F,
 ) -> Vec<(String, String)> {
     let of_condition = |condition: usize| {
         let own = all.iter().filter(|own| own.condition == condition);
         let found = over_people(&own.filter_map(|own| value(&own.found)).collect::<Vec<_>>(), ends)?;
+        let format = format(found.interval);
         let mean = format!("{}{}", format(found.mean), with_interval(found.interval, &format));
         Some((study.at(condition), mean))
     };
@@ -256,7 +265,7 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
     let row = |own: &OfPerson<Settings>| {
         let Settings { n, mean, sd, direction } = own.found;
         let start = has_start.then(|| fixed(direction, 3));
-        let numbers = [whole(n as u64), scaled(dial.log, mean), fixed(sd, 3)];
+        let numbers = [whole(n as u64), scaled(dial.log, None)(mean), fixed(sd, 3)];
         begun(study, own).into_iter().chain(numbers).chain(start).collect()
     };
     let numbers = [heading, "Mean", "SD", "Effect of the start"];

@@ -10,7 +10,7 @@ mod tables;
 
 pub use asked::{Asked, Levels};
 pub(crate) use asked::{method, task};
-pub use document::{MODEL_OVER_PEOPLE, document, model_of_a_person};
+pub use document::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, document, model_of_a_person};
 pub use figures::figures;
 pub use results::{Beyond, Comparisons, Misfit, OfPerson, PersonFunction, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};

@@ -38,7 +38,7 @@ pub struct TaskResults {
     pub beyond: Vec<(usize, Beyond)>,
     /// The conditions of which there is no mean over people, and why.
     pub without_mean: Vec<(usize, FitError)>,
-    /// Differences between the thresholds of two conditions that the same people saw.
+    /// Differences between the thresholds of two conditions, of the people who have both.
     pub differences: Vec<([usize; 2], Mean)>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
@@ -93,6 +93,12 @@ impl PersonFunction {
     /// Returns the answers to targets.
     pub fn targets(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|point| point.is_target())
+    }
+
+    /// Returns the fitted function, if a function of the assumed kind describes the answers.
+    #[must_use]
+    pub fn described(&self) -> Option<&Fit> {
+        self.fit.as_ref().ok().filter(|_| self.misfit.is_none())
     }
 
     /// Returns the number of trials with a target.
@@ -308,7 +314,12 @@ fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec
     points.into_par_iter().enumerate().map(function).collect()
 }
 
-/// Fits the people of each condition that several people saw.
+/// Returns the functions in a condition that mean something.
+fn sound(functions: &[PersonFunction], condition: usize) -> impl Iterator<Item = &PersonFunction> {
+    functions.iter().filter(move |function| function.condition == condition && function.misfit.is_none())
+}
+
+/// Fits the people of each condition in which several have a function that means something.
 fn populations(
     study: &TaskStudy,
     functions: &[PersonFunction],
@@ -316,8 +327,7 @@ fn populations(
 ) -> Vec<(usize, Result<Population, FitError>)> {
     let conditions = 0..study.asked.conditions.len();
     let fit = |condition: usize| {
-        let of_people = functions.iter().filter(|function| function.condition == condition);
-        let people: Vec<Vec<Point>> = of_people.map(|function| function.points.clone()).collect();
+        let people: Vec<Vec<Point>> = sound(functions, condition).map(|function| function.points.clone()).collect();
         (people.len() > 1).then(|| (condition, population::fit(&people, model)))
     };
     conditions.into_par_iter().filter_map(fit).collect()
@@ -346,22 +356,23 @@ fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
 /// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do, with the last
 /// level of the first of them.
 fn majority(functions: &[PersonFunction], condition: usize) -> Option<Beyond> {
-    let own = || functions.iter().filter(|function| function.condition == condition);
+    let own = || sound(functions, condition);
     let below = |place: &Beyond| matches!(place, Beyond::Below(_));
     let on = |side: bool| own().filter_map(|function| function.beyond).filter(move |place| below(place) == side);
     [true, false].into_iter().find_map(|side| on(side).next().filter(|_| 2 * on(side).count() >= own().count()))
 }
 
-/// Compares the conditions whose people are the same.
+/// Compares two conditions by the people who have both, if there are several.
 fn differences(populations: &[(usize, Population)], functions: &[PersonFunction]) -> Vec<([usize; 2], Mean)> {
-    let of = |condition: usize| -> Vec<usize> {
-        functions.iter().filter(|function| function.condition == condition).map(|function| function.person).collect()
+    let own = |(condition, population): &(usize, Population)| -> (usize, BTreeMap<usize, f64>) {
+        let people = sound(functions, *condition).zip(&population.people);
+        (*condition, people.map(|(function, person)| (function.person, person.contribution)).collect())
     };
-    let pairs =
-        populations.iter().enumerate().flat_map(|(i, one)| populations[i + 1..].iter().map(move |two| (one, two)));
-    let compared = pairs.filter(|(one, two)| of(one.0) == of(two.0)).map(|((one, first), (two, second))| {
-        let values = first.people.iter().zip(&second.people).map(|(a, b)| (a.contribution, b.contribution));
-        ([*one, *two], Mean::of_differences(&values.collect::<Vec<_>>()))
+    let all: Vec<_> = populations.iter().map(own).collect();
+    let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
+    let compared = pairs.map(|((one, first), (two, second))| {
+        let both = first.iter().filter_map(|(person, value)| Some((*value, *second.get(person)?)));
+        ([*one, *two], Mean::of_differences(&both.collect::<Vec<_>>()))
     });
-    compared.collect()
+    compared.filter(|(_, difference)| difference.people > 1).collect()
 }

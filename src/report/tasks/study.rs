@@ -132,7 +132,8 @@ impl TaskStudy {
             match Recorded::open(&csv) {
                 Ok(session) if session.row_errors.is_empty() => sessions.push(session),
                 Ok(session) => errors.extend(session.row_errors),
-                Err(error) => errors.extend(error.errors(&csv)),
+                Err(StoreError::FileErrors(found)) => errors.extend(found.0),
+                Err(error) => return Err(FileErrors(error.errors(&csv))),
             }
         }
         let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };

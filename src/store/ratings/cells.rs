@@ -186,7 +186,7 @@ pub(super) fn add_rows(
     let report = |errors: &mut RowErrors, error| rows.report(errors, error, input, &selection.inputs);
     let cells = Cells::new(selection, known, input, rows);
     let (least, most) = selection.shape.time_limits;
-    let mut levels = Vec::new();
+    let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
@@ -216,6 +216,7 @@ pub(super) fn add_rows(
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
+        levels.iter().zip(&mut without_level).filter(|(level, _)| level.is_empty()).for_each(|(_, n)| *n += count);
         Ok(Ok(count))
     };
     let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
@@ -250,5 +251,5 @@ pub(super) fn add_rows(
         *place += 1;
     }
     rows.errors = errors;
-    read
+    FileRead { without_level, ..read }
 }

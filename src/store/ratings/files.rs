@@ -16,7 +16,7 @@ use crate::{
         dataset::{self, DATA_FILE, DESCRIPTION},
         error::io,
         frames,
-        open::open_regular,
+        open::{is_data, open_regular},
         table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
     },
     system::{entries, found, identified, is_of_another_user},
@@ -53,7 +53,7 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
         }
     }
     let mut seen = HashSet::new();
-    all.files.retain(|path| match path.canonicalize().map_err(io(path, "access")) {
+    all.files.retain(|path| match full(path) {
         Ok(full) => seen.insert(full),
         Err(error) => {
             errors.extend(error.errors(path));
@@ -61,6 +61,16 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
         }
     });
     if errors.is_empty() { Ok(all) } else { Err(FileErrors([errors, all.warnings].concat())) }
+}
+
+/// Returns the full path of a data file, if it is a file, and so is its sidecar: otherwise, they cannot be read.
+fn full(path: &Path) -> Result<PathBuf, StoreError> {
+    let sidecar = has_suffix(path, DATA_FILE).then(|| path.with_extension("json"));
+    for one in [path].into_iter().chain(sidecar.as_deref()) {
+        let metadata = found(one).map_err(io(one, "access"))?;
+        metadata.map_or(Ok(()), |metadata| is_data(&metadata)).map_err(io(one, "read"))?;
+    }
+    path.canonicalize().map_err(io(path, "access"))
 }
 
 /// Returns the names of the columns of a table, in the order of the file. A name may be empty or appear twice.
@@ -221,7 +231,12 @@ impl Listed {
                 "belongs to another user and cannot be read, so it was not examined; expected a readable folder";
             self.warnings.push(FileError::whole(folder, message));
         } else {
-            let message = format!("the folder cannot be read: {error}; expected a readable folder");
+            let message = match error.kind() {
+                std::io::ErrorKind::NotFound => {
+                    "does not exist; expected a data file, or a folder of data files".to_owned()
+                }
+                _ => format!("the folder cannot be read: {error}; expected a readable folder"),
+            };
             self.errors.push(FileError::whole(folder, message));
         }
     }
@@ -230,6 +245,12 @@ impl Listed {
 fn has_suffix(path: &Path, suffix: &str) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().to_ascii_lowercase().ends_with(suffix))
 }
+
+/// The column with the participant ID in result files.
+pub(super) const SUBJECT: &str = "subject_id";
+/// The names of this column in the tables of PsychoPy, BIDS, jsPsych and E-Prime, and OpenSesame. A name such as `id` may stand
+/// for a trial or a stimulus.
+const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
 /// Maximum number of bytes of the header row. A table with a thousand columns has about 10,000.
 const MAX_HEAD: u64 = 1 << 16;
@@ -338,6 +359,31 @@ impl Header {
     /// Returns the index of a column.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
+    }
+
+    /// Returns the column with the participants if none is named: [`SUBJECT`], or the only one with a usual name.
+    pub fn subject(&self) -> Option<&str> {
+        let mut usual = self.names.iter().filter(|name| SUBJECTS.contains(&name.to_lowercase().as_str()));
+        match (usual.next(), usual.next()) {
+            _ if self.position(SUBJECT).is_some() => Some(SUBJECT),
+            (Some(one), None) => Some(one),
+            _ => None,
+        }
+    }
+
+    /// Says that the participants are in this column of the file `name`, which was not named, unless it is [`SUBJECT`].
+    pub fn note_of_subject(&self, name: &str, index: usize) -> Option<FileError> {
+        let column = Some(&self.names[index]).filter(|column| *column != SUBJECT)?;
+        let message = format!("participants are in the column {column}; expected {SUBJECT}, or a column that is named");
+        Some(self.error(name, self.column(index), message))
+    }
+
+    /// Creates an error in the header of the file `name`.
+    pub fn error(&self, name: &str, column: usize, message: String) -> FileError {
+        if self.columns.is_some() {
+            return FileError::whole(name, message);
+        }
+        FileError::at(name, (self.line, column), message)
     }
 
     /// Returns the column, in characters from 1, where the name at an index begins.

@@ -12,7 +12,7 @@ use super::{
     cells::{AreNumbers, Known, add_rows, texts},
     files,
     rows::{MAX_ROWS, RowError, Rows, Status},
-    selection::{Definitions, Input, RecordColumns, SUBJECT, Selection},
+    selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values,
@@ -146,6 +146,7 @@ fn read_inputs<T>(
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
+    warnings.extend(without_level(&selection, &reports));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -155,11 +156,9 @@ fn read_inputs<T>(
 /// Says which column has the participants, if it was not named, and which IDs look alike.
 fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
     let Some(first) = selection.inputs.first() else { return Vec::new() };
-    let (index, mut notes) = (first.columns.subject, Vec::new());
-    let name = &first.header.names[index];
-    if options.subject.is_none() && name != SUBJECT {
-        let message = format!("participants are in the column {name}; expected {SUBJECT}, or a column that is named");
-        notes.push(first.error(first.header.column(index), message));
+    let mut notes = Vec::new();
+    if options.subject.is_none() {
+        notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
     let columns = selection.texts(&texts(tables), |columns| columns.subject);
     let alike = values::alike(columns.iter().flat_map(|column| &column.texts).map(AsRef::as_ref));
@@ -193,6 +192,19 @@ fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileE
             Some(FileError::whole(&affected.first()?.path, message))
         },
     )
+}
+
+/// Returns a warning for each factor of which some ratings have no value. A factor that nobody named may be about other rows.
+fn without_level(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> {
+    let ratings = reports.iter().map(|report| report.ratings).sum::<u64>();
+    let warning = |(factor, name): (usize, &String)| {
+        let found = reports.iter().map(|report| report.without_level[factor]).sum::<u64>();
+        let first = reports.iter().find(|report| report.without_level[factor] > 0)?;
+        let have = if found == 1 { "has" } else { "have" };
+        let message = format!("{found} of {ratings} ratings {have} no value of {name}; expected one in every row");
+        Some(FileError::whole(&first.path, message)).filter(|_| !selection.shape.guessed)
+    };
+    selection.shape.factors.iter().enumerate().filter_map(warning).collect()
 }
 
 /// Says how a file was read if it is not plain text in UTF-8.

@@ -9,7 +9,7 @@ use std::{
 use serde_json::{Map, Value};
 
 use super::{
-    files::Header,
+    files::{Header, SUBJECT},
     source::{Layout, ReadOptions, Shape},
     values,
 };
@@ -26,12 +26,6 @@ use crate::{
 const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
 /// Columns of a result file that describe the stimulus.
 const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
-
-/// The column with the participant ID in result files.
-pub(super) const SUBJECT: &str = "subject_id";
-/// The names of this column in the tables of PsychoPy, BIDS, jsPsych and E-Prime, and OpenSesame. A name such as `id` may stand
-/// for a trial or a stimulus.
-const SUBJECTS: [&str; 4] = ["participant", "participant_id", "subject", "subject_nr"];
 
 /// A file to read.
 #[derive(Debug)]
@@ -319,12 +313,8 @@ impl Input {
 
     /// Returns the name of the column with the participant ID.
     pub fn subject<'a>(&'a self, options: &'a ReadOptions) -> &'a str {
-        let mut usual = self.header.names.iter().filter(|name| SUBJECTS.contains(&name.to_lowercase().as_str()));
-        match (&options.subject, usual.next(), usual.next()) {
-            (Some(named), ..) => named,
-            (None, Some(one), None) if !self.is_results() && self.header.position(SUBJECT).is_none() => one,
-            _ => SUBJECT,
-        }
+        let usual = || self.header.subject().filter(|_| !self.is_results()).unwrap_or(SUBJECT);
+        options.subject.as_deref().unwrap_or_else(usual)
     }
 
     fn is_results(&self) -> bool {
@@ -338,10 +328,7 @@ impl Input {
 
     /// Creates an error in the header.
     pub fn error(&self, column: usize, message: String) -> FileError {
-        if self.header.columns.is_some() {
-            return FileError::whole(&self.name, message);
-        }
-        FileError::at(&self.name, (self.header.line, column), message)
+        self.header.error(&self.name, column, message)
     }
 
     /// Returns the name of the experiment, from the definition or otherwise from the first row.
@@ -537,14 +524,14 @@ fn shape(
             stimulus.map(str::to_owned).chain(first.other_columns(options.response())).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
-        // A missing column is reported later as an error in the file.
-        (None, None, Layout::Long) => {
-            options.also.iter().filter(|name| has(name) || *name != "inv_n").cloned().collect()
-        }
+        (None, None, Layout::Long) => Vec::new(),
     };
     // `inv_n` is 1/n for the depth n; it is a term and not a column.
-    let also = options.also().map(|name| if !has(name) && name == "inv_n" { "depth" } else { name });
-    factors.extend(also.filter(|name| has(name)).map(str::to_owned));
+    // In a table from elsewhere, a missing column is reported later as an error in the file.
+    factors.extend(options.also().filter_map(|name| match name.as_str() {
+        "inv_n" if !has(name) => Some("depth".to_owned()).filter(|depth| has(depth)),
+        _ => Some(name.clone()).filter(|name| has(name) || first.layout == Layout::Long),
+    }));
     // A name may occur several times in a request such as `--terms a,b,a:b`.
     let mut known = HashSet::new();
     factors.retain(|name| known.insert(name.clone()) && Some(name) != options.wide_factor());
@@ -552,7 +539,7 @@ fn shape(
     let scale = |highest: u8| (0..=highest).map(|rating| rating.to_string()).collect();
     Shape {
         directions: directions(&factors, protocol, options),
-        levels: options.levels.clone(),
+        levels: [&options.levels[..], &options.orders].concat(),
         factors,
         subject: first.subject(options).to_owned(),
         response: options.response().to_owned(),

@@ -50,6 +50,8 @@ pub struct ReadOptions {
     pub details: bool,
     /// Factors, each with the order of its levels; those that are not named follow.
     pub levels: Vec<(String, Vec<String>)>,
+    /// Columns of a table in memory, each with the order that it has by itself, unless `levels` names it.
+    pub orders: Vec<(String, Vec<String>)>,
     /// Factors that are directions, in addition to stimulus parameters that are.
     pub direction: Vec<String>,
     /// Participants to leave out after reading.
@@ -227,6 +229,8 @@ pub struct FileRead {
     pub repeated: u64,
     /// Other rows that do not count: for each reason, their number by participant.
     pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
+    /// For each factor, the number of ratings that have no value of it.
+    pub without_level: Vec<u64>,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,

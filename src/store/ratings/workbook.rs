@@ -1,6 +1,6 @@
 //! Excel workbooks (`.xlsx`).
 
-use std::{collections::BTreeSet, io::Cursor};
+use std::{collections::BTreeSet, io::Cursor, ops::Range};
 
 use calamine::{Data, Reader as _, Xlsx};
 use zip::ZipArchive;
@@ -49,7 +49,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         if bytes.len() as u64 > MAX_UNPACKED { Err(too_large()) } else { Ok(()) }
     };
     while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
-        let ((found, column), text) = (cell.get_position(), Data::from(cell.get_value().clone()).to_string());
+        let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
         if text.is_empty() {
             continue;
         }
@@ -77,6 +77,23 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")
     });
     Ok((bytes, note))
+}
+
+/// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.
+fn text(cell: &Data) -> String {
+    const DATES: Range<f64> = 0.0..2_958_466.0;
+    let Data::DateTime(moment) = cell else { return cell.to_string() };
+    let (days, (year, month, day, hour, minute, second, milli)) = (moment.as_f64(), moment.to_ymd_hms_milli());
+    let date = format!("{year}-{month:02}-{day:02}");
+    let part = if milli == 0 { String::new() } else { format!(".{milli:03}") };
+    let time = format!("{minute:02}:{second:02}{part}");
+    match hour {
+        _ if !DATES.contains(&days) => days.to_string(),
+        _ if moment.is_duration() => format!("{}:{time}", (24.0 * days + 1e-7).floor()),
+        _ if days < 1.0 => format!("{hour:02}:{time}"),
+        0 if time == "00:00" => date,
+        _ => format!("{date}T{hour:02}:{time}"),
+    }
 }
 
 /// Checks that a workbook does not unpack to too many bytes. calamine unpacks without a limit.

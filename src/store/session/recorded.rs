@@ -126,10 +126,14 @@ impl Recorded {
         })
     }
 
-    /// Returns the number and the beginning of the incomplete line at the end of the data file, which may be the header.
-    pub(in crate::store) fn incomplete_line(&self) -> Option<(usize, &str)> {
+    /// Returns the number of the incomplete line at the end of the data file, which may be the header, and what is wrong with it.
+    pub(in crate::store) fn incomplete_line(&self) -> Option<(usize, String)> {
         let line = self.rows.len() + 1 + usize::from(self.data.contains(&b'\n'));
-        self.partial_line.as_deref().map(|text| (line, text))
+        let what = |text: &String| match text.as_str() {
+            "" => "the line has only zero bytes".to_owned(),
+            text => format!("the line is incomplete, {text:?}"),
+        };
+        self.partial_line.as_ref().map(|text| (line, what(text)))
     }
 
     /// Returns the part that all file names of the session share.

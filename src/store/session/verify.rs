@@ -162,8 +162,8 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         found.errors.push(FileError::whole(&recorded.csv, message));
     }
     match recorded.incomplete_line() {
-        Some((line, text)) if is_complete => {
-            let message = format!("the line is incomplete, {text:?}; expected the complete rows of a complete session");
+        Some((line, what)) if is_complete => {
+            let message = format!("{what}; expected the complete rows of a complete session");
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
         Some((line, _)) => found.notes.push(format!(
