@@ -130,9 +130,9 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         ));
     }
     let possible: usize = counts.factors.iter().map(|factor| factor.levels.len()).product();
-    let found = counts.conditions.len();
+    let found = counts.complete_conditions();
     if let Some((least, most)) = least_and_most(results.cells.iter()) {
-        let of = if found < possible {
+        let of = if found < possible as u64 {
             format!(" out of {} possible combinations of these levels", whole(possible as u64))
         } else {
             String::new()
@@ -142,7 +142,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         } else {
             format!("they have {} to {} ratings each", whole(least), whole(most))
         };
-        section.text(format!("There are ratings for {}{of}; {each}.", count(found as u64, "condition")));
+        section.text(format!("There are ratings for {}{of}; {each}.", count(found, "condition")));
     }
     if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
         && least < most

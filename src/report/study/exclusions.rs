@@ -31,10 +31,11 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                 ));
             }
             Excluded::Missing { factor, ratings, participants } => sentences.push(format!(
-                "{} by {} without a value of {} were left out, because the model needs it.",
+                "{} by {} without a value of {} {} left out, because the model needs it.",
                 count(*ratings, "rating"),
                 count(*participants, "participant"),
-                names::factor(results, factor)
+                names::factor(results, factor),
+                if *ratings == 1 { "was" } else { "were" }
             )),
         }
     }
