@@ -156,6 +156,40 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     window.get_by_label("Label of right end");
 }
 
+/// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
+/// stimulus comes back as it was.
+#[test]
+fn texts_leave_with_their_task() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(format!("{name}.toml"));
+    for (name, change) in [("places", ["Shown as", "places"]), ("four", ["", ""]), ("paired", ["", "Pair"])] {
+        let mut window = duplicate("threshold-width");
+        match change {
+            ["", ""] => type_into(&mut window, "Alternatives", "4"),
+            ["", task] => click(&mut window, task),
+            [list, entry] => choose(&mut window, list, entry),
+        }
+        assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
+        type_into(&mut window, "Name", name);
+        type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+        if name == "paired" {
+            choose(&mut window, "Levels chosen by", "The factors alone");
+        }
+        click(&mut window, "Save");
+        let saved = std::fs::read_to_string(file(name)).unwrap();
+        assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
+        let protocol = definition::open(file(name)).unwrap();
+        assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
+    }
+    let mut window = duplicate("threshold-width");
+    choose(&mut window, "Kind", "Pictures of your own");
+    choose(&mut window, "Kind", "Mach band");
+    assert_eq!(value(&window, "Levels of orientation"), "0, 90");
+    // Nothing is left to save.
+    press(&mut window, Key::Escape);
+    is_left(&mut window, "threshold-width");
+}
+
 /// The form has every task, and their methods with levels to begin with.
 #[test]
 fn a_task_and_its_method_are_chosen() {

@@ -68,7 +68,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     };
     Field::new("Kind").column(LABELS).error(&error).width(260.0).choice(ui, &mut chosen, &kinds, title);
     if chosen != kind {
-        form.rebuild(|draft| draft.set_kind(&chosen));
+        form.set_kind(&chosen);
     }
     if chosen == Picture::KIND {
         return pictures(form, ui);
