@@ -190,6 +190,31 @@ fn texts_leave_with_their_task() {
     is_left(&mut window, "threshold-width");
 }
 
+/// While the observer answers, and while its former answers are shown, what is below them keeps its place.
+#[test]
+fn a_simulated_observer_moves_nothing() {
+    let mut window = window::home([1280.0, 720.0], 1.0 / 60.0);
+    open_study(&mut window, "threshold-width");
+    click(&mut window, "Duplicate as…");
+    wait_for(&mut window, "It is answering…");
+    let top = |window: &Window| window.get_by_label("2 conditions").rect().top();
+    let before = top(&window);
+    let answers = |window: &mut Window| {
+        while window.query_by_label("It is answering…").is_some() {
+            window.step();
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        top(window)
+    };
+    assert_eq!(answers(&mut window), before);
+    for (label, text) in [("Title", "Width"), ("Recovery, s", "2")] {
+        type_into(&mut window, label, text);
+        assert_eq!((top(&window), window.query_by_label("It is answering…").is_some()), (before, false), "{label}");
+    }
+    let size = window.get_by_label("The levels of a simulated observer").rect();
+    assert!(size.right() < 1280.0, "{size}");
+}
+
 /// The form has every task, and their methods with levels to begin with.
 #[test]
 fn a_task_and_its_method_are_chosen() {
