@@ -83,9 +83,9 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     let Calibrated { calibration, family, .. } = made;
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
     let (file, readings) = (request.readings.display(), calibration.readings.all().len());
-    let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(*family));
+    let (misfit, light) = (100.0 * calibration.misfit, calibration.luminance_of(*family));
     print_line(&format!(
-        "{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %",
+        "{file}: {readings} readings of {}; they differ from the chosen model by {misfit:.2} %",
         channels.join(", ")
     ))?;
     print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;

@@ -113,10 +113,10 @@ impl Findings for PhotometerFindings {
         let calibration = &self.calibration;
         let light = calibration.luminance_of(self.family());
         ui.label(format!(
-            "Black {:.3} cd/m², white {:.1} cd/m². Readings vary by {:.2} %.",
+            "Black {:.3} cd/m², white {:.1} cd/m². Readings differ from the chosen model by {:.2} %.",
             light.black_cd_m2,
             light.white_cd_m2,
-            100.0 * calibration.noise
+            100.0 * calibration.misfit
         ));
         if !calibration.additivity.is_empty() {
             let most = |deviation| largest(&calibration.additivity, deviation);
