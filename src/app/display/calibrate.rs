@@ -10,9 +10,11 @@ use super::check::CheckPage;
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error,
-        theme::Ink, today, tool_page,
+        theme::{Ink, color},
+        today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
+    report::figures::palette::{GREEN, VERMILION},
     store::{StoreError, Writer, profile},
     system::found,
 };
@@ -381,8 +383,9 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<Saved
 /// Returns the color and marker of a channel in plots.
 pub fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
     match channel {
-        Channel::Red => (ink.series[5], MarkerShape::Square),
-        Channel::Green => (ink.series[2], MarkerShape::Up),
+        Channel::Red => (color(VERMILION), MarkerShape::Square),
+        Channel::Green => (color(GREEN), MarkerShape::Up),
+        // The second color is a blue in both themes.
         Channel::Blue => (ink.series[1], MarkerShape::Diamond),
         Channel::Gray => (ink.text, MarkerShape::Circle),
     }
