@@ -1,7 +1,7 @@
 //! Tests the editor of definitions without a display.
 
 use eframe::egui::{Key, Modifiers};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     experiment::{
         FieldKind,
@@ -213,6 +213,25 @@ fn a_simulated_observer_moves_nothing() {
     }
     let size = window.get_by_label("The levels of a simulated observer").rect();
     assert!(size.right() < 1280.0, "{size}");
+}
+
+/// A list closes when an entry is chosen with the keyboard too.
+#[test]
+fn a_list_closes_after_enter() {
+    let mut window = duplicate("quick");
+    for (list, entry) in [("Add a question", "Age"), ("Kind", "Kanizsa triangle"), ("Add a factor", "Side")] {
+        window.get_by_label(list).focus();
+        window.run_steps(2);
+        press(&mut window, Key::Enter);
+        window.run_steps(30);
+        let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == window::Role::Button;
+        window.query_all_by_label(entry).rfind(is_entry).unwrap_or_else(|| panic!("{list}")).focus();
+        window.run_steps(2);
+        press(&mut window, Key::Enter);
+        window.run_steps(30);
+        let open = window.query_all_by_label(entry).rfind(is_entry).is_some();
+        assert!(!open, "{list} is open: {:?}", texts(&window));
+    }
 }
 
 /// The form has every task, and their methods with levels to begin with.

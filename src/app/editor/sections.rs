@@ -175,7 +175,7 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for parameter in free {
-            let choice = ui.selectable_label(false, parameter.label());
+            let choice = ui::entry(ui, false, parameter.label());
             if choice.on_hover_text(parameter.description).clicked() {
                 let levels = with_level(parameter.levels_hint, "");
                 form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
@@ -211,7 +211,7 @@ fn factor(
         let mut changed = field.changed();
         let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
             for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
-                if ui.selectable_label(false, *hint).clicked() {
+                if ui::entry(ui, false, *hint).clicked() {
                     levels = with_level(&[hint], &levels);
                     changed = true;
                 }
@@ -322,7 +322,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for (name, text) in known.chain(own) {
-            if ui.selectable_label(false, text).clicked() {
+            if ui::entry(ui, false, text).clicked() {
                 form.rebuild(|draft| {
                     draft.add_table(&format!("participant.{name}"));
                     if name == "consent" {

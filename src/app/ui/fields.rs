@@ -183,7 +183,9 @@ impl<'a> Field<'a> {
             let list = list.show_ui(ui, |ui| {
                 ui.set_style(style);
                 for one in all {
-                    ui.selectable_value(value, one.clone(), text(one));
+                    if entry(ui, value == one, text(one)).clicked() {
+                        *value = one.clone();
+                    }
                 }
             });
             self.labeled(ui, list.response, label)
@@ -208,6 +210,15 @@ impl<'a> Field<'a> {
             None => response.labelled_by(label),
         }
     }
+}
+
+/// Draws an entry of a drop-down list, which it closes, also with Enter.
+pub fn entry(ui: &mut Ui, is_chosen: bool, text: impl Into<String>) -> Response {
+    let entry = ui.selectable_label(is_chosen, text.into());
+    if entry.clicked() {
+        ui.close();
+    }
+    entry
 }
 
 /// Parses a typed number; `None` if the text is not a number.
