@@ -369,6 +369,11 @@ fn an_error_in_a_row_moves_nothing() {
     window.get_by_label_contains("Rating 3: Enter the meaning of the answer.");
     window.get_by_label_contains("1 error, first in Rating 3.");
     assert_eq!(top(&window, "Add a factor"), before);
+    let mut window = duplicate("threshold-width");
+    let before = top(&window, "Add to reference");
+    type_into(&mut window, "Reference depth", "shallow");
+    window.get_by_label_contains("depth \"shallow\"");
+    assert_eq!(top(&window, "Add to reference"), before);
 }
 
 /// Errors that appear and leave on the page while the user types do not move the focus to another field.

@@ -300,7 +300,7 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
         let (inner, title) = (format!("{key}.{name}"), format!("{} {words}", option.label));
         let (before, error) = (form.value(&inner, ""), form.error(&inner));
         let mut text = before.clone();
-        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).error(&error);
+        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).slot().error(&error);
         let removed = field.show(ui, |ui, _| {
             ui.horizontal(|ui| {
                 ui.label(form.factor(name));

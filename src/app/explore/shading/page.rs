@@ -18,7 +18,7 @@ use crate::{
     app::ui::{
         Bench, Dialog, Field, FileKind, History, Step, escaped, hint,
         pixels::Canvas,
-        say, secondary, show_error, text,
+        say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
@@ -149,9 +149,8 @@ impl ShadingPage {
             self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
         }
         self.file.dialog.missing_error(ui);
-        if let Some(error) = &self.file.error {
-            show_error(ui, error);
-        }
+        // The error has the same room before there is one.
+        text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad);
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
