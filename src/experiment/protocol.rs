@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout, Settings, Turn, at_level},
+    task::{Given, Layout, Method, Settings, Turn, at_level},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
 
@@ -359,10 +359,21 @@ impl Definition {
             if let Some(error) =
                 shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
             {
-                errors.add("task", error.to_string());
+                errors.add(self.level_to_blame(condition, &picks).unwrap_or("task"), error.to_string());
                 return;
             }
         }
+    }
+
+    /// Returns the key of the level that the target of a condition cannot have; `None` if it can have them all.
+    fn level_to_blame(&self, condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Option<&'static str> {
+        let targets = targets(condition, picks);
+        let wrong = targets.iter().position(|target| target.validate().is_err())?;
+        Some(match &self.adaptive.as_ref()?.method {
+            Method::Staircase(_) if 2 * wrong < targets.len() => "adaptive.low",
+            Method::Staircase(_) => "adaptive.high",
+            Method::QuestPlus(_) | Method::Constant(_) => "adaptive.levels",
+        })
     }
 
     /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
