@@ -144,7 +144,10 @@ impl<'a> Field<'a> {
         let scale = 10_f64.powf(decimals);
         self.show(ui, |ui, label| {
             match self.column {
-                Some(_) => ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(60.0),
+                Some(_) => {
+                    let room = self.width.unwrap_or(f32::INFINITY).min(ui.available_width());
+                    ui.spacing_mut().slider_width = (room - NUMBER).max(60.0);
+                }
                 None if ui.available_size_before_wrap().x < SLIDER => ui.end_row(),
                 None => {}
             }
