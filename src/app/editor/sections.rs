@@ -79,9 +79,12 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     }
     ui::text::errors(ui, &form.own_error("stimulus"));
     let factors = form.draft().factors();
+    let adapted = ["adaptive.parameter", "adaptive.second.parameter"].map(|key| form.value(key, ""));
     for parameter in default.parameters() {
-        if factors.iter().any(|factor| factor == parameter.name) {
-            let varies = |ui: &mut Ui, _| ui.horizontal(|ui| ui.label(ui::secondary("varies; see Factors")));
+        let varied_by = [("Factors", &factors[..]), ("Method", &adapted)];
+        let is_varied = |(_, names): &(&str, &[String])| names.iter().any(|name| name == parameter.name);
+        if let Some((part, _)) = varied_by.into_iter().find(is_varied) {
+            let varies = |ui: &mut Ui, _| ui.horizontal(|ui| ui.label(ui::secondary(format!("varies; see {part}"))));
             Field::new(&parameter.label()).column(LABELS).show(ui, varies);
             continue;
         }
