@@ -116,7 +116,13 @@ impl ShadingPage {
                 abruptly.",
         );
         controls::preset(ui, &mut self.compared);
+        let mesh = self.compared.mesh.clone();
         self.history.show(ui, &mut self.compared, Comparison::default());
+        if self.compared.mesh != mesh {
+            // The field has the mesh that came back.
+            let path = if let MeshChoice::File(path) = &self.compared.mesh { path.clone() } else { String::new() };
+            self.file = FileField { path, ..FileField::default() };
+        }
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
             controls::side(ui, which, side);
