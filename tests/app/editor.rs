@@ -162,10 +162,9 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
 fn texts_leave_with_their_task() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(format!("{name}.toml"));
-    for (name, change) in [("places", ["Shown as", "places"]), ("four", ["", ""]), ("paired", ["", "Pair"])] {
+    for (name, change) in [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])] {
         let mut window = duplicate("threshold-width");
         match change {
-            ["", ""] => type_into(&mut window, "Alternatives", "4"),
             ["", task] => click(&mut window, task),
             [list, entry] => choose(&mut window, list, entry),
         }
@@ -185,6 +184,8 @@ fn texts_leave_with_their_task() {
     choose(&mut window, "Kind", "Pictures of your own");
     choose(&mut window, "Kind", "Mach band");
     assert_eq!(value(&window, "Levels of orientation"), "0, 90");
+    // The method decides the width.
+    window.get_by_label("varies; see Method");
     // Nothing is left to save.
     press(&mut window, Key::Escape);
     is_left(&mut window, "threshold-width");
