@@ -3,9 +3,13 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// Returns "expected one of …", or "expected …" if only one is known, followed by "; did you mean …?" if a known name is similar to `name`.
+/// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`; if only one is known,
+/// "expected …".
 pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    if let [only] = known[..] {
+        return format!("expected {only}");
+    }
     let length = name.chars().count();
     let near = |candidate: &&&str| {
         let (other, most) = (candidate.chars().count(), 2.max(candidate.chars().count() / 2));
@@ -15,8 +19,7 @@ pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String 
     };
     let best = known.iter().filter_map(|candidate| Some((near(&candidate)?, candidate))).min().map(|(_, best)| best);
     let question = best.map_or_else(String::new, |candidate| format!("; did you mean {candidate}?"));
-    let one_of = if known.len() == 1 { "" } else { "one of " };
-    format!("expected {one_of}{}{question}", some_of(&known))
+    format!("expected one of {}{question}", some_of(&known))
 }
 
 /// Lists names; if there are many, as of the columns of another program's table, only the first ones and the number of others.

@@ -162,7 +162,9 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
 fn texts_leave_with_their_task() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(format!("{name}.toml"));
-    for (name, change) in [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])] {
+    for (name, change) in
+        [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])]
+    {
         let mut window = duplicate("threshold-width");
         match change {
             ["", task] => click(&mut window, task),
@@ -171,9 +173,6 @@ fn texts_leave_with_their_task() {
         assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
         type_into(&mut window, "Name", name);
         type_into(&mut window, "Folder", folder.path().to_str().unwrap());
-        if name == "paired" {
-            choose(&mut window, "Levels chosen by", "The factors alone");
-        }
         click(&mut window, "Save");
         let saved = std::fs::read_to_string(file(name)).unwrap();
         assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
