@@ -258,7 +258,7 @@ impl<M: Method> Calibrate<M> {
         let errors = self.file_error.clone();
         Field::new(&format!("File of {}", M::ITEMS)).column(LABELS).error(&errors).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(300.0)).labelled_by(label);
+                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(240.0)).labelled_by(label);
                 let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file) || field.changed() {
                     self.file_error.clear();

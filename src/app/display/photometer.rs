@@ -133,7 +133,7 @@ impl Findings for PhotometerFindings {
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
-        Field::new("Model").width(180.0).choice(ui, &mut self.family, &all, |family| match family {
+        Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),
             Some(family) => family.to_string(),
         });
