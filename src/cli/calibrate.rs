@@ -83,9 +83,9 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     let Calibrated { calibration, family, .. } = made;
     let channels: Vec<&str> = calibration.readings.channels().iter().map(|channel| channel.name()).collect();
     let (file, readings) = (request.readings.display(), calibration.readings.all().len());
-    let (scatter, light) = (100.0 * calibration.noise, calibration.luminance_of(*family));
+    let (misfit, light) = (100.0 * calibration.misfit, calibration.luminance_of(*family));
     print_line(&format!(
-        "{file}: {readings} readings of {}; repeated readings vary by {scatter:.2} %",
+        "{file}: {readings} readings of {}; they differ from the chosen model by {misfit:.2} %",
         channels.join(", ")
     ))?;
     print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
@@ -113,9 +113,9 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     let sums = &calibration.additivity;
     if !sums.is_empty() {
         print_line(&format!(
-            "additivity: gray differs from red + green + blue − 2 black by at most {:+.2} % and {:+.3} cd/m²",
-            largest(sums, Sum::deviation_percent),
-            largest(sums, Sum::deviation_cd_m2),
+            "additivity: gray differs from red + green + blue − 2 black by at most {:.2} % and {:.3} cd/m²",
+            largest(sums, Sum::deviation_percent).abs(),
+            largest(sums, Sum::deviation_cd_m2).abs(),
         ))?;
     }
     calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;
@@ -140,7 +140,8 @@ fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
         channel.channel.name().into(),
         known(channel.curve.gamma(), &|gamma| format!("{gamma:.4}{se}")),
         known(gain, &|gain| format!("{gain:.4}")),
-        known(offset, &|offset| format!("{offset:+.4}")),
+        // Adding 0 turns −0 into 0.
+        known(offset, &|offset| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0)),
         decimals(channel.r_squared, 6),
         decimals(channel.largest_codes, 2),
         decimals(channel.largest_cd_m2, 3),

@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout, Settings, Turn, at_level},
+    task::{Given, Layout, Method, Settings, Turn, at_level},
 };
 use crate::stimulus::{ParameterValue, Stimulus};
 
@@ -78,11 +78,18 @@ impl Protocol {
     }
 
     /// Returns what is wrong with the reference of a task: that it does not differ from the target in what is shown. This
-    /// draws stimuli, so it is for definitions that are written; those of recorded sessions were checked.
+    /// draws stimuli, so it is for definitions that are written; those of recorded sessions were checked. So was a
+    /// definition `before` this one, if what it shows is the same.
     #[must_use]
-    pub fn reference_errors(&self) -> Vec<DefinitionError> {
+    pub fn reference_errors(&self, before: Option<&Self>) -> Vec<DefinitionError> {
         let mut errors = DefinitionErrors::default();
-        self.definition.check_reference(&self.conditions, &mut errors);
+        let shown = |of: &Self| {
+            (&of.stimulus, &of.factors, &of.task, &of.adaptive)
+                == (&self.stimulus, &self.factors, &self.task, &self.adaptive)
+        };
+        if !before.is_some_and(shown) {
+            self.definition.check_reference(&self.conditions, &mut errors);
+        }
         errors.0
     }
 
@@ -352,10 +359,21 @@ impl Definition {
             if let Some(error) =
                 shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
             {
-                errors.add("task", error.to_string());
+                errors.add(self.level_to_blame(condition, &picks).unwrap_or("task"), error.to_string());
                 return;
             }
         }
+    }
+
+    /// Returns the key of the level that the target of a condition cannot have; `None` if it can have them all.
+    fn level_to_blame(&self, condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Option<&'static str> {
+        let targets = targets(condition, picks);
+        let wrong = targets.iter().position(|target| target.validate().is_err())?;
+        Some(match &self.adaptive.as_ref()?.method {
+            Method::Staircase(_) if 2 * wrong < targets.len() => "adaptive.low",
+            Method::Staircase(_) => "adaptive.high",
+            Method::QuestPlus(_) | Method::Constant(_) => "adaptive.levels",
+        })
     }
 
     /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
@@ -374,14 +392,14 @@ impl Definition {
     /// Adds the errors that [`Protocol::reference_errors`] returns.
     fn check_reference(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
         let (picks, Some(reference)) = (self.picks(), self.task.reference()) else { return };
-        let targets = |condition: &Condition| -> Vec<Stimulus> {
-            let turn = |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
-            picks.iter().map(|pick| turn(pick).target()).collect()
-        };
         // Most differences are seen in few pixels; only more pixels tell that there is none.
         let is_seen = |conditions: &[Condition], other: &Settings| {
-            let differs =
-                |side| conditions.iter().flat_map(targets).any(|target| reference.differs(other, &target, side));
+            let differs = |side| {
+                conditions
+                    .iter()
+                    .flat_map(|one| targets(one, &picks))
+                    .any(|target| reference.differs(other, &target, side))
+            };
             [32, 512].into_iter().any(differs)
         };
         for (name, value) in reference.0.iter().filter(|(name, value)| self.stimulus.get(name).as_ref() != Some(*value))
@@ -447,6 +465,12 @@ impl Definition {
             }
         }
     }
+}
+
+/// Returns the target of a condition at each pair of levels.
+fn targets(condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Vec<Stimulus> {
+    let turn = |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
+    picks.iter().map(|pick| turn(pick).target()).collect()
 }
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.

@@ -93,7 +93,8 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
     parse_again(file, text, None)
 }
 
-/// Like [`parse`], for a definition that is edited: pictures that it had `before` are not read again.
+/// Like [`parse`], for a definition that is edited: pictures that it had `before` are not read again, and a reference is
+/// not compared again with the target.
 ///
 /// # Errors
 /// Returns every error, with its line and column.
@@ -103,7 +104,8 @@ pub fn parse_again(file: &str, text: &str, before: Option<&Protocol>) -> Result<
         Some(Stimulus::Image(picture)) => Some(&*picture.gallery),
         _ => None,
     };
-    match written.protocol(Some(Place { folder: Path::new(file).parent().unwrap_or(Path::new("")), known })) {
+    let place = Place { folder: Path::new(file).parent().unwrap_or(Path::new("")), known };
+    match written.protocol(Some(place), before) {
         Ok(protocol) => document.finish(protocol),
         Err(errors) => {
             errors.into_iter().for_each(|error| document.error(&error.path, error.message));
@@ -127,7 +129,7 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
     written
-        .protocol(None)
+        .protocol(None, None)
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
@@ -217,11 +219,16 @@ struct WrittenScale {
 }
 
 impl Written {
-    /// Returns the definition. `place` is where its pictures are; without it, they are only described.
+    /// Returns the definition. `place` is where its pictures are; without it, they are only described. `before` is the
+    /// definition before it was edited.
     ///
     /// # Errors
     /// Returns every error.
-    fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
+    fn protocol(
+        mut self,
+        place: Option<Place<'_>>,
+        before: Option<&Protocol>,
+    ) -> Result<Protocol, Vec<DefinitionError>> {
         let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
         let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
             self.pictures(place, &mut errors).into()
@@ -255,7 +262,7 @@ impl Written {
             ..Definition::new(name, stimulus)
         });
         let protocol = protocol.and_then(|protocol| {
-            let wrong = if is_recorded { Vec::new() } else { protocol.reference_errors() };
+            let wrong = if is_recorded { Vec::new() } else { protocol.reference_errors(before) };
             if wrong.is_empty() { Ok(protocol) } else { Err(wrong) }
         });
         if errors.0.is_empty() {

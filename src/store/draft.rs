@@ -36,6 +36,11 @@ pub enum Typed {
 }
 
 impl Draft {
+    /// The options of a task that decide how many images a trial shows, and where. Its texts say so.
+    pub const ARRANGES: [&str; 2] = ["task.shown", "task.alternatives"];
+    /// The texts about one kind of stimulus.
+    const OF_KIND: [&str; 2] = ["instructions.task", "response.question"];
+
     /// Reads a definition; `file` is its path, or identifies it in messages. It may contain errors, which [`Draft::check`] reports.
     ///
     /// # Errors
@@ -104,8 +109,12 @@ impl Draft {
         self.put(key, flag.into());
     }
 
-    /// Changes a value. Its table is added if it is missing.
+    /// Changes a value. Its table is added if it is missing. If a trial then shows other images, the texts about the old
+    /// ones are removed.
     pub fn set(&mut self, key: &str, text: &str, typed: Typed) {
+        if Self::ARRANGES.contains(&key) {
+            self.remove_task_texts();
+        }
         match typed {
             Typed::Text => self.put(key, text.into()),
             Typed::Value => self.put(key, value(text)),
@@ -147,7 +156,8 @@ impl Draft {
         self.sort(table, &names);
     }
 
-    /// Changes the kind of the stimulus, and removes the parameters that the new kind does not have.
+    /// Changes the kind of the stimulus, and removes the parameters that the new kind does not have, and the texts about
+    /// the old one.
     pub fn set_kind(&mut self, kind: &str) {
         self.put("stimulus.kind", kind.into());
         let known = Stimulus::default_of(kind);
@@ -157,15 +167,35 @@ impl Draft {
             // Pictures bring their factors.
             self.remove("factors");
         }
+        Self::OF_KIND.iter().for_each(|key| self.remove(key));
     }
 
-    /// Changes what participants do. Options that the new task does not have are removed, and so are the question and
-    /// the answers of the old one.
+    /// Gives the stimulus the parameters, factors and texts that it had in a former draft.
+    pub fn restore_kind(&mut self, former: &Self) {
+        for table in ["stimulus", "factors"] {
+            match former.document.get(table) {
+                Some(item) => drop(self.document.insert(table, item.clone())),
+                None => self.remove(table),
+            }
+        }
+        for key in Self::OF_KIND {
+            if let Some(text) = former.value(key).filter(|_| self.value(key).is_none()) {
+                self.put(key, text.clone());
+            }
+        }
+    }
+
+    /// Changes what participants do. Options that the new task does not have are removed, and so are the instructions,
+    /// the question and the answers of the old one.
     pub fn set_task(&mut self, kind: &str) {
         self.put("task.kind", kind.into());
         let options = Task::options(kind);
         self.retain("task", |name| name == "kind" || options.iter().any(|option| option.key == name));
-        self.remove("response");
+        self.remove_task_texts();
+    }
+
+    fn remove_task_texts(&mut self) {
+        ["instructions.task", "response"].iter().for_each(|key| self.remove(key));
     }
 
     /// Changes how levels are chosen; `None` if the factors alone have levels. Options that the new method does not have

@@ -3,9 +3,13 @@
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`.
+/// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`; if only one is known,
+/// "expected …".
 pub(crate) fn expected_one_of<S: AsRef<str>>(name: &str, known: &[S]) -> String {
     let known: Vec<&str> = known.iter().map(AsRef::as_ref).collect();
+    if let [only] = known[..] {
+        return format!("expected {only}");
+    }
     let length = name.chars().count();
     let near = |candidate: &&&str| {
         let (other, most) = (candidate.chars().count(), 2.max(candidate.chars().count() / 2));

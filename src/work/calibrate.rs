@@ -95,7 +95,7 @@ impl Calibrated {
         });
         json!({
             "readings": calibration.readings.all().len(),
-            "noise": { "relative": calibration.noise },
+            "misfit": { "relative": calibration.misfit },
             "luminance": calibration.luminance_of(*family),
             "models": models.collect::<Value>(),
             "chosen": family.name(),

@@ -1,7 +1,7 @@
 //! Tests the editor of definitions without a display.
 
 use eframe::egui::{Key, Modifiers};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     experiment::{
         FieldKind,
@@ -156,6 +156,84 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     window.get_by_label("Label of right end");
 }
 
+/// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
+/// stimulus comes back as it was.
+#[test]
+fn texts_leave_with_their_task() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(format!("{name}.toml"));
+    for (name, change) in
+        [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])]
+    {
+        let mut window = duplicate("threshold-width");
+        match change {
+            ["", task] => click(&mut window, task),
+            [list, entry] => choose(&mut window, list, entry),
+        }
+        assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
+        type_into(&mut window, "Name", name);
+        type_into(&mut window, "Folder", folder.path().to_str().unwrap());
+        click(&mut window, "Save");
+        let saved = std::fs::read_to_string(file(name)).unwrap();
+        assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
+        let protocol = definition::open(file(name)).unwrap();
+        assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
+    }
+    let mut window = duplicate("threshold-width");
+    choose(&mut window, "Kind", "Pictures of your own");
+    choose(&mut window, "Kind", "Mach band");
+    assert_eq!(value(&window, "Levels of orientation"), "0, 90");
+    // The method decides the width.
+    window.get_by_label("varies; see Method");
+    // Nothing is left to save.
+    press(&mut window, Key::Escape);
+    is_left(&mut window, "threshold-width");
+}
+
+/// While the observer answers, and while its former answers are shown, what is below them keeps its place.
+#[test]
+fn a_simulated_observer_moves_nothing() {
+    let mut window = window::home([1280.0, 720.0], 1.0 / 60.0);
+    open_study(&mut window, "threshold-width");
+    click(&mut window, "Duplicate as…");
+    wait_for(&mut window, "It is answering…");
+    let top = |window: &Window| window.get_by_label("2 conditions").rect().top();
+    let before = top(&window);
+    let answers = |window: &mut Window| {
+        while window.query_by_label("It is answering…").is_some() {
+            window.step();
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        top(window)
+    };
+    assert_eq!(answers(&mut window), before);
+    for (label, text) in [("Title", "Width"), ("Recovery, s", "2")] {
+        type_into(&mut window, label, text);
+        assert_eq!((top(&window), window.query_by_label("It is answering…").is_some()), (before, false), "{label}");
+    }
+    let size = window.get_by_label("The levels of a simulated observer").rect();
+    assert!(size.right() < 1280.0, "{size}");
+}
+
+/// A list closes when an entry is chosen with the keyboard too.
+#[test]
+fn a_list_closes_after_enter() {
+    let mut window = duplicate("quick");
+    for (list, entry) in [("Add a question", "Age"), ("Kind", "Kanizsa triangle"), ("Add a factor", "Side")] {
+        window.get_by_label(list).focus();
+        window.run_steps(2);
+        press(&mut window, Key::Enter);
+        window.run_steps(30);
+        let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == window::Role::Button;
+        window.query_all_by_label(entry).rfind(is_entry).unwrap_or_else(|| panic!("{list}")).focus();
+        window.run_steps(2);
+        press(&mut window, Key::Enter);
+        window.run_steps(30);
+        let open = window.query_all_by_label(entry).rfind(is_entry).is_some();
+        assert!(!open, "{list} is open: {:?}", texts(&window));
+    }
+}
+
 /// The form has every task, and their methods with levels to begin with.
 #[test]
 fn a_task_and_its_method_are_chosen() {
@@ -291,6 +369,11 @@ fn an_error_in_a_row_moves_nothing() {
     window.get_by_label_contains("Rating 3: Enter the meaning of the answer.");
     window.get_by_label_contains("1 error, first in Rating 3.");
     assert_eq!(top(&window, "Add a factor"), before);
+    let mut window = duplicate("threshold-width");
+    let before = top(&window, "Add to reference");
+    type_into(&mut window, "Reference depth", "shallow");
+    window.get_by_label_contains("depth \"shallow\"");
+    assert_eq!(top(&window, "Add to reference"), before);
 }
 
 /// Errors that appear and leave on the page while the user types do not move the focus to another field.

@@ -206,11 +206,15 @@ fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let mesh = value(&window, "Shape of the mesh");
     let bad = folder.path().join("bad.obj");
     std::fs::write(&bad, "v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 9\n").unwrap();
+    let places =
+        |window: &Window| ["Open the file", "Light, right"].map(|label| window.get_by_label(label).rect().top());
+    let before = places(&window);
     for path in [folder.path().join("none.obj"), bad] {
         type_into(&mut window, "Mesh file", &path.display().to_string());
         click(&mut window, "Open the file");
         window.get_by_label_contains("expected");
         assert_eq!(value(&window, "Shape of the mesh"), mesh);
+        assert_eq!(places(&window), before);
     }
     let good = folder.path().join("good.obj");
     std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n").unwrap();
@@ -218,6 +222,11 @@ fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     click(&mut window, "Open the file");
     assert!(window.query_by_label_contains("cannot be opened").is_none());
     assert_eq!(value(&window, "Shape of the mesh"), "good.obj");
+    assert_eq!(value(&window, "Export to"), "good-gouraud-c1-phong.png");
+    // Neither an error nor a mesh without a choice of vertices moves anything.
+    assert_eq!(places(&window), before);
+    click(&mut window, "Undo");
+    assert_eq!([value(&window, "Shape of the mesh"), value(&window, "Mesh file")], [mesh, String::new()]);
 }
 
 /// Steps until all numbers are available.

@@ -114,10 +114,7 @@ fn studies_of_thresholds_are_planned() {
     assert!(told.contains("max_run = 1"), "{told}");
 
     for (words, expected) in [
-        (
-            &["--effect=orientation:90=0.3"][..],
-            "orientation is not a factor; expected one of orientation_deg; did you mean",
-        ),
+        (&["--effect=orientation:90=0.3"][..], "orientation is not a factor; expected orientation_deg"),
         (&["--effect=orientation_deg:45=0.3"], "orientation_deg has no level 45; expected one of 0, 90"),
         (&["--effect=slop=3"], "the observer has no such parameter; expected one of threshold"),
         (&["--effect=lapse=0.9"], "expected 0…0.5"),

@@ -237,7 +237,7 @@ fn cross_validation_gives_the_error_of_new_levels() {
     let expected = 255.0 * 0.01 / 2.2 * (1.0f64 / 3.0).sqrt();
     assert!((validation.rms_codes / expected - 1.0).abs() < 0.3, "{} against {expected}", validation.rms_codes);
     assert!((0.7..1.5).contains(&validation.score), "{}", validation.score);
-    assert!((calibration.noise - 0.01).abs() < 0.002, "{:?}", calibration.noise);
+    assert!((calibration.misfit - 0.01).abs() < 0.002, "{:?}", calibration.misfit);
 }
 
 #[test]

@@ -538,6 +538,11 @@ fn what_no_trial_could_show_is_refused() {
         };
         assert!(is_told, "{body}\nexpected {expected:?}\n{errors:?}");
     }
+    // A level that contradicts another parameter is at fault itself, not the task.
+    let too_high =
+        "[adaptive]\nmethod = \"staircase\"\nparameter = \"low\"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n";
+    let errors = definition::parse("t.toml", &format!("{HEAD}{CHOICE}{too_high}")).unwrap_err();
+    assert!(errors.0.len() == 1 && errors.0[0].key == "adaptive.high", "{errors:?}");
 }
 
 /// Conditions that no comparison connects have no common order, and every column has a name of its own.

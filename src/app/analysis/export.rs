@@ -94,11 +94,12 @@ impl Export {
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
-        let all = match exported.map(|exported| exported.filter.as_str()) {
-            Some("") | None => "all data.".to_owned(),
-            Some(filter) => format!("only the data shown: {filter}."),
+        let included = match exported.map(|exported| exported.filter.as_str()) {
+            None => String::new(),
+            Some("") => "The export includes all data.".to_owned(),
+            Some(filter) => format!("The export includes only the data shown: {filter}."),
         };
-        two_lines(ui, &format!("The export includes {all}"), ink.dim);
+        two_lines(ui, &included, ink.dim);
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {

@@ -353,10 +353,9 @@ fn about(ui: &mut egui::Ui, study: &Study) {
     paragraph(ui, RichText::new(title).strong());
     let ratings = source.files.iter().map(|file| file.ratings).sum();
     let people = study.measured.counts.subjects.len() as u64;
-    let sessions = match source.sessions.len() as u64 {
-        0 => String::new(),
-        sessions => format!(", {}", count(sessions, "session")),
-    };
+    // A session that ended in the practice has no ratings, as its participant.
+    let rated = source.files.iter().filter(|file| file.ratings > 0).count() as u64;
+    let sessions = if source.sessions.is_empty() { String::new() } else { format!(", {}", count(rated, "session")) };
     hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
     problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
     problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);

@@ -9,7 +9,7 @@ use eframe::egui;
 use egui_plot::{Corner, Legend, Line, Points};
 
 use super::{
-    calibrate::{Findings, Method, series},
+    calibrate::{Findings, LABELS, Method, SLIDER, series},
     match_run::MatchRun,
 };
 use crate::{
@@ -58,10 +58,13 @@ impl Method for ByEye {
             precise",
             ),
         ];
-        Field::new("Lit rows").radio(ui, &mut settings.period, &periods);
-        Field::new("Matches per channel").slider(ui, &mut settings.matches, 2..=20, 1.0);
+        Field::new("Lit rows").column(LABELS).radio(ui, &mut settings.period, &periods);
+        let matches = Field::new("Matches per channel").column(LABELS).width(SLIDER);
+        matches.slider(ui, &mut settings.matches, 2..=20, 1.0);
         let mut pairs = settings.row_px == 2;
-        ui.checkbox(&mut pairs, "Pairs of rows (interlaced pictures, row inversion)");
+        Field::new("").column(LABELS).show(ui, |ui, _| {
+            ui.checkbox(&mut pairs, "Pairs of rows (interlaced pictures, row inversion)");
+        });
         settings.row_px = if pairs { 2 } else { 1 };
         paragraph(ui, distance_sentence(viewing, settings.rows().period_px()));
         paragraph(

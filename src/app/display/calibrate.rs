@@ -10,12 +10,18 @@ use super::check::CheckPage;
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error,
-        theme::Ink, today, tool_page,
+        theme::{Ink, color},
+        today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
+    report::figures::palette::{GREEN, VERMILION},
     store::{StoreError, Writer, profile},
     system::found,
 };
+
+/// Width of the labels, and of a slider with its number, points.
+pub const LABELS: f32 = 210.0;
+pub const SLIDER: f32 = 240.0;
 
 /// A way to measure the light of a screen.
 pub trait Method {
@@ -113,6 +119,8 @@ pub struct Calibrate<M: Method> {
     channels: [bool; 2],
     /// Path of existing measurements to use instead.
     file: String,
+    /// Why it cannot be used.
+    file_error: String,
     dialog: Dialog,
     error: Option<String>,
     /// The file of a paused run, the number of measured items, and the number of all items.
@@ -129,9 +137,9 @@ impl<M: Method> Calibrate<M> {
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let path = suggested(&name, M::ITEMS);
-        let (file, dialog, error) = Default::default();
+        let (file, file_error, dialog, error) = Default::default();
         let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, name, path, channels, file, dialog, error, paused, run, found, check }
+        Self { known, method, name, path, channels, file, file_error, dialog, error, paused, run, found, check }
     }
 
     /// Updates what is known about the screen.
@@ -176,14 +184,16 @@ impl<M: Method> Calibrate<M> {
         let (back, ()) = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            if Field::new("Name of the screen").width(260.0).text(ui, &mut self.name).changed() {
+            if Field::new("Name of the screen").column(LABELS).width(260.0).text(ui, &mut self.name).changed() {
                 self.path = suggested(&self.name, M::ITEMS);
             }
-            Field::new("Save the measurements in").width(380.0).text(ui, &mut self.path);
+            Field::new("Save the measurements in").column(LABELS).width(380.0).text(ui, &mut self.path);
             if M::HAS_CHANNELS {
-                Field::new("Channels").show(ui, |ui, _| {
-                    ui.checkbox(&mut self.channels[0], "red, green, blue");
-                    ui.checkbox(&mut self.channels[1], "gray");
+                Field::new("Channels").column(LABELS).show(ui, |ui, _| {
+                    ui.horizontal(|ui| {
+                        ui.checkbox(&mut self.channels[0], "red, green, blue");
+                        ui.checkbox(&mut self.channels[1], "gray");
+                    });
                 });
             }
             self.method.fields(ui, viewing);
@@ -205,7 +215,11 @@ impl<M: Method> Calibrate<M> {
             use_file = self.file_field(ui);
         });
         if use_file {
-            self.load_findings(self.file.trim().into());
+            let source = PathBuf::from(self.file.trim());
+            match self.findings(&source) {
+                Ok(found) => (self.found, self.file_error) = (Some((source, Ok(found))), String::new()),
+                Err(errors) => self.file_error = errors,
+            }
             ui.ctx().request_repaint();
         } else if begin {
             match self.method.begin(&self.channels(), Path::new(self.path.trim())) {
@@ -241,10 +255,18 @@ impl<M: Method> Calibrate<M> {
     fn file_field(&mut self, ui: &mut Ui) -> bool {
         section(ui, format!("Or use {} from a file", M::ITEMS));
         hint(ui, M::FORMAT);
-        Field::new(&format!("File of {}", M::ITEMS)).show(ui, |ui, label| {
-            ui.add(TextEdit::singleline(&mut self.file).desired_width(300.0)).labelled_by(label);
-            self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file);
-            ui.add_enabled(!self.file.trim().is_empty(), egui::Button::new("Use this file")).clicked()
+        let errors = self.file_error.clone();
+        Field::new(&format!("File of {}", M::ITEMS)).column(LABELS).error(&errors).show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(240.0)).labelled_by(label);
+                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+                if self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file) || field.changed() {
+                    self.file_error.clear();
+                }
+                let is_named = !self.file.trim().is_empty();
+                ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked() || entered && is_named
+            })
+            .inner
         })
     }
 
@@ -261,18 +283,17 @@ impl<M: Method> Calibrate<M> {
                 self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
                 self.run.take_if(|run| run.items_to_repeat().is_empty());
-                self.load_findings(self.path.trim().into());
+                let source = PathBuf::from(self.path.trim());
+                self.found = Some((source.clone(), self.findings(&source)));
                 full_screen(ui.ctx(), false);
             }
         }
     }
 
-    fn load_findings(&mut self, source: PathBuf) {
-        let found = M::Findings::read(&source).map(|found: M::Findings| {
-            let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
-            (found, form)
-        });
-        self.found = Some((source, found));
+    fn findings(&self, source: &Path) -> Result<(M::Findings, ProfileForm), String> {
+        let found = M::Findings::read(source)?;
+        let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
+        Ok((found, form))
     }
 
     fn show_findings(&mut self, ui: &mut Ui) -> Step<SavedProfile> {
@@ -339,7 +360,7 @@ impl ProfileForm {
             ("Measured with", &mut self.with),
             ("Save as", &mut self.path),
         ] {
-            Field::new(label).width(340.0).text(ui, value);
+            Field::new(label).column(LABELS).width(340.0).text(ui, value);
         }
         let usable = !self.path.trim().is_empty() && !self.name.trim().is_empty();
         let path = PathBuf::from(self.path.trim());
@@ -381,8 +402,9 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<Saved
 /// Returns the color and marker of a channel in plots.
 pub fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
     match channel {
-        Channel::Red => (ink.series[5], MarkerShape::Square),
-        Channel::Green => (ink.series[2], MarkerShape::Up),
+        Channel::Red => (color(VERMILION), MarkerShape::Square),
+        Channel::Green => (color(GREEN), MarkerShape::Up),
+        // The second color is a blue in both themes.
         Channel::Blue => (ink.series[1], MarkerShape::Diamond),
         Channel::Gray => (ink.text, MarkerShape::Circle),
     }

@@ -6,7 +6,7 @@ use eframe::egui;
 use egui_plot::{Corner, Legend, Line, Plot, Points};
 
 use super::{
-    calibrate::{Findings, Method, series},
+    calibrate::{Findings, LABELS, Method, SLIDER, series},
     patch_run::{PatchRun, PatchView},
 };
 use crate::{
@@ -61,18 +61,21 @@ impl Method for Photometer {
     type Run = PatchRun;
 
     const BEGIN: &'static str = "Show patches";
-    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the largest code, 0 to 1.";
+    const FORMAT: &'static str = "CSV with the columns channel,level,luminance_cd_m2: channel is r, g, b or gray; level is the code divided by the largest code, 0 to 1. Also .ti3 files of ArgyllCMS and monitor files of PsychoPy.";
     const INTRODUCTION: &'static str = "Patches are shown one at a time; type each photometer reading. First let the \
         screen warm up for half an hour, and darken the room.";
     const ITEMS: &'static str = "readings";
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels per channel").slider(ui, &mut self.levels, 5..=33, 1.0);
-        Field::new("Readings per patch").slider(ui, &mut self.repeats, 1..=5, 1.0);
-        Field::new("Settling time, seconds").width(70.0).text(ui, &mut self.settle_s);
-        Field::new("Patch height, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
-        ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
+        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.levels, 5..=33, 1.0);
+        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.repeats, 1..=5, 1.0);
+        Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
+        let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
+        height.slider(ui, &mut self.percent, 10..=80, 1.0);
+        Field::new("").column(LABELS).show(ui, |ui, _| {
+            ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
+        });
     }
 
     fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
@@ -113,24 +116,24 @@ impl Findings for PhotometerFindings {
         let calibration = &self.calibration;
         let light = calibration.luminance_of(self.family());
         ui.label(format!(
-            "Black {:.3} cd/m², white {:.1} cd/m². Readings vary by {:.2} %.",
+            "Black {:.3} cd/m², white {:.1} cd/m². Readings differ from the chosen model by {:.2} %.",
             light.black_cd_m2,
             light.white_cd_m2,
-            100.0 * calibration.noise
+            100.0 * calibration.misfit
         ));
         if !calibration.additivity.is_empty() {
-            let most = |deviation| largest(&calibration.additivity, deviation);
+            let most = |deviation| largest(&calibration.additivity, deviation).abs();
             ui.label(format!(
-                "Gray differs from the sum of the three channels by at most {} % and {} cd/m².",
-                signed(&format!("{:+.1}", most(Sum::deviation_percent))),
-                signed(&format!("{:+.2}", most(Sum::deviation_cd_m2)))
+                "Gray differs from the sum of the three channels by at most {:.1} % and {:.2} cd/m².",
+                most(Sum::deviation_percent),
+                most(Sum::deviation_cd_m2)
             ));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
-        Field::new("Model").width(180.0).choice(ui, &mut self.family, &all, |family| match family {
+        Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),
             Some(family) => family.to_string(),
         });
@@ -175,7 +178,8 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
         family.to_string(),
         channel.channel.to_string(),
         gamma,
-        offset.map_or_else(none, |(_, offset)| signed(&format!("{offset:+.4}"))),
+        // Adding 0 turns −0 into 0.
+        offset.map_or_else(none, |(_, offset)| signed(&format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0))),
         format!("{:.5}", channel.r_squared),
         format!("{:.2}", channel.largest_codes),
         format!("{:.3}", channel.largest_cd_m2),

@@ -5,7 +5,7 @@ use std::path::Path;
 use eframe::egui;
 
 use super::{
-    calibrate::{Findings, Method},
+    calibrate::{Findings, LABELS, Method},
     patch_run::{PatchRun, PatchView},
     photometer::{READING_S, settling_s},
 };
@@ -45,7 +45,7 @@ impl Method for SizeTest {
     const TITLE: &'static str = "Patch size";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Settling time, seconds").width(70.0).text(ui, &mut self.settle_s);
+        Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
     }
 
     fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, TextureHandle};
 
+use super::calibrate::LABELS;
 use crate::{
     app::ui::{Field, Step as PageStep, hint, note, number, pixels, secondary, show_error, table, tool_page},
     display::{
@@ -41,13 +42,16 @@ impl StepsPage {
             ui.label("Equal steps of light look larger at dark levels than at bright levels; equal ratios look equal.");
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.add_space(8.0);
-            Field::new("Number of steps n").width(60.0).text(ui, &mut self.number);
-            Field::new("Lowest intensity I₀, black relative to white").width(100.0).text(ui, &mut self.i0);
+            Field::new("Number of steps n").column(LABELS).width(60.0).text(ui, &mut self.number);
+            Field::new("Lowest intensity I₀").column(LABELS).width(100.0).text(ui, &mut self.i0);
             hint(
                 ui,
                 match self.profile.luminance {
-                    Some(range) => format!("Measured: {}.", range.sentence()),
-                    None => "The black level of this screen was not measured; this value is an assumption.".to_owned(),
+                    Some(range) => format!("Black relative to white. Measured: {}.", range.sentence()),
+                    None => {
+                        "Black relative to white. It was not measured for this screen; this value is an assumption."
+                            .to_owned()
+                    }
                 },
             );
             ui.add_space(8.0);
@@ -118,7 +122,7 @@ fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
 }
 
 fn rows(ui: &mut egui::Ui, steps: &[Step]) {
-    let heads = ["j", "I_j of white", "cd/m²", "red", "green", "blue", "nearest j"];
+    let heads = ["j", "relative to white", "cd/m²", "red", "green", "blue", "nearest j"];
     let cells = |step: &Step| {
         let [red, green, blue] = step.codes.map(|code| code.to_string());
         let cd_m2 = step.cd_m2.map_or_else(|| "–".to_owned(), short);

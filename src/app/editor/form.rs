@@ -33,6 +33,8 @@ const MAX_SHOWN: usize = 3;
 
 pub struct DefinitionForm {
     draft: Draft,
+    /// The drafts with other kinds of stimuli, as they were left, by the kind.
+    kinds: BTreeMap<String, Draft>,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
@@ -83,6 +85,7 @@ impl DefinitionForm {
         let mut form = Self {
             original: draft.text(),
             draft,
+            kinds: BTreeMap::new(),
             typed: BTreeMap::new(),
             changed: false,
             hash: None,
@@ -178,6 +181,16 @@ impl DefinitionForm {
         self.edit(change);
     }
 
+    /// Changes the kind of the stimulus. A kind that it had before comes back as it was.
+    pub fn set_kind(&mut self, kind: &str) {
+        self.kinds.insert(self.value("stimulus.kind", ""), self.draft.clone());
+        let former = self.kinds.remove(kind);
+        self.rebuild(|draft| {
+            draft.set_kind(kind);
+            former.iter().for_each(|former| draft.restore_kind(former));
+        });
+    }
+
     fn check(&mut self) {
         self.revision += 1;
         self.changed = self.draft.text() != self.original;
@@ -200,6 +213,10 @@ impl DefinitionForm {
 
     /// Stores what was typed in a field.
     pub fn type_value(&mut self, key: &str, text: &str, typed: Typed) {
+        if Draft::ARRANGES.contains(&key) {
+            // Its texts change as well.
+            self.typed.clear();
+        }
         self.keep_typed(key, text);
         self.edit(|draft| draft.set(key, text, typed));
     }

@@ -179,8 +179,14 @@ impl Editor {
     /// file.
     fn summary(&mut self, ui: &mut Ui) -> Option<Saved> {
         let Ok(form) = &mut self.form else { return None };
+        let is_stale = !form.errors().is_empty();
         if let Some(protocol) = form.protocol() {
-            ui::section(ui, ui::extent(protocol));
+            ui.scope(|ui| {
+                if is_stale {
+                    ui.multiply_opacity(theme::STALE);
+                }
+                ui::section(ui, ui::extent(protocol));
+            });
         }
         if self.copy {
             Self::folder_field(ui, &mut self.folder, &mut self.dialog);

@@ -8,10 +8,10 @@ use crate::{
         own_plot::OwnPlot,
         pixels,
         theme::{self, GAP},
-        work::Latest,
+        work::{BackgroundTask, Latest, Progress},
     },
     experiment::{
-        Course, Identity, Phase, Protocol, Schedule,
+        Course, Definition, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, CodeImage, Quantizer, Transfer},
@@ -35,12 +35,24 @@ pub struct Preview {
     /// The revision of the form, and the side of a stimulus in pixels.
     of: Option<(u64, u32)>,
     trial: Option<Presentation>,
-    layout: Option<Layout>,
+    /// The first revision with these stimuli, and their side in pixels.
+    pictured: (u64, u32),
     drawn: Latest<(u64, u32), Vec<CodeImage>>,
     textures: Option<((u64, u32), Vec<TextureHandle>)>,
-    pilot: Latest<u64, Option<OwnPlot>>,
-    /// The last revision, and when it appeared, seconds.
-    changed: (u64, f64),
+    pilot: Pilot,
+}
+
+/// The answers of a simulated observer.
+#[derive(Default)]
+struct Pilot {
+    /// The revision of the form.
+    revision: u64,
+    /// The definition without its title, and when it appeared, seconds.
+    of: Option<(Definition, f64)>,
+    running: Option<BackgroundTask<Result<Option<OwnPlot>, String>>>,
+    /// The last result, and whether it belongs to this definition.
+    plot: Option<Result<Option<OwnPlot>, String>>,
+    is_done: bool,
 }
 
 impl Preview {
@@ -52,7 +64,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot(ui, protocol, revision, when);
+            self.pilot.show(ui, protocol, revision, when);
         }
     }
 
@@ -64,9 +76,14 @@ impl Preview {
         let side = side.clamp(16.0, SIDE);
         let key = (revision, (side * ui.ctx().pixels_per_point()).round() as u32);
         if self.of != Some(key) {
-            (self.of, self.layout) = (Some(key), Some(layout));
-            self.trial = first_trial(protocol);
+            let trial = first_trial(protocol);
+            let is_drawn = self.trial.iter().zip(&trial).any(|(old, new)| old.stimuli == new.stimuli);
+            if !is_drawn || self.pictured.1 != key.1 {
+                self.pictured = key;
+            }
+            (self.of, self.trial) = (Some(key), trial);
         }
+        let key = self.pictured;
         let Some(trial) = &self.trial else { return };
         self.drawn.want(ui.ctx(), key, || {
             let stimuli = trial.stimuli.clone();
@@ -114,30 +131,53 @@ impl Preview {
         };
         ui::hint(ui, format!("{question} {answers}"));
     }
+}
 
-    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
+impl Pilot {
+    /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
+    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let now = ui.input(|input| input.time);
-        if self.changed.0 != revision {
-            self.changed = (revision, now);
+        if std::mem::replace(&mut self.revision, revision) != revision {
+            let definition = Definition { title: String::new(), ..Definition::clone(protocol) };
+            if self.of.as_ref().is_none_or(|(of, _)| *of != definition) {
+                // The former observer stops.
+                (self.of, self.running, self.is_done) = (Some((definition, now)), None, false);
+            }
         }
-        // A session is not simulated for every key that is typed.
-        if now - self.changed.1 < SETTLED_S {
-            return ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
-        }
-        self.pilot.want(ui.ctx(), revision, || {
+        let since = self.of.as_ref().map_or(now, |(_, since)| *since);
+        if let Some(running) = &self.running {
+            let result = match running.poll() {
+                Progress::Running => None,
+                Progress::Done(result) => Some(result),
+                Progress::Lost => Some(Err("it could not be computed".to_owned())),
+            };
+            if result.is_some() {
+                (self.plot, self.running, self.is_done) = (result, None, true);
+            }
+        } else if now - since < SETTLED_S {
+            // A session is not simulated for every key that is typed.
+            ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
+        } else if !self.is_done {
             let protocol = protocol.clone();
-            move || {
+            self.running = Some(BackgroundTask::stoppable(ui.ctx(), move || {
                 let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
                 Ok(OwnPlot::new(&protocol, &rows))
+            }));
+        }
+        ui::section(ui, format!("The levels of a simulated observer{when}"));
+        let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
+        ui.allocate_ui(size, |ui| {
+            ui.set_min_size(size);
+            if !self.is_done {
+                ui.multiply_opacity(theme::STALE);
+            }
+            match &self.plot {
+                Some(Ok(Some(plot))) => plot.draw(ui, PLOT.y),
+                Some(Ok(None)) => ui::hint(ui, "It saw none."),
+                Some(Err(error)) => ui::show_error(ui, error),
+                None => ui::hint(ui, "It is answering…"),
             }
         });
-        if let Some(Ok(Some(plot))) = self.pilot.get(&revision) {
-            ui::section(ui, format!("The levels of a simulated observer{when}"));
-            ui.scope(|ui| {
-                ui.set_max_width(PLOT.x);
-                plot.draw(ui, PLOT.y);
-            });
-        }
     }
 }
 

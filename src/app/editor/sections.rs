@@ -68,7 +68,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     };
     Field::new("Kind").column(LABELS).error(&error).width(260.0).choice(ui, &mut chosen, &kinds, title);
     if chosen != kind {
-        form.rebuild(|draft| draft.set_kind(&chosen));
+        form.set_kind(&chosen);
     }
     if chosen == Picture::KIND {
         return pictures(form, ui);
@@ -79,9 +79,12 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     }
     ui::text::errors(ui, &form.own_error("stimulus"));
     let factors = form.draft().factors();
+    let adapted = ["adaptive.parameter", "adaptive.second.parameter"].map(|key| form.value(key, ""));
     for parameter in default.parameters() {
-        if factors.iter().any(|factor| factor == parameter.name) {
-            let varies = |ui: &mut Ui, _| ui.horizontal(|ui| ui.label(ui::secondary("varies; see Factors")));
+        let varied_by = [("Factors", &factors[..]), ("Method", &adapted)];
+        let is_varied = |(_, names): &(&str, &[String])| names.iter().any(|name| name == parameter.name);
+        if let Some((part, _)) = varied_by.into_iter().find(is_varied) {
+            let varies = |ui: &mut Ui, _| ui.horizontal(|ui| ui.label(ui::secondary(format!("varies; see {part}"))));
             Field::new(&parameter.label()).column(LABELS).show(ui, varies);
             continue;
         }
@@ -175,7 +178,7 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for parameter in free {
-            let choice = ui.selectable_label(false, parameter.label());
+            let choice = ui::entry(ui, false, parameter.label());
             if choice.on_hover_text(parameter.description).clicked() {
                 let levels = with_level(parameter.levels_hint, "");
                 form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
@@ -211,7 +214,7 @@ fn factor(
         let mut changed = field.changed();
         let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
             for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
-                if ui.selectable_label(false, *hint).clicked() {
+                if ui::entry(ui, false, *hint).clicked() {
                     levels = with_level(&[hint], &levels);
                     changed = true;
                 }
@@ -322,7 +325,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for (name, text) in known.chain(own) {
-            if ui.selectable_label(false, text).clicked() {
+            if ui::entry(ui, false, text).clicked() {
                 form.rebuild(|draft| {
                     draft.add_table(&format!("participant.{name}"));
                     if name == "consent" {

@@ -27,6 +27,8 @@ const LIST: f32 = 200.0;
 const NONE: &str = "none";
 /// Side of a picture that shows whether a parameter changes anything, pixels.
 const TRIED_PX: u32 = 32;
+/// The options of a task that apply only to images that follow each other.
+const OF_INTERVALS: [&str; 2] = ["duration_s", "gap_s"];
 /// Trials at each level of the method of constant stimuli, to begin with.
 const AT_EACH_LEVEL: usize = 10;
 
@@ -214,6 +216,7 @@ fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
 
 /// Draws the options of a table.
 fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskOption], defaults: &serde_json::Value) {
+    let at_once = table == "task" && form.value("task.shown", "") == "places";
     let opened = |option: &TaskOption| option.key.split_once('.').map(|(inner, _)| inner);
     for (i, option) in options.iter().enumerate() {
         let opens = opened(option).is_some_and(|inner| options[..i].iter().all(|before| opened(before) != Some(inner)));
@@ -224,7 +227,10 @@ fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskO
         }
         // A table of its own goes with the option that opens it.
         let owner = if opens { opened(option).unwrap_or(option.key) } else { option.key };
-        control(form, ui, option, [&format!("{table}.{}", option.key), &format!("{table}.{owner}")], defaults);
+        let keys = [&format!("{table}.{}", option.key), &format!("{table}.{owner}")];
+        ui.add_enabled_ui(!at_once || !OF_INTERVALS.contains(&option.key), |ui| {
+            control(form, ui, option, keys.map(String::as_str), defaults);
+        });
     }
 }
 
@@ -300,7 +306,7 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
         let (inner, title) = (format!("{key}.{name}"), format!("{} {words}", option.label));
         let (before, error) = (form.value(&inner, ""), form.error(&inner));
         let mut text = before.clone();
-        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).error(&error);
+        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).slot().error(&error);
         let removed = field.show(ui, |ui, _| {
             ui.horizontal(|ui| {
                 ui.label(form.factor(name));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{
-    self, Color32, Rect, RichText, ScrollArea, Sense, TextStyle, TextureHandle, Ui, Vec2, text::LayoutJob,
+    self, Color32, Rect, Response, RichText, ScrollArea, Sense, TextStyle, TextureHandle, Ui, Vec2, text::LayoutJob,
 };
 
 use crate::{
@@ -28,6 +28,8 @@ pub struct StudyList {
     /// The files that have a row, before the built-in definitions.
     files: Vec<String>,
     rows: Vec<Row>,
+    /// The study that was chosen when the list was last drawn.
+    shown: String,
 }
 
 struct Row {
@@ -78,7 +80,12 @@ impl StudyList {
                     });
                 }
                 let row = &mut self.rows[index];
-                if row.show(ui, row.experiment == chosen, &about) {
+                let response = row.show(ui, row.experiment == chosen, &about);
+                if row.experiment == chosen && self.shown != chosen {
+                    chosen.clone_into(&mut self.shown);
+                    response.scroll_to_me(None);
+                }
+                if response.clicked() {
                     clicked = Some(row.experiment.clone());
                 }
             }
@@ -106,7 +113,7 @@ impl Row {
         }
     }
 
-    fn show(&mut self, ui: &mut Ui, chosen: bool, about: impl Fn(&str) -> String) -> bool {
+    fn show(&mut self, ui: &mut Ui, chosen: bool, about: impl Fn(&str) -> String) -> Response {
         let (title, line) = self.texts(about);
         let ink = ink(ui);
         let width = ui.available_width() - 2.0 * GAP - PICTURE - FIELD_GAP;
@@ -142,7 +149,7 @@ impl Row {
             ui.painter().galley(below_at, below, line_color);
         }
         let path = self.experiment.clone();
-        response.on_hover_ui(|ui| _ = ui.label(RichText::new(path).small())).clicked()
+        response.on_hover_ui(|ui| _ = ui.label(RichText::new(path).small()))
     }
 
     fn draw_picture(&mut self, ui: &Ui, rect: Rect) {

@@ -190,14 +190,16 @@ impl Studies {
             panel.show(ui, |ui| self.studies(ui));
         }
         let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
-        page.show(ui, |ui| {
+        let content = |ui: &mut Ui| {
             ui.set_max_width(ui.available_width().min(theme::CONTENT));
             if settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
                 next = self.greeting(ui, &mut settings.greeting).or(next.take());
             }
             let mut now = Now { checked: checked.clone(), monitor, here, monitors, settings };
             next = self.place(ui, CARDS[wide], &mut now).or(next.take());
-        });
+        };
+        // The panel itself has the width of the window, and what it has cannot shrink.
+        page.show(ui, |ui| ui.scope(content));
         let dialog = match self.open.take() {
             None => None,
             Some(Open::Session) => {

@@ -135,7 +135,10 @@ impl Shown {
                 let choice = choices.iter().find(|choice| choice.get_name() == name);
                 choice.and_then(|choice| choice.get_help()).map_or_else(|| name.clone(), ToString::to_string)
             };
-            field.width(FIELD + 120.0).choice(ui, &mut self.value, &names, title).on_hover_text(about);
+            field
+                .width(ui.available_width() - LABELS - GAP)
+                .choice(ui, &mut self.value, &names, title)
+                .on_hover_text(about);
         } else if is_folder {
             field.show(ui, |ui, label| {
                 ui.horizontal_wrapped(|ui| {

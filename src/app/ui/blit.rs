@@ -126,8 +126,11 @@ pub fn upload(ctx: &egui::Context, texture: TextureId, delta: &egui::epaint::Ima
 }
 
 /// Draws a part of an image pixel for pixel. Returns `false` if egui must draw it, because the image is not uploaded
-/// yet or because there are no graphics.
+/// yet, because there are no graphics, or because the page is dimmed.
 pub fn draw(ui: &egui::Ui, texture: TextureId, part: Piece) -> bool {
+    if ui.opacity() < 1.0 {
+        return false;
+    }
     let Some(Textures { renderer, .. }) = ui.ctx().data(|data| data.get_temp(Id::NULL)) else { return false };
     let Some(codes) = renderer.read().texture(&texture).map(|texture| texture.bind_group.clone()) else {
         return false;

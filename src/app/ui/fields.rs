@@ -144,7 +144,10 @@ impl<'a> Field<'a> {
         let scale = 10_f64.powf(decimals);
         self.show(ui, |ui, label| {
             match self.column {
-                Some(_) => ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(60.0),
+                Some(_) => {
+                    let room = self.width.unwrap_or(f32::INFINITY).min(ui.available_width());
+                    ui.spacing_mut().slider_width = (room - NUMBER).max(60.0);
+                }
                 None if ui.available_size_before_wrap().x < SLIDER => ui.end_row(),
                 None => {}
             }
@@ -183,7 +186,9 @@ impl<'a> Field<'a> {
             let list = list.show_ui(ui, |ui| {
                 ui.set_style(style);
                 for one in all {
-                    ui.selectable_value(value, one.clone(), text(one));
+                    if entry(ui, value == one, text(one)).clicked() {
+                        *value = one.clone();
+                    }
                 }
             });
             self.labeled(ui, list.response, label)
@@ -208,6 +213,15 @@ impl<'a> Field<'a> {
             None => response.labelled_by(label),
         }
     }
+}
+
+/// Draws an entry of a drop-down list, which it closes, also with Enter.
+pub fn entry(ui: &mut Ui, is_chosen: bool, text: impl Into<String>) -> Response {
+    let entry = ui.selectable_label(is_chosen, text.into());
+    if entry.clicked() {
+        ui.close();
+    }
+    entry
 }
 
 /// Parses a typed number; `None` if the text is not a number.

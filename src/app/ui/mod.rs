@@ -39,7 +39,7 @@ pub mod work;
 
 pub use crate::{display::Monitor, work::today};
 pub use dialog::{Dialog, FileKind};
-pub use fields::{Field, number};
+pub use fields::{Field, entry, number};
 pub use history::History;
 pub use page::{
     Bench, Step, action, ask, end_frame, entered, escaped, footer, heading, keyed, main_action, modal, neutral_primary,

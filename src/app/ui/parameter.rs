@@ -2,7 +2,11 @@
 
 use eframe::egui::{self, ComboBox, Slider, TextEdit, Ui};
 
-use super::{fields::Field, text, theme::ink};
+use super::{
+    fields::{Field, entry},
+    text,
+    theme::ink,
+};
 use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
 
 /// Maximum width of a control, points.
@@ -76,7 +80,9 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
                     let list = list.show_ui(ui, |ui| {
                         let of_model = color_in_models(parameter, text);
                         for level in parameter.levels_hint.iter().map(|level| (*level).to_owned()).chain(of_model) {
-                            ui.selectable_value(text, level.clone(), level);
+                            if entry(ui, *text == level, &level).clicked() {
+                                *text = level;
+                            }
                         }
                     });
                     text::name(ui, &list.response, &format!("Values of {}", parameter.words()));

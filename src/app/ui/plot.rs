@@ -1,5 +1,7 @@
 //! Static plots, their legends, and tables of numbers.
 
+use std::array;
+
 use eframe::{
     egui::{AsIdSalt, Color32, FontId, Grid, RichText, ScrollArea, Sense, Stroke, Ui, Vec2},
     emath::Rangef,
@@ -49,8 +51,15 @@ pub fn legend<'a>(ui: &mut Ui, lines: impl IntoIterator<Item = (Color32, &'a str
     });
 }
 
-/// Draws a striped table that scrolls horizontally if it is too wide.
+/// Draws a striped table that scrolls horizontally if it is too wide. Numbers end at the right of their column.
 pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl IntoIterator<Item = [String; N]>) {
+    let rows: Vec<[String; N]> = rows.into_iter().collect();
+    let is_number = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+−–—".contains(c));
+    let widths: [usize; N] = array::from_fn(|column| {
+        let mut cells = rows.iter().map(|row| &row[column]);
+        let longest = cells.clone().map(|cell| cell.chars().count()).max().unwrap_or(0);
+        if cells.all(is_number) { longest } else { 0 }
+    });
     ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
         Grid::new(id).striped(true).num_columns(N).spacing([18.0, 2.0]).show(ui, |ui| {
             for head in heads {
@@ -58,8 +67,8 @@ pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl
             }
             ui.end_row();
             for row in rows {
-                for cell in row {
-                    ui.monospace(cell);
+                for (cell, width) in row.into_iter().zip(widths) {
+                    ui.monospace(format!("{cell:>width$}"));
                 }
                 ui.end_row();
             }

@@ -83,11 +83,11 @@ impl Saving {
         self.asked = matches!(outcome, Err(StoreError::Occupied(_))).then(|| path.to_owned());
         self.outcome = Some(outcome.map_err(|error| match error {
             StoreError::Occupied(file) if file == path => {
-                format!("{} already exists. Replace it, or type a different name.", full(&file).display())
+                format!("{} already exists. Replace it, or type another name.", full(&file).display())
             }
             StoreError::Occupied(file) => {
                 let file = file.file_name().unwrap_or_default().display();
-                format!("The folder has files from before, such as {file}. Replace them, or type a different name.")
+                format!("The folder has files from before, such as {file}. Replace them, or type another name.")
             }
             error => error.to_string(),
         }));

@@ -189,11 +189,15 @@ const fn colors(palette: [Rgb; 7]) -> [Color32; 7] {
     let mut colors = [Color32::BLACK; 7];
     let mut index = 0;
     while index < colors.len() {
-        let Rgb(r, g, b) = palette[index];
-        colors[index] = Color32::from_rgb(r, g, b);
+        colors[index] = color(palette[index]);
         index += 1;
     }
     colors
+}
+
+/// Returns a color of the figures.
+pub const fn color(Rgb(r, g, b): Rgb) -> Color32 {
+    Color32::from_rgb(r, g, b)
 }
 
 /// Returns the colors of a theme.

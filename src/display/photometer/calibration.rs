@@ -19,7 +19,7 @@ use crate::{
 
 /// The standard error of γ above which more readings are advised.
 const UNCERTAIN_GAMMA: f64 = 0.01;
-/// The noise, relative to the light, above which readings are unsteady.
+/// The misfit above which readings are unsteady.
 const UNSTEADY: f64 = 0.03;
 /// The deviation from additivity, in percent of white, above which the channels of a display are not independent.
 const ADDITIVE_PERCENT: f64 = 5.0;
@@ -51,7 +51,7 @@ pub struct Validation {
     pub rms_cd_m2: f64,
     /// Largest error, in 8-bit codes.
     pub largest_codes: f64,
-    /// Mean squared error in units of the noise of the readings: close to 1 if the model is correct.
+    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct.
     pub score: f64,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
     #[serde(skip)]
@@ -69,8 +69,8 @@ pub struct FittedModel {
     pub channels: Vec<FittedChannel>,
     /// How well the model predicts levels that are left out.
     pub validation: Validation,
-    /// The noise of the readings, relative to the light, if this model is correct.
-    noise: f64,
+    /// How far the readings are from this model: the root mean square, relative to the light.
+    misfit: f64,
 }
 
 /// One channel of a fitted model.
@@ -94,8 +94,9 @@ pub struct FittedChannel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     pub readings: Readings,
-    /// Noise of the readings, relative to the light, according to the chosen model.
-    pub noise: f64,
+    /// How far the readings are from the chosen model: the root mean square, relative to the light. It is their noise if
+    /// the model is correct.
+    pub misfit: f64,
     /// One model of each family, in the order of [`Family::ALL`].
     pub models: Vec<FittedModel>,
     /// The model to use: the one that cross-validation prefers.
@@ -115,13 +116,13 @@ impl Calibration {
         let sample = Sample::new(readings);
         let mut models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
-        let (chosen, noise) = (models[chosen].family, models[chosen].noise);
+        let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
         for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {
-            *score = mean(squares) / (noise / ASSUMED_NOISE).powi(2).max(f64::MIN_POSITIVE);
+            *score = mean(squares) / (misfit / ASSUMED_NOISE).powi(2).max(f64::MIN_POSITIVE);
         }
         let mut calibration = Self {
             readings: readings.clone(),
-            noise,
+            misfit,
             models,
             chosen,
             additivity: additivity(readings),
@@ -193,7 +194,7 @@ fn model(family: Family, sample: &Sample) -> FittedModel {
         common_shape: variants[best],
         channels: channels.map(|((channel, curve), se)| fitted_channel(sample, *channel, curve, *se)).collect(),
         validation: validation.clone(),
-        noise: ASSUMED_NOISE * square.sqrt(),
+        misfit: ASSUMED_NOISE * square.sqrt(),
     }
 }
 
@@ -309,10 +310,10 @@ fn notes(calibration: &Calibration) -> Vec<String> {
             Z_95 * largest
         ));
     }
-    if calibration.noise > UNSTEADY {
+    if calibration.misfit > UNSTEADY {
         notes.push(format!(
-            "readings vary by {:.1} %: use a steadier photometer, or take several readings per level",
-            100.0 * calibration.noise
+            "readings differ from the chosen model by {:.1} %: use a steadier photometer, or take several readings per level",
+            100.0 * calibration.misfit
         ));
     }
     notes

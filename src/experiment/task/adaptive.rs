@@ -13,6 +13,7 @@ use super::{
 use crate::{
     experiment::{condition::Factor, faults::DefinitionErrors},
     stimulus::Stimulus,
+    text::names::expected_one_of,
 };
 
 options! {
@@ -104,7 +105,7 @@ impl Adaptive {
                 let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
                 let is =
                     if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is no parameter") };
-                errors.add(path, format!("{is}; expected one of {}", names.join(", ")));
+                errors.add(path, format!("{is}; {}", expected_one_of(name, &names)));
             } else if factors.iter().any(|factor| factor.name == name) {
                 errors.add(path, format!("{name} is a factor; expected a parameter that no factor varies"));
             }

@@ -2,12 +2,12 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, RichText, Slider};
+use eframe::egui::{self, Label, RichText, Slider};
 use glam::DVec3;
 
 use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
 use crate::{
-    app::ui::{Field, parameter::swatch_edge, text, theme::ink},
+    app::ui::{Field, parameter::swatch_edge, secondary, text, theme::ink},
     light::{Depth, Transfer},
     shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
     stimulus::Renderer,
@@ -94,12 +94,10 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
         meshes.push(compared.mesh.clone());
     }
     field("Mesh", "Shape of the mesh").choice(ui, &mut compared.mesh, &meshes, MeshChoice::title);
-    if let MeshChoice::Named(shape, vertices) = &mut compared.mesh
-        && shape.has_vertices()
-    {
-        // Another shape may need more vertices.
-        *vertices = (*vertices).max(shape.min_vertices());
-        field("Vertices", "Number of vertices").show(ui, |ui, _| {
+    field("Vertices", "Number of vertices").show(ui, |ui, _| match &mut compared.mesh {
+        MeshChoice::Named(shape, vertices) if shape.has_vertices() => {
+            // Another shape may need more vertices.
+            *vertices = (*vertices).max(shape.min_vertices());
             ui.spacing_mut().slider_width = (ui.available_width() - 62.0).max(60.0);
             let range = shape.min_vertices() as f64..=MAX_VERTICES;
             let mut number = *vertices as f64;
@@ -109,8 +107,10 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             if response.changed() {
                 *vertices = number as usize;
             }
-        });
-    }
+        }
+        // The row stays, so that what follows does not move.
+        _ => drop(ui.add_sized([0.0, ui.spacing().interact_size.y], Label::new(secondary("as in the mesh")).extend())),
+    });
     let names = [("Rotate x", "Rotate about x"), ("Rotate y", "Rotate about y"), ("Rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {
         field(label, name).suffix("°").slider(ui, degrees, -180.0..=180.0, 1.0);

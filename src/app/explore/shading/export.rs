@@ -1,6 +1,6 @@
 //! Exports the view as a PNG file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui;
 use serde_json::{Value, json};
@@ -78,7 +78,8 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
 
 /// Returns a file name that says what is compared.
 fn suggested(compared: &Comparison) -> String {
-    let mesh = compared.mesh.title();
+    let title = compared.mesh.title();
+    let stem = Path::new(&title).file_stem().unwrap_or_default().to_string_lossy();
     let [left, right] = compared.sides.map(|side| side.shade.shader);
-    format!("{}-{left}-{right}.png", mesh.trim_end_matches(".obj"))
+    format!("{stem}-{left}-{right}.png")
 }

@@ -18,7 +18,7 @@ use crate::{
     app::ui::{
         Bench, Dialog, Field, FileKind, History, Step, escaped, hint,
         pixels::Canvas,
-        say, secondary, show_error, text,
+        say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
@@ -116,7 +116,13 @@ impl ShadingPage {
                 abruptly.",
         );
         controls::preset(ui, &mut self.compared);
+        let mesh = self.compared.mesh.clone();
         self.history.show(ui, &mut self.compared, Comparison::default());
+        if self.compared.mesh != mesh {
+            // The field has the mesh that came back.
+            let path = if let MeshChoice::File(path) = &self.compared.mesh { path.clone() } else { String::new() };
+            self.file = FileField { path, ..FileField::default() };
+        }
         for (which, side) in self.compared.sides.iter_mut().enumerate() {
             ui.separator();
             controls::side(ui, which, side);
@@ -149,9 +155,8 @@ impl ShadingPage {
             self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
         }
         self.file.dialog.missing_error(ui);
-        if let Some(error) = &self.file.error {
-            show_error(ui, error);
-        }
+        // The error has the same room before there is one.
+        text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad);
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
