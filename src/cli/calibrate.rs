@@ -97,7 +97,7 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
     print_line("")?;
     print_line("leave-one-level-out error")?;
-    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to noise"];
+    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to misfit"];
     let rows = models().map(|model| {
         let found = &model.validation;
         vec![

@@ -114,7 +114,7 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     }
     if without_normals > 0 {
         faces.notes.push(
-            "faces without normals are flat, as the specification of glTF says; --normals averaged makes them smooth"
+            "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth"
                 .to_owned(),
         );
     }
