@@ -164,9 +164,11 @@ fn units_and_origins_do_not_matter() {
             .map(|level| format!("{:e}", origin + level.parse::<f64>().unwrap() * 10_f64.powi(power)))
             .collect()
     };
-    for people in [1, 5] {
+    for (people, is_complete) in [(1, true), (5, true), (5, false)] {
         let of = |power: i32, origin: f64| {
-            let levels = scaled(power, origin);
+            let mut levels = scaled(power, origin);
+            // Ratings without the number are not in the model.
+            levels.extend((!is_complete).then(String::new));
             let rows: Vec<[&str; 1]> = levels.iter().map(|level| [level.as_str()]).collect();
             let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
             let latent = |_: usize, level: usize| Some(0.4 * level as f64 - 1.5);

@@ -107,17 +107,16 @@ impl Design {
         joined
     }
 
-    /// Returns the design in which some columns, given by index, have the given coefficients. What they add is 0 on
-    /// average, since the thresholds contain any constant: a fit begins where that of years begins as well.
+    /// Returns the design in which some columns, given by index, have the given coefficients. What they add is centered as
+    /// the columns were, so that the thresholds of a fit to these are a good start, whatever the origin of a number.
     #[must_use]
-    pub fn held(&self, coefficients: &[(usize, f64)]) -> Self {
+    pub(super) fn held(&self, standard: &Standard, coefficients: &[(usize, f64)]) -> Self {
         let mut held = self.clone();
         let conditions = self.columns.first().map_or(0, |column| column.values.len());
         let offset = held.offset.get_or_insert_with(|| vec![0.0; conditions]);
         for &(column, coefficient) in coefficients {
-            let values = &self.columns[column].values;
-            let mean = values.iter().sum::<f64>() / conditions as f64;
-            offset.iter_mut().zip(values).for_each(|(sum, value)| *sum += coefficient * (value - mean));
+            let added = |value: &f64| coefficient * (value - standard.centers[column]);
+            offset.iter_mut().zip(&self.columns[column].values).for_each(|(sum, value)| *sum += added(value));
         }
         let mut index = 0..;
         held.columns.retain(|_| index.next().is_none_or(|index| coefficients.iter().all(|(held, _)| *held != index)));

@@ -136,8 +136,8 @@ fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<
     let mut how =
         How { random: Some(&full.random), near: Some(full), informed: Some(full), x: Some(&full.x), ..How::default() };
     match quantity {
-        Quantity::Coefficient(column) => x = full.x.held(&[(column, value)]),
-        Quantity::Difference(a, b) => x = full.x.joined(a, b).held(&[(a, value)]),
+        Quantity::Coefficient(column) => x = full.x.held(&full.standard, &[(column, value)]),
+        Quantity::Difference(a, b) => x = full.x.joined(a, b).held(&full.standard, &[(a, value)]),
         Quantity::Deviation(parameter) => {
             how.held = Some((parameter, value));
             x = full.x.clone();

@@ -301,11 +301,13 @@ fn independent(frame: &Frame, term: &Term) -> Result<Component, ModelError> {
     Ok(Component::new(term.to_string(), term.clone(), values, groups, places.len()))
 }
 
-/// Subtracts the mean over all ratings.
+/// Subtracts the mean over all ratings. Conditions that do not occur, which may lack the number, have the value 0.
 fn center(frame: &Frame, values: &mut [f64]) {
     let sum: f64 = frame.rows.iter().map(|row| row.count as f64 * values[row.condition as usize]).sum();
     let mean = sum / frame.total() as f64;
-    values.iter_mut().for_each(|value| *value -= mean);
+    let mut centered = vec![0.0; values.len()];
+    frame.conditions().into_iter().for_each(|c| centered[c as usize] = values[c as usize] - mean);
+    values.copy_from_slice(&centered);
 }
 
 /// How the standardized effects of a participant enter each design row: each row has a fixed number of slots, each slot

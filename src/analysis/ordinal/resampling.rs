@@ -79,7 +79,7 @@ pub(super) fn simulate(
     let held = |term: &&Term| {
         let recoded = recoded(full, term).ok()?;
         let model = recoded.as_ref().unwrap_or(full);
-        Some(model.x.held(&own_coefficients(model, term)))
+        Some(model.x.held(&model.standard, &own_coefficients(model, term)))
     };
     let held: Vec<Option<Design>> = what.terms.iter().map(held).collect();
     let of_study = |study: u32, open: &[Vec<bool>; 2]| {
