@@ -137,9 +137,12 @@ pub struct SubjectResults {
 }
 
 impl FactorResults {
-    /// Returns the mean at each level to which words refer: the marginal mean, if there is one, or the raw mean.
+    /// Returns the mean at each level to which words refer: the marginal mean, if there is one, or the raw mean. Means that
+    /// differ only by rounding errors are the same.
     pub fn means(&self) -> Vec<f64> {
-        self.marginal.clone().unwrap_or_else(|| self.levels.iter().map(|level| level.summary.mean).collect())
+        let raw = || self.levels.iter().map(|level| level.summary.mean).collect();
+        let means = self.marginal.clone().unwrap_or_else(raw);
+        means.into_iter().map(|mean| (mean * 1e9).round() / 1e9).collect()
     }
 
     /// Returns the same results with the marginal means, if the raw means of the levels cannot be compared.

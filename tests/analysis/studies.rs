@@ -221,17 +221,23 @@ fn a_turn_is_no_linear_trend() {
     assert!(!all.contains("does not describe"), "{all}");
 }
 
-/// Means that differ by rounding alone are the same.
+/// Means that differ by rounding alone are the same, and there is no step between them.
 #[test]
 fn tied_means_are_one() {
-    let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2"]);
-    for (subject, a, b) in [("p", [1, 0, 0], [2, 1, 1]), ("q", [1, 1, 0], [1, 1, 0]), ("r", [2, 1, 1], [1, 0, 0])] {
-        for (level, ratings) in [("A", a), ("B", b)] {
-            ratings.iter().for_each(|rating| builder.add_counts(subject, &[level], &rating.to_string(), 1).unwrap());
+    let with = |names: [&str; 3]| {
+        let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2"]);
+        for (subject, a, b) in [("p", [1, 0, 0], [2, 1, 1]), ("q", [1, 1, 0], [1, 1, 0]), ("r", [2, 1, 1], [1, 0, 0])] {
+            for (level, ratings) in names.into_iter().zip([a, b, [0, 1, 0]]).filter(|(level, _)| !level.is_empty()) {
+                ratings.iter().for_each(|r| builder.add_counts(subject, &[level], &r.to_string(), 1).unwrap());
+            }
         }
-    }
-    let finding = said(&analyze(builder.finish(), &options(None))).findings[0].clone();
+        analyze(builder.finish(), &options(None))
+    };
+    let finding = said(&with(["A", "B", ""])).findings[0].clone();
     assert!(finding.contains("0.78 at all levels") || finding.contains("the same at all levels"), "{finding}");
+    for names in [["2", "3", "1"], ["3", "2", "1"]] {
+        assert_eq!(with(names).factors[0].course(), None, "{names:?}");
+    }
 }
 
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.

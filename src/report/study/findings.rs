@@ -260,7 +260,7 @@ fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String)
     let (most, least) = factor.extremes();
     let means = factor.means();
     [least, most].map(|index| {
-        let same = factor.levels.iter().zip(&means).filter(|(_, value)| (*value - means[index]).abs() < 1e-9);
+        let same = factor.levels.iter().zip(&means).filter(|(_, value)| **value == means[index]);
         let same: Vec<Shown> = same.map(|(level, _)| names::level_of(results, factor, level)).collect();
         (mean(means[index]), short_list(&same, 4))
     })
