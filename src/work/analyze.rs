@@ -14,7 +14,7 @@ use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
         counts::{Counts, Trial},
-        number_of, numbers_of,
+        find_factor, number_of, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
     },
@@ -315,7 +315,8 @@ impl Analyze {
         }
         self.check_factors(counts)?;
         let terms = self.options(&study.source).terms(counts);
-        if let Some(message) = determined(counts, self.columns_of(terms.as_ref())) {
+        let twice = terms.as_ref().and_then(|terms| twice(counts, terms));
+        if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {
             return Err(RequestError::value("terms", message));
         }
         let Some(order) = &self.ratings.order else { return Ok(()) };
@@ -371,16 +372,21 @@ impl Analyze {
     }
 }
 
+/// Says which column is both a factor and a number of the terms.
+fn twice(counts: &Counts, terms: &Terms) -> Option<String> {
+    let (factors, numbers): (Vec<&Variable>, Vec<&Variable>) =
+        (terms.iter().flat_map(|term| &term.variables)).partition(|variable| matches!(variable, Variable::Factor(_)));
+    let column = |variable: &Variable| find_factor(counts, variable).ok().map(|(column, _)| column);
+    let numbers: Vec<usize> = numbers.into_iter().filter_map(column).collect();
+    let is_number = |factor: &&Variable| column(factor).is_some_and(|own| numbers.contains(&own));
+    let name = factors.into_iter().find(is_number)?.name();
+    Some(format!("{name} is both a factor and a number, so its effects cannot be told apart; expected one of them"))
+}
+
 /// Says which of these factors determines another one, or a number, so that their effects cannot be told apart.
 fn determined(counts: &Counts, names: [Vec<String>; 2]) -> Option<String> {
     let [factors, numbers] =
         names.map(|names| names.iter().filter_map(|name| Some(counts.factor(name)?.0)).collect::<Vec<usize>>());
-    if let Some(both) = factors.iter().find(|factor| numbers.contains(factor)) {
-        let name = &counts.factors[*both].name;
-        return Some(format!(
-            "{name} is both a factor and a number, so its effects cannot be told apart; expected one of them"
-        ));
-    }
     let mut pairs = factors.iter().flat_map(|own| factors.iter().chain(&numbers).map(move |other| (*own, *other)));
     let (own, other) = pairs.find(|(own, other)| counts.determines(*own, *other))?;
     let [one, two] = [own, other].map(|factor| &counts.factors[factor].name);

@@ -517,6 +517,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("word.csv", &rows(&|i| if i == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("words.csv", &rows(&|i| if i % 9 == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("usual.csv", &usual);
+    write("depth.csv", &usual.replace("count", "depth"));
     write("twice.csv", &(usual.clone() + usual.split_once('\n').unwrap().1));
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
@@ -537,6 +538,13 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("words.csv", &["--terms", "count"], 2, "y: oops is not a number"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
         ("usual.csv", &["--terms", "count,num:count"], 2, "--terms count is both a factor and a number"),
+        ("depth.csv", &["--terms", "depth,num:inv_n"], 2, "--terms depth is both a factor and a number"),
+        (
+            "usual.csv",
+            &["--terms", "count", "--factors", "trial", "--items", "count"],
+            2,
+            "--items count: expected a column",
+        ),
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
