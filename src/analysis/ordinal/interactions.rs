@@ -4,8 +4,10 @@
 //! orthogonal to the columns of the model. If there is no interaction, each participant's scores might as well have the
 //! opposite sign, however participants differ. The statistic is the squared sum of the scores in units of their
 //! information, and its distribution that over these signs (a score bootstrap: Kline & Santos 2012, J. Econom. Methods 1).
-//! It is shown in units in which its mean over the signs is that of χ², the number of degrees of freedom: the information
-//! does not know how participants differ, least of all in what varies only between them.
+//! The fit has removed the part of the scores that the model explains, and other signs bring some of it back: the scores that
+//! get other signs are enlarged, such that their sum varies as much, on average, as the sum of the scores as they are. The
+//! statistic is shown in units in which its mean over the signs is that of χ², the number of degrees of freedom: the
+//! information does not know how participants differ, least of all in what varies only between them.
 //! The same signs for all interactions give the distribution of the smallest p, which corrects for their number (Westfall &
 //! Young 1993). Fewer than [`LEAST_FOR_SIGNS`] participants have too few signs, and items are shared by participants:
 //! likelihood ratios of wider models in simulated studies take their place.
@@ -98,7 +100,7 @@ fn pairs(full: &Fitted) -> Vec<(Interaction, [usize; 2])> {
 }
 
 fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> Vec<Interaction> {
-    let scores: Vec<Option<DMatrix<f64>>> = {
+    let scores: Vec<Option<Scores>> = {
         let residuals = Residuals::of(full);
         pairs
             .par_iter()
@@ -109,10 +111,13 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
     let mut statistics = vec![Vec::new(); pairs.len()];
     let patterns = each_block_of_signs(full.frame.subjects.len(), seed, |signs| {
         statistics.par_iter_mut().zip(&scores).for_each(|(statistics, scores)| {
-            let sums = scores.as_ref().map(|scores| scores * signs);
+            let sums = scores.as_ref().map(|scores| &scores.enlarged * signs);
             statistics.extend(sums.iter().flat_map(|sums| sums.column_iter().map(|sum| sum.norm_squared())));
         });
     });
+    for (statistics, scores) in statistics.iter_mut().zip(&scores) {
+        statistics.iter_mut().zip(scores).for_each(|(first, scores)| *first = scores.observed);
+    }
     let reached: Vec<Vec<f64>> = statistics.par_iter().map(|statistics| exceedances(statistics)).collect();
     let least = |pattern: usize| reached.iter().filter_map(|p| p.get(pattern).copied()).fold(1.0, f64::min);
     let least: Vec<f64> = (0..patterns).map(least).collect();
@@ -125,8 +130,8 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
         }
         if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
-            let df = scores.nrows();
-            let chi_squared = statistic * df as f64 / scores.norm_squared();
+            let df = scores.enlarged.nrows();
+            let chi_squared = statistic * df as f64 / scores.enlarged.norm_squared();
             (pair.chi_squared, pair.df, pair.draws) = (Some(chi_squared), df, patterns);
             (pair.p, pair.withheld) = (Some(reaching as f64 / patterns as f64), None);
         }
@@ -166,12 +171,21 @@ pub(super) fn each_block_of_signs(people: usize, seed: u64, mut each: impl FnMut
     patterns
 }
 
+/// The scores of the participants for an interaction, in units of their information.
+struct Scores {
+    /// The squared sum of the scores as they are.
+    observed: f64,
+    /// The scores to which other signs are given, each participant's in a column.
+    enlarged: DMatrix<f64>,
+}
+
 /// The residuals of a fit.
 struct Residuals {
     /// The columns of the model, one row for each distinct condition, with a constant.
     x: DMatrix<f64>,
-    /// For each participant: row, derivative of the log-probability of the ratings with respect to the location.
-    of_subjects: Vec<Vec<(usize, f64)>>,
+    /// For each participant: row, derivative of the log-probability of the ratings with respect to the location, and their
+    /// information on it.
+    of_subjects: Vec<Vec<(usize, f64, f64)>>,
     /// The information on the location in each row.
     information: DVector<f64>,
 }
@@ -184,18 +198,14 @@ impl Residuals {
             None => (full.clm.parameters.clone().resize_vertically(data.parameters(), 0.0), data.modes()),
         };
         let mut information = DVector::zeros(data.x.nrows());
-        let mut own = |sums: (usize, f64, f64)| {
-            information[sums.0] += sums.2;
-            (sums.0, sums.1)
-        };
         let of_subjects = data.residuals(&parameters, &modes);
-        let of_subjects = of_subjects.into_iter().map(|rows| rows.into_iter().map(&mut own).collect()).collect();
+        of_subjects.iter().flatten().for_each(|(row, _, own)| information[*row] += own);
         Self { x: data.x.insert_column(0, 1.0), of_subjects, information }
     }
 
-    /// Returns each participant's scores for the interaction of two terms, in units of their information, in a column;
-    /// `None` if the design does not tell the interaction from the model.
-    fn scores(&self, full: &Fitted, [one, other]: [usize; 2]) -> Option<DMatrix<f64>> {
+    /// Returns the scores for the interaction of two terms; `None` if the design does not tell the interaction from the
+    /// model.
+    fn scores(&self, full: &Fitted, [one, other]: [usize; 2]) -> Option<Scores> {
         let columns = |term: usize| {
             let own = full.x.columns.iter().enumerate().filter(move |(_, column)| column.term == term);
             own.map(|(index, _)| self.x.column(1 + index)).collect::<Vec<_>>()
@@ -210,7 +220,8 @@ impl Residuals {
             weighted
         };
         let xw = weighted(&self.x);
-        let explained = (xw.transpose() * &self.x).svd(true, true).solve(&(xw.transpose() * &z), 1e-10).ok()?;
+        let solver = (xw.transpose() * &self.x).svd(true, true);
+        let explained = solver.solve(&(xw.transpose() * &z), 1e-10).ok()?;
         let most = z.component_mul(&weighted(&z)).sum();
         let z = z - &self.x * explained;
         let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(z.transpose() * weighted(&z));
@@ -220,11 +231,22 @@ impl Residuals {
             eigenvectors[(row, kept[column])] / eigenvalues[kept[column]].sqrt()
         });
         let z = z * unit;
-        let score = |rows: &Vec<(usize, f64)>| {
-            rows.iter().map(|(row, residual)| z.row(*row).transpose() * *residual).sum::<DVector<f64>>()
-        };
-        let scores: Vec<DVector<f64>> = self.of_subjects.iter().map(score).collect();
-        (!kept.is_empty()).then(|| DMatrix::from_columns(&scores))
+        if kept.is_empty() {
+            return None;
+        }
+        let mut scores = DMatrix::zeros(kept.len(), self.of_subjects.len());
+        let mut varied = DMatrix::identity(kept.len(), kept.len());
+        for (rows, mut score) in self.of_subjects.iter().zip(scores.column_iter_mut()) {
+            let mut shared = DMatrix::zeros(self.x.ncols(), kept.len());
+            for (row, residual, information) in rows {
+                score += z.row(*row).transpose() * *residual;
+                shared += self.x.row(*row).transpose() * z.row(*row) * *information;
+            }
+            varied -= shared.transpose() * solver.solve(&shared, 1e-10).ok()?;
+        }
+        let observed = scores.column_sum().norm_squared();
+        varied.cholesky()?.l().solve_lower_triangular_mut(&mut scores);
+        Some(Scores { observed, enlarged: scores })
     }
 }
 
