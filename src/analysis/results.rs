@@ -115,6 +115,8 @@ pub struct FactorResults {
     pub ordered: bool,
     /// Whether most participants rated several levels.
     pub within: bool,
+    /// The participants who rated several levels.
+    pub crossing: Vec<String>,
     /// Each participant's mean at every level, of which the differences and the rank test are.
     pub matched: SubjectMeans,
     /// Test of whether any level differs; `None` if there is only one participant or level, or if there are items.
@@ -387,6 +389,7 @@ pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         marginal: None,
         ordered: counts.factors[factor].is_ordered(),
         within: counts.is_within(factor),
+        crossing: counts.crossing(factor),
         friedman: friedman(&means, PERMUTATIONS),
         matched: means,
         times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),

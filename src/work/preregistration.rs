@@ -11,7 +11,7 @@ use super::{
 use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, Resampling, Slopes,
-        power::{Effect, Hypothesis, Power, Precision, Quantity, Test},
+        power::{Effect, Hypothesis, Power, Precision, Quantity, Sampling, Test},
         tasks::psychometric::Model,
     },
     experiment::{Factor, Protocol},
@@ -177,6 +177,8 @@ impl Planned {
 
     fn analysis(&self) -> String {
         let spec = self.plan.spec();
+        let usual = Sampling::default().alpha;
+        let is_one = self.powers.iter().all(|power| power.participants == 1);
         let slopes = match spec.slopes {
             Slopes::None => "random intercepts",
             Slopes::Independent => {
@@ -184,16 +186,22 @@ impl Planned {
             }
             Slopes::Correlated => "correlated random intercepts and slopes",
         };
+        let effects = if is_one {
+            "It has no random effects: its conclusions are about the trials of one participant, not about people."
+                .to_owned()
+        } else {
+            format!("Participants have {slopes}. The likelihood is Laplace’s approximation.")
+        };
         format!(
-            "The ratings are modeled with a cumulative-link mixed model with {} link and the terms {}. Participants have {slopes}. \
-             The likelihood is Laplace’s approximation. Each term is tested by the likelihood ratio against the model without it, at \
+            "The ratings are modeled with a cumulative-link {}model with {} link and the terms {}. {effects} Each term is tested by the likelihood ratio against the model without it, at \
              the level {}{}. With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p comes from a parametric bootstrap with up to \
-             {} simulated studies. {} The p values of different terms are not corrected for their number. Levels of a factor are \
+             {} simulated studies.{} The p values of different terms are not corrected for their number. Levels of a factor are \
              compared in the same model, corrected with Holm’s method.\n\n\
              Interactions of two factors that are not in the model are tested from its residuals, corrected for their number. If \
              one is below {}, the effect of one factor is described at each level of the other, and no main effect alone. \
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
-             analysis. Everything else is exploratory and will be called so.",
+             analysis. Everything else is exploratory and will be called so.{}",
+            if is_one { "" } else { "mixed " },
             spec.link,
             list(&spec.terms.iter().map(|term| self.in_words(&term.to_string())).collect::<Vec<_>>()),
             self.sampling.alpha,
@@ -203,14 +211,24 @@ impl Planned {
                 ""
             },
             Resampling::default().draws,
-            if spec.slopes == Slopes::None {
-                "Because effects have no random slopes, conclusions about the effect of a factor that varies within participants rest on \
+            if is_one {
+                ""
+            } else if spec.slopes == Slopes::None {
+                " Because effects have no random slopes, conclusions about the effect of a factor that varies within participants rest on \
                  the exact Friedman test of its levels, at the same level, and not on the likelihood ratio."
             } else {
-                "If the design supports no random slope of a term that varies within participants, the exact Friedman test of its \
+                " If the design supports no random slope of a term that varies within participants, the exact Friedman test of its \
                  levels takes the place of this test."
             },
-            self.sampling.alpha
+            self.sampling.alpha,
+            if usual == self.sampling.alpha {
+                String::new()
+            } else {
+                let alpha = self.sampling.alpha;
+                format!(
+                    " The report of the analysis words its sentences at the level {usual}; p is compared with {alpha} by hand."
+                )
+            }
         )
     }
 }

@@ -100,6 +100,54 @@ fn people_count_equally_and_few_ratings_say_nothing() {
     assert!(html.contains("No participant gave 10 ratings") && !html.contains("Every participant used"), "{html}");
 }
 
+/// Three of twelve people rate both levels, and two of them rate b far higher; nine rate one level. Without a slope, p is
+/// below .001, and below .05 in 4 of 10 studies of people who differ in an effect that is 0 on average.
+#[test]
+fn people_who_cross_are_few_people() {
+    let mut builder = MeasuredBuilder::new(&["c"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..12 {
+        for (place, level) in ["a", "b"].into_iter().enumerate().filter(|(own, _)| person < 3 || person % 2 == *own) {
+            let middle = [[0, 2], [0, 2], [1, 0]].get(person).map_or(person % 3, |own| own[place]);
+            for (rating, count) in [(middle, 8), (middle + 1, 12)] {
+                builder.add_counts(&format!("P{person}"), &[level], &rating.to_string(), count).unwrap();
+            }
+        }
+    }
+    let results = analyze(builder.finish(), &options(None));
+    let model = results.model.as_ref().unwrap();
+    assert!(model.model.random.as_ref().is_some_and(|random| random.slopes.len() == 1), "{:?}", model.model.random);
+    assert!(model.terms[0].p.is_some_and(|p| p > 0.05), "{:?}", model.terms);
+    let Summary { cautions, .. } = said(&results);
+    let expected = "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others one level each: was this the design?";
+    assert!(cautions.iter().any(|text| text == expected), "{cautions:?}");
+    assert!(!page(&source(&["c"]), &results).contains("Each participant rated only one level"));
+}
+
+/// Up to 100 people, p of a factor between them comes from simulated studies, and that of a factor within them, from 41 on,
+/// from the χ² distribution. The report says which.
+#[test]
+fn a_report_says_which_p_is_simulated() {
+    let mut builder = MeasuredBuilder::new(&["group", "light"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..42 {
+        for (place, light) in ["on", "off"].into_iter().enumerate() {
+            for repetition in 0..3 {
+                let (group, rating) = (["x", "y"][person % 2], (person * 7 + repetition * 5 + place) % 4);
+                builder.add_counts(&format!("P{person}"), &[group, light], &rating.to_string(), 1).unwrap();
+            }
+        }
+    }
+    let results = analyze(builder.finish(), &options(None));
+    let draws: Vec<bool> = results.model.as_ref().unwrap().terms.iter().map(|test| test.draws.is_some()).collect();
+    assert_eq!(draws, [true, false]);
+    let html = page(&source(&["group", "light"]), &results);
+    for expected in [
+        "The p values of light come from the χ² distribution, the others come from",
+        "so p (that of light from the χ² distribution)",
+    ] {
+        assert!(html.contains(expected), "{expected}: {html}");
+    }
+}
+
 const CROSSED: [&[&str]; 4] = [&["p", "x"], &["p", "z"], &["q", "x"], &["q", "z"]];
 
 /// An effect that is turned round by another factor is no missing effect. Today's sentence was "found no clear effect of a

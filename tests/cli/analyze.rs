@@ -594,6 +594,23 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     assert_eq!(cells, expected);
     assert!(report.contains("answered in less than 0.2 s were left out on request (4 trials by "), "{report}");
     assert!(report.contains("--min-time 0.2"), "the command repeats the analysis");
+    // Whether an answer without a time came within the limits is unknown.
+    for (time, expected) in [
+        ("90 ms", "error: t.csv:6:8: rt is \"90 ms\"; expected seconds, 0 or more\n"),
+        ("", "warning: t.csv: 1 of 230 ratings has no response time and is kept; expected one in every row\n"),
+    ] {
+        let with_time = |(i, line): (usize, &str)| match line.rsplit_once(',') {
+            Some((before, _)) if i == 4 => format!("{before},{time}\n"),
+            _ => format!("{line}\n"),
+        };
+        let rows: String = rows.lines().enumerate().map(with_time).collect();
+        fs::write(folder.path().join("t.csv"), format!("subj,group,answer,rt\n{rows}")).unwrap();
+        let line = line.replace("d.csv", "t.csv").replace("--out", "--tables-only --force --missing -99 --out t");
+        let output = machband(folder.path(), &split(&line));
+        assert!(text(&output.stderr).contains(expected), "{}", text(&output.stderr));
+        let left = text(&output.stdout);
+        assert_eq!(left.contains("1 with errors"), !time.is_empty(), "{left}");
+    }
     // Six of 240 rows are not on the scale that is named.
     let error = fails(folder.path(), &split(&format!("{line} x --categories 0,1,2,3")), 1);
     let expected =

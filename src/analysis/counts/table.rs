@@ -183,9 +183,14 @@ impl Counts {
             .collect()
     }
 
+    /// Returns the participants who rated at least two levels of a factor.
+    pub fn crossing(&self, factor: usize) -> Vec<String> {
+        crossing(self, &self.rows, factor).map(|subject| self.subjects[subject as usize].clone()).collect()
+    }
+
     /// Returns whether most participants rated at least two levels of a factor.
     pub fn is_within(&self, factor: usize) -> bool {
-        varies_within(self, &self.rows, factor)
+        2 * crossing(self, &self.rows, factor).count() > self.rows.chunk_by(|l, r| l.subject == r.subject).count()
     }
 
     /// Returns whether each level of a factor occurs with one level of another one, which has several. The effects of both
@@ -277,16 +282,13 @@ impl Counts {
 /// With fewer different numbers, they may be groups.
 const LEAST_COVARIATE: usize = 4;
 
-/// Returns whether most participants in these rows rated at least two levels of a factor.
-pub(crate) fn varies_within(counts: &Counts, rows: &[CountRow], factor: usize) -> bool {
-    let (mut within, mut all) = (0, 0);
-    for own in rows.chunk_by(|l, r| l.subject == r.subject) {
+/// Returns the participants in these rows who rated at least two levels of a factor.
+pub(crate) fn crossing(counts: &Counts, rows: &[CountRow], factor: usize) -> impl Iterator<Item = u32> {
+    rows.chunk_by(|l, r| l.subject == r.subject).filter_map(move |own| {
         let mut levels = own.iter().filter_map(|row| counts.conditions[row.condition as usize][factor]);
         let first = levels.next();
-        all += 1;
-        within += usize::from(levels.any(|level| Some(level) != first));
-    }
-    2 * within > all
+        levels.any(|level| Some(level) != first).then_some(own[0].subject)
+    })
 }
 
 /// The ratings of a study.

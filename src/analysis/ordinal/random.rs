@@ -14,7 +14,7 @@ use super::{
     terms::{Term, Terms, Variable},
 };
 use crate::analysis::{
-    counts::varies_within,
+    counts::crossing,
     frame::{Frame, find_factor},
 };
 
@@ -258,7 +258,7 @@ pub(crate) fn terms_with_slopes(frame: &Frame, spec: &ModelSpec) -> Result<Vec<T
     Ok(terms)
 }
 
-/// Returns the variables of a term that vary within most participants.
+/// Returns the variables of a term that vary within participants.
 pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
     let mut variables = Vec::new();
     for variable in &term.variables {
@@ -269,9 +269,9 @@ pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError
     Ok(Term { variables })
 }
 
-/// Returns whether most participants rated at least two levels of a factor.
+/// Returns whether any participant rated at least two levels of a factor.
 pub(super) fn is_within(frame: &Frame, factor: usize) -> bool {
-    varies_within(frame.counts, &frame.rows, factor)
+    crossing(frame.counts, &frame.rows, factor).next().is_some()
 }
 
 /// Creates the deviations at each combination of a term's levels, multiplied by the term's numbers about their means.

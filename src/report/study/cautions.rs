@@ -203,6 +203,7 @@ pub(super) fn is_serious(note: &Note) -> bool {
 pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences = one_category(results);
+    sentences.extend(few_cross(results));
     // Participants with the same peculiarity are named in one sentence.
     if let Some((who, least, most)) = odd(subjects, low_kappa, |_| true) {
         let (least, most) = (unit(least), unit(most));
@@ -240,6 +241,16 @@ fn typical_time(subjects: &[SubjectResults]) -> Option<f64> {
     let mut sorted: Vec<f64> = subjects.iter().filter_map(|s| Some(s.times?.median)).collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()
+}
+
+/// Names the participants who rated several levels of a factor of which most others rated one.
+fn few_cross(results: &Results) -> impl Iterator<Item = String> {
+    results.factors.iter().filter(|factor| !factor.within && !factor.crossing.is_empty()).map(|factor| {
+        let (name, who) = (names::factor(results, &factor.name), short_list(&factor.crossing, MAX_NAMES));
+        let of = count(results.people() as u64, "participant");
+        let few = factor.crossing.len();
+        format!("{few} of {of} ({who}) rated several levels of {name}, the others one level each: was this the design?")
+    })
 }
 
 /// Names the participants who used one category always, or nearly always.

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, ModelReport, RandomSlope, Results,
+        Link, ModelReport, RandomSlope, Results, TermTest,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -23,6 +23,12 @@ use crate::{
     },
     store::ratings::Source,
 };
+
+/// Returns the names of the terms of those tests whose p does not come from simulated studies.
+pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
+    let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
+    others.map(|test| names::term(results, &test.term)).collect()
+}
 
 /// One publication per line, sorted by name: its citation, a tab, and its entry in the list of references.
 const PUBLICATIONS: &str = include_str!("references.txt");
@@ -179,8 +185,14 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
+        let others = not_simulated(results, &report.terms);
+        let whose = if others.is_empty() {
+            "Their p values come".to_owned()
+        } else {
+            format!("The p values of {} come from the χ² distribution, the others come", list(&others))
+        };
         text += &format!(
-            " Their p values come from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
+            " {whose} from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
              (ChaCha8, seed {}){}, and their ratios were computed at the coefficients that generated them. p is (k + 1)/(n + 1); \
              if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.",
             cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),

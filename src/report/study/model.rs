@@ -1,6 +1,6 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{cautions::is_serious, findings::ALPHA, fit, names};
+use super::{cautions::is_serious, findings::ALPHA, fit, methods::not_simulated, names};
 use crate::{
     analysis::{
         Coefficient, Comparison, Contrast, Interaction, Link, Margin, Model, ModelReport, Random, RandomEffect,
@@ -61,7 +61,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
              terms. {}{scope}",
                 if model.random.is_some() { " but has the same random effects" } else { "" },
-                source_of_p(&report.terms)
+                source_of_p(results, &report.terms)
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
@@ -78,7 +78,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
                 "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
              against a separate effect at each threshold{}. {} The last column corrects p for the number of terms (Holm).",
                 if model.random.is_some() { ", in models without random effects" } else { "" },
-                source_of_p(&report.proportional_odds)
+                source_of_p(results, &report.proportional_odds)
             ),
             "Tests of proportional odds",
         ],
@@ -153,10 +153,16 @@ fn order(section: &mut Section, report: &ModelReport) {
 }
 
 /// Says where the probabilities of some tests come from.
-fn source_of_p(tests: &[TermTest]) -> String {
+fn source_of_p(results: &Results, tests: &[TermTest]) -> String {
+    let others = not_simulated(results, tests);
+    let of_others = if others.is_empty() {
+        String::new()
+    } else {
+        format!(" (that of {} from the χ² distribution)", list(&others))
+    };
     match tests.iter().filter_map(|test| test.draws).max() {
         Some(draws) => format!(
-            "The χ² distribution is not accurate with few or related ratings, so p comes from up to {draws} studies that were \
+            "The χ² distribution is not accurate with few or related ratings, so p{of_others} comes from up to {draws} studies that were \
              simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws), and studies that allowed no fit are left out. p is \
              (k + 1)/(n + 1) if k of n simulated ratios are at least as large. If none is, p comes from an exponential tail \
              fitted to the largest fifth and should be read only as small.{}",

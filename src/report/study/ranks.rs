@@ -60,7 +60,7 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
         section.note(format!("Excluded from the tests of {name}, because they did not rate every level of it in the same conditions: {who}."));
     }
     let between: Vec<String> =
-        factors.iter().filter(|f| !f.within).map(|factor| names::factor(results, &factor.name)).collect();
+        factors.iter().filter(|f| f.crossing.is_empty()).map(|factor| names::factor(results, &factor.name)).collect();
     if !between.is_empty() {
         let list = list(&between);
         section.note(format!("Each participant rated only one level of {list}, so these tests do not apply to it."));

@@ -185,14 +185,15 @@ pub(super) fn add_rows(
     let mut errors = std::mem::take(&mut rows.errors);
     let report = |errors: &mut RowErrors, error| rows.report(errors, error, input, &selection.inputs);
     let cells = Cells::new(selection, known, input, rows);
-    let (least, most) = selection.shape.time_limits;
+    let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
+    let mut without_time = 0;
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
             Err(reason) => return Ok(Err(reason)),
         };
-        // An unreadable position or time is an error, but the rating still counts.
+        // An unreadable position or time is an error, but the rating still counts, unless its time decides that.
         let place = cells.place(row).unwrap_or_else(|error| {
             report(errors, error);
             None
@@ -201,10 +202,14 @@ pub(super) fn add_rows(
             report(errors, error);
             None
         });
-        let response_time_s = cells.response_time_s(row).unwrap_or_else(|error| {
-            report(errors, error);
-            None
-        });
+        let response_time_s = match cells.response_time_s(row) {
+            Err(error) if limits != (None, None) => return Err(error),
+            found => found.unwrap_or_else(|error| {
+                report(errors, error);
+                None
+            }),
+        };
+        without_time += if response_time_s.is_none() { count } else { 0 };
         match response_time_s {
             Some(seconds) if least.is_some_and(|least| seconds < least) => return Ok(Err(Reason::TooFast)),
             Some(seconds) if most.is_some_and(|most| seconds > most) => return Ok(Err(Reason::TooSlow)),
@@ -251,5 +256,5 @@ pub(super) fn add_rows(
         *place += 1;
     }
     rows.errors = errors;
-    FileRead { without_level, ..read }
+    FileRead { without_level, without_time, ..read }
 }

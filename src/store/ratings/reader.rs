@@ -147,6 +147,7 @@ fn read_inputs<T>(
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     warnings.extend(without_level(&selection, &reports));
+    warnings.extend(without_time(&selection, &reports));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -205,6 +206,16 @@ fn without_level(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> 
         Some(FileError::whole(&first.path, message)).filter(|_| !selection.shape.guessed)
     };
     selection.shape.factors.iter().enumerate().filter_map(warning).collect()
+}
+
+/// Returns a warning if ratings without a response time are kept although the time was limited.
+fn without_time(selection: &Selection, reports: &[FileRead]) -> Option<FileError> {
+    let (found, ratings) = reports.iter().fold((0, 0), |(n, all), own| (n + own.without_time, all + own.ratings));
+    let first = reports.iter().find(|report| report.without_time > 0)?;
+    let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
+    let message =
+        format!("{found} of {ratings} ratings {have} no response time and {are} kept; expected one in every row");
+    Some(FileError::whole(&first.path, message)).filter(|_| selection.shape.time_limits != (None, None))
 }
 
 /// Says how a file was read if it is not plain text in UTF-8.

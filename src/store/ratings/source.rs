@@ -231,6 +231,8 @@ pub struct FileRead {
     pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
     /// For each factor, the number of ratings that have no value of it.
     pub without_level: Vec<u64>,
+    /// Number of ratings without a response time.
+    pub without_time: u64,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,
