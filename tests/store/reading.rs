@@ -723,6 +723,10 @@ mod elsewhere {
         assert_eq!((counts(&read), read.source.left_out(Reason::NoResponse)), (expected.to_vec(), (1, 1)));
         assert_eq!((read.source.files[0].rows, read.source.files[0].counted), (4, 3));
         let count = file(&folder, "c.csv", "subject,group,low,high,count\nA,x,1,2,1\nB,y,.,3,1\n");
+        let again = file(&folder, "a.csv", "subject,group,low,high\nA,x,1,2\nA,y,1,2\nA,x,3,2\nB,x,4,1\n");
+        let expected = "some participants have several rows for one condition (2 of 8 ratings); expected a row for each participant, \
+                        or factors that tell their rows apart";
+        assert_eq!(warnings(&Study::read(&[again], &how).unwrap()), [expected]);
         let of_counts = ReadOptions { factors: None, ..how };
         assert_eq!(Study::read(&[count], &of_counts).unwrap().measured.counts, read.measured.counts);
         let long = file(&folder, "l.csv", "subject,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");

@@ -1,5 +1,7 @@
 //! What the cells of a table mean, row by row.
 
+use std::collections::HashSet;
+
 use super::{
     rows::{RowError, Rows, Status, What},
     selection::{Columns as Used, Input, Selection},
@@ -187,7 +189,7 @@ pub(super) fn add_rows(
     let cells = Cells::new(selection, known, input, rows);
     let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
-    let mut without_time = 0;
+    let (mut without_time, mut again, mut known_rows) = (0, 0, HashSet::new());
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
@@ -218,6 +220,10 @@ pub(super) fn add_rows(
         levels.clear();
         levels.extend(cells.factors.iter().map(|levels| *levels.get(row)));
         levels.extend(selection.wide.get(which).map(String::as_str));
+        if !selection.wide.is_empty() && cells.counts.is_none() {
+            let key = levels.iter().chain([&subject]).map(|text| (*text).to_owned()).collect::<Vec<_>>();
+            again += u64::from(!known_rows.insert(key));
+        }
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
@@ -256,5 +262,5 @@ pub(super) fn add_rows(
         *place += 1;
     }
     rows.errors = errors;
-    FileRead { without_level, without_time, ..read }
+    FileRead { without_level, without_time, again, ..read }
 }

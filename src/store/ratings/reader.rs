@@ -148,6 +148,14 @@ fn read_inputs<T>(
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     warnings.extend(without_level(&selection, &reports));
     warnings.extend(without_time(&selection, &reports));
+    warnings.extend(reports.iter().filter(|report| report.again > 0).map(|report| {
+        let message = format!(
+            "some participants have several rows for one condition ({} of {} ratings); expected a row for each participant, or \
+             factors that tell their rows apart",
+            report.again, report.ratings
+        );
+        FileError::whole(&report.path, message)
+    }));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;

@@ -233,6 +233,8 @@ pub struct FileRead {
     pub without_level: Vec<u64>,
     /// Number of ratings without a response time.
     pub without_time: u64,
+    /// Number of ratings in a wide table of a participant and condition that an earlier row has.
+    pub again: u64,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,
