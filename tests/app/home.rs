@@ -463,6 +463,7 @@ fn another_window_takes_a_participant() {
     std::os::unix::fs::symlink(&data, &data).unwrap();
     third.event(egui::Event::WindowFocused(true));
     third.run_steps(3);
+    assert!(third.query_by_label_contains("Another window").is_none(), "an error about what was there before");
     third.get_by_label_contains("cannot list");
     third.get_by_label_contains("Something above needs attention");
 }

@@ -144,7 +144,7 @@ impl Studies {
             "1".clone_into(&mut self.form.session);
             self.selected = None;
         }
-        self.checked = None;
+        (self.checked, self.error) = (None, None);
         self.sessions.refresh();
         self.list.read(&settings.recent.experiments);
     }
