@@ -179,7 +179,7 @@ impl Studies {
         }
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
-        self.list.update(&settings.recent.experiments);
+        self.list.update(ui.ctx(), &settings.recent.experiments);
         let results = self.results();
         self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
