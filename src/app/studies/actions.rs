@@ -247,7 +247,8 @@ impl Studies {
         match self.recorded(cell) {
             None if self.form.participant == cell.subject && self.form.session == cell.session => {
                 let begun = self.begin_checked(ui, now);
-                self.open = begun.is_none().then_some(Open::Session);
+                self.opening = begun.is_none();
+                self.open = self.opening.then_some(Open::Session);
                 return begun;
             }
             None => self.open_session(Some(cell)),
