@@ -280,6 +280,11 @@ impl<'a> Grid<'a> {
             }
             State::Next => (Icon::Play, "next".to_owned(), ink.text, "next".to_owned()),
             State::Planned => (Icon::None, String::new(), ink.off, "not begun".to_owned()),
+            State::Recorded(session) if session.is_cut() => {
+                let SessionState { rated, planned, .. } = session;
+                let said = format!("was finished, but only {rated} of {planned} trials are left");
+                (Icon::Warn, format!("{rated} of {planned}"), ink.bad, said)
+            }
         };
         let name = format!("{}: {said}", cell.title());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, &name));

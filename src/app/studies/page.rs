@@ -294,7 +294,7 @@ impl Studies {
                 self.selected = Some(cell);
             }
             Some(Chosen::Removed(cell)) => {
-                self.open = self.recorded(&cell).filter(|found| found.rated == 0).map(|f| Open::Removal(Box::new(f)));
+                self.open = self.recorded(&cell).filter(SessionState::is_empty).map(|f| Open::Removal(Box::new(f)));
                 self.selected = Some(cell);
             }
             None => {}
