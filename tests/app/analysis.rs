@@ -296,6 +296,40 @@ fn filters_narrow_the_analysis_and_its_export() {
 #[test]
 fn a_task_is_narrowed_and_exported() {
     let folder = tempfile::tempdir().unwrap();
+/// Files that have changed since they were read are read again, and never exported as if they had not.
+#[test]
+fn changed_files_are_read_again() {
+    let (folder, data_set) = study(3);
+    let mut window = opened(&data_set);
+    wait_for(&mut window, "54 ratings by 3 participants.");
+    let more = |participants: &str| {
+        succeeds(folder.path(), &["simulate", "tiny.toml", "--participants", participants, "--resume"]);
+    };
+    more("4");
+    let out = folder.path().join("out");
+    type_into(&mut window, "Export to the folder", out.to_str().unwrap());
+    click(&mut window, "Export");
+    assert_has(&window, "tiny: has changed since it was read");
+    assert!(!out.exists());
+    wait_for(&mut window, "72 ratings by 4 participants.");
+    wait_until_idle(&mut window);
+    click(&mut window, "Export");
+    wait_for(&mut window, "files written to");
+    more("5");
+    window.event(egui::Event::WindowFocused(true));
+    wait_for(&mut window, "90 ratings by 5 participants.");
+    wait_until_idle(&mut window);
+    click(&mut window, "Studies");
+    more("6");
+    click(&mut window, "Analyze");
+    wait_for(&mut window, "108 ratings by 6 participants.");
+    wait_until_idle(&mut window);
+    std::fs::remove_dir_all(&data_set).unwrap();
+    window.event(egui::Event::WindowFocused(true));
+    wait_for(&mut window, "does not exist");
+    assert_has(&window, "108 ratings by 6 participants.");
+}
+
     succeeds(folder.path(), &["simulate", "threshold-width", "--participants", "3", "--observer", "vision"]);
     let mut window = opened(&folder.path().join("results/threshold-width"));
     click_and_rest(&mut window, "Participants: 3 of 3");

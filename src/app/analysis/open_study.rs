@@ -7,6 +7,7 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
+    files::Files,
     opened::{Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
@@ -36,6 +37,7 @@ pub struct OpenStudy {
     study: Arc<Study>,
     /// How the study was read.
     pub asked: Analyze,
+    files: Arc<Files>,
     filters: Filters,
     model: ModelControls,
     /// The last requested analysis, finished or not.
@@ -87,10 +89,12 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    pub fn new(study: Study, asked: Analyze) -> Self {
+    pub fn new(study: Study, asked: Analyze, files: Arc<Files>) -> Self {
         Self {
             filters: Filters::default(),
             model: ModelControls::default(),
+            files,
+            is_empty: false,
             last: None,
             work: None,
             draft: None,
@@ -109,8 +113,9 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data with the same files read with other options. Selections that are still possible are kept.
-    pub fn reread(study: Study, asked: Analyze, before: Self) -> Self {
+    /// Replaces the data with the same files read again. Selections that are still possible are kept.
+    pub fn reread(study: Study, asked: Analyze, files: Arc<Files>, mut before: Self) -> Self {
+        before.export.forget();
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -121,7 +126,7 @@ impl OpenStudy {
             extra: before.extra,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, asked)
+            ..Self::new(study, asked, files)
         }
     }
 
@@ -336,9 +341,12 @@ impl Opened for OpenStudy {
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
                     Ok(write_all(writer, &shown, &results, made, folder, false)?.files.len())
                 }),
+                files: &self.files,
             }
         });
-        self.export.show(ui, exported.as_ref());
+        if self.export.show(ui, exported.as_ref()) {
+            self.request = Some(Request::Read(Box::new(self.asked.clone())));
+        }
     }
 }
 
