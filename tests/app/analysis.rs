@@ -288,14 +288,14 @@ fn filters_narrow_the_analysis_and_its_export() {
 
     click_and_rest(&mut window, "None of participants");
     assert_has(&window, "No data are selected");
+    // The results of the last selection stay, but cannot be exported.
+    assert_has(&window, "Before: 36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
+    assert_has(&window, "Methods, ready to paste");
+    assert!(!has(&window, "The export includes all data."));
     click_and_rest(&mut window, "Select everything");
     window.get_by_label("72 ratings by 4 participants.");
 }
 
-/// People are left out of the analysis of a task like of that of ratings, and the export contains what is shown.
-#[test]
-fn a_task_is_narrowed_and_exported() {
-    let folder = tempfile::tempdir().unwrap();
 /// Files that have changed since they were read are read again, and never exported as if they had not.
 #[test]
 fn changed_files_are_read_again() {
@@ -330,6 +330,10 @@ fn changed_files_are_read_again() {
     assert_has(&window, "108 ratings by 6 participants.");
 }
 
+/// People are left out of the analysis of a task like of that of ratings, and the export contains what is shown.
+#[test]
+fn a_task_is_narrowed_and_exported() {
+    let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &["simulate", "threshold-width", "--participants", "3", "--observer", "vision"]);
     let mut window = opened(&folder.path().join("results/threshold-width"));
     click_and_rest(&mut window, "Participants: 3 of 3");

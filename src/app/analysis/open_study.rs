@@ -59,6 +59,8 @@ pub struct OpenStudy {
     section: &'static str,
     export: Export,
     request: Option<Request>,
+    /// Whether nothing is selected, so that the results are of what was selected before.
+    is_empty: bool,
     /// Columns that are read only because the terms name them.
     extra: Vec<String>,
     /// The names of all columns of the files, once they are needed.
@@ -91,10 +93,10 @@ struct Outcome {
 impl OpenStudy {
     pub fn new(study: Study, asked: Analyze, files: Arc<Files>) -> Self {
         Self {
-            filters: Filters::default(),
-            model: ModelControls::default(),
             files,
             is_empty: false,
+            filters: Filters::default(),
+            model: ModelControls::default(),
             last: None,
             work: None,
             draft: None,
@@ -154,10 +156,11 @@ impl OpenStudy {
                 self.draft = Some(DocumentView::new(document, None));
                 self.start(ctx, Stage::Whole);
             }
-            Some((_, Progress::Done(outcome))) => {
+            Some((_, Progress::Done(None))) => (self.work, self.is_empty) = (None, true),
+            Some((Stage::Whole, Progress::Done(Some((outcome, document))))) => {
                 let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
-                (self.work, self.draft, self.predicting) = (None, None, None);
+                self.shown = Some((outcome, DocumentView::new(document, earlier)));
+                (self.work, self.predicting) = (None, None);
             }
             Some((_, Progress::Lost)) => {
                 self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
@@ -178,7 +181,7 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.error, self.draft, self.predicting) = (None, None, None);
+            (self.error, self.draft, self.predicting, self.is_empty) = (None, None, None, false);
             self.start(ctx, Stage::Draft);
         }
     }
@@ -191,6 +194,11 @@ impl OpenStudy {
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
         let compute = move || Outcome::new(&study, request, filter, stage, &simulated);
         self.work = Some((stage, BackgroundTask::stoppable(ctx, compute)));
+    }
+
+    /// Returns whether the results are of what was selected before.
+    fn is_stale(&self) -> bool {
+        self.work.is_some() || self.is_empty
     }
 
     /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
@@ -226,19 +234,25 @@ impl Opened for OpenStudy {
     fn state(&self, ui: &mut egui::Ui) {
         let size = egui::vec2(ui.available_width(), theme::MESSAGE);
         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-        let line = egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::left_to_right(egui::Align::Center));
-        let ui = &mut ui.new_child(line);
+        let [left, right] =
+            [egui::Layout::left_to_right, egui::Layout::right_to_left].map(|to| to(egui::Align::Center));
+        let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
-        if let Some((outcome, _)) = &self.shown {
-            let counts = &outcome.results.measured.counts;
-            let left = &outcome.filter;
-            let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
-            let people = count(outcome.results.people() as u64, "participant");
-            let text = format!("{} by {people}.{filtered}", count(counts.total(), "rating"));
-            ui.add(egui::Label::new(secondary(text)).extend());
-        }
+        // How far it is has the right end of the line; the rest may be cut.
         if self.work.is_some() {
             self.simulated.show(ui, "Analyzing", "simulated studies");
+        } else if self.is_empty {
+            ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
+                .on_hover_text("Select at least one participant and at least one level of every factor.");
+        }
+        if let Some((outcome, _)) = &self.shown {
+            let counts = &outcome.results.measured.counts;
+            let filter = &outcome.filter;
+            let filtered = if filter.is_empty() { String::new() } else { format!(" Filtered: {filter}.") };
+            let people = count(outcome.results.people() as u64, "participant");
+            let before = if self.is_stale() { "Before: " } else { "" };
+            let text = format!("{before}{} by {people}.{filtered}", count(counts.total(), "rating"));
+            ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
     }
 
@@ -259,17 +273,8 @@ impl Opened for OpenStudy {
                 return;
             }
         }
-        let is_stale = self.work.is_some();
-        let Some((outcome, view)) = &mut self.shown else {
-            if self.work.is_none() && self.error.is_none() {
-                show_error(
-                    ui,
-                    "No data are selected. Select at least one participant and at least one level of every \
-                    factor.",
-                );
-            }
-            return;
-        };
+        let is_stale = self.is_stale();
+        let Some((outcome, view)) = &mut self.shown else { return };
         // Results of an earlier selection stay, dimmed, until the new ones are there.
         let found = ui.scope(|ui| {
             if is_stale {
@@ -277,12 +282,12 @@ impl Opened for OpenStudy {
             }
             view.show(ui, self.section)
         });
-        if !found.inner {
+        if !found.inner && !self.is_empty {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("Predicting…");
             });
-            if self.predicting.is_none() && self.work.is_none() {
+            if self.predicting.is_none() && !is_stale {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
                 let figures = outcome.figures.clone();
                 self.predicting =
@@ -330,18 +335,18 @@ impl Opened for OpenStudy {
 
     fn export(&mut self, ui: &mut egui::Ui) {
         // Only displayed results can be exported, not results that are still being computed.
-        let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
+        let outcome = self.shown.as_ref().filter(|_| !self.is_stale()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| {
             let (study, results) = (self.study.clone(), outcome.results.clone());
             Exported {
                 request: &outcome.request,
                 filter: outcome.filter.clone(),
+                files: &self.files,
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
                     Ok(write_all(writer, &shown, &results, made, folder, false)?.files.len())
                 }),
-                files: &self.files,
             }
         });
         if self.export.show(ui, exported.as_ref()) {
