@@ -331,6 +331,7 @@ impl eframe::App for App {
         self.input.frame(ui.input(|input| input.time), Instant::now());
         let is_dark = !matches!(self.view, View::Places) || self.measured().is_some();
         self.memory.apply(ui.ctx(), is_dark);
+        ui::begin_frame(ui.ctx());
         self.draw(ui, frame);
         self.draw_dialogs(ui.ctx());
         self.ask_before_closing(ui.ctx());

@@ -41,6 +41,13 @@ pub struct Category {
     pub key: char,
 }
 
+impl Category {
+    /// Returns the key as participants read it: as it is written on the keyboard.
+    pub fn key_name(&self) -> String {
+        self.key.to_ascii_uppercase().to_string()
+    }
+}
+
 impl Default for ResponseScale {
     /// The paper's four categories (Bangay §3.1).
     fn default() -> Self {
@@ -62,6 +69,11 @@ impl ResponseScale {
     pub fn numbered(question: &str, labels: &[&str]) -> Self {
         let categories = labels.iter().zip('1'..).map(|(label, key)| Category { label: (*label).to_owned(), key });
         Self { question: question.to_owned(), categories: categories.collect() }
+    }
+
+    /// Fills in `{keys}` in a text: the keys of the answers.
+    pub fn fill_keys(&self, text: &str) -> String {
+        text.replace("{keys}", &self.categories.iter().map(Category::key_name).collect::<Vec<_>>().join(", "))
     }
 
     /// Returns the highest rating.

@@ -36,7 +36,7 @@ impl Definition {
         letters.filter(|c| !own.contains(&c.script())).collect()
     }
 
-    /// Returns an error for each of the participants' texts that the window cannot show.
+    /// Returns an error for the title and for each of the participants' texts that the window cannot show.
     pub(super) fn script_errors(&self) -> Vec<DefinitionError> {
         let error = |(path, text): (String, &str)| {
             let (letter, why) = text.chars().find_map(|c| Some((c, refusal(c.script())?)))?;
@@ -46,7 +46,8 @@ impl Definition {
             );
             Some(DefinitionError { path, message })
         };
-        self.participant_texts().filter_map(error).collect()
+        let title = ("title".to_owned(), self.title.as_str());
+        std::iter::once(title).chain(self.participant_texts()).filter_map(error).collect()
     }
 }
 

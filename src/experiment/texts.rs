@@ -48,7 +48,7 @@ texts! {
     light = "If you see colors differently from most people, say so before you begin: the same experiment can be shown in gray. Nothing flickers, but the screen changes between an even color and an image every few seconds. If flickering light has ever made you ill, ask before you begin. Press Esc to stop whenever you feel unwell.";
     /// Heading of the page that shows the categories.
     categories = "The answers";
-    /// Shown below the categories, and while paused.
+    /// Shown below the categories, and while paused; `{keys}` is filled in. With keys that are not digits, it names them.
     keys = "Answer with the number keys (top row or number pad). While the screen shows one even color, Backspace undoes the last answer. S shows or hides the scale. Esc pauses.";
     /// Shown before the practice trials.
     practice = "First, some practice. These answers are recorded as practice and are not analyzed.";

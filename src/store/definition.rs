@@ -240,8 +240,9 @@ impl Written {
             "unnamed".to_owned()
         });
         let task = self.task.map(|table| task(table, &mut errors)).unwrap_or_default();
+        let response = scale(self.response, task.scale(), &mut errors);
         let mut instructions = self.instructions;
-        task.instruct(&mut instructions);
+        task.instruct(&mut instructions, &response);
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
             factors: match &stimulus {
@@ -251,7 +252,7 @@ impl Written {
             design: self.design,
             recovery: self.recovery,
             presentation: self.presentation,
-            response: scale(self.response, task.scale(), &mut errors),
+            response,
             task,
             adaptive: self.adaptive.map(|table| adaptive(table, &mut errors)),
             viewing: self.viewing,

@@ -288,8 +288,46 @@ fn filters_narrow_the_analysis_and_its_export() {
 
     click_and_rest(&mut window, "None of participants");
     assert_has(&window, "No data are selected");
+    // The results of the last selection stay, but cannot be exported.
+    assert_has(&window, "Before: 36 ratings by 3 participants. Filtered: 3 of 4 participants; width 0.1, 0.8.");
+    assert_has(&window, "Methods, ready to paste");
+    assert!(!has(&window, "The export includes all data."));
     click_and_rest(&mut window, "Select everything");
     window.get_by_label("72 ratings by 4 participants.");
+}
+
+/// Files that have changed since they were read are read again, and never exported as if they had not.
+#[test]
+fn changed_files_are_read_again() {
+    let (folder, data_set) = study(3);
+    let mut window = opened(&data_set);
+    wait_for(&mut window, "54 ratings by 3 participants.");
+    let more = |participants: &str| {
+        succeeds(folder.path(), &["simulate", "tiny.toml", "--participants", participants, "--resume"]);
+    };
+    more("4");
+    let out = folder.path().join("out");
+    type_into(&mut window, "Export to the folder", out.to_str().unwrap());
+    click(&mut window, "Export");
+    assert_has(&window, "tiny: has changed since it was read");
+    assert!(!out.exists());
+    wait_for(&mut window, "72 ratings by 4 participants.");
+    wait_until_idle(&mut window);
+    click(&mut window, "Export");
+    wait_for(&mut window, "files written to");
+    more("5");
+    window.event(egui::Event::WindowFocused(true));
+    wait_for(&mut window, "90 ratings by 5 participants.");
+    wait_until_idle(&mut window);
+    click(&mut window, "Studies");
+    more("6");
+    click(&mut window, "Analyze");
+    wait_for(&mut window, "108 ratings by 6 participants.");
+    wait_until_idle(&mut window);
+    std::fs::remove_dir_all(&data_set).unwrap();
+    window.event(egui::Event::WindowFocused(true));
+    wait_for(&mut window, "does not exist");
+    assert_has(&window, "108 ratings by 6 participants.");
 }
 
 /// People are left out of the analysis of a task like of that of ratings, and the export contains what is shown.

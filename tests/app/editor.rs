@@ -359,17 +359,25 @@ fn only_unsaved_changes_need_an_answer() {
 fn an_error_in_a_row_moves_nothing() {
     let mut window = duplicate("quick");
     let top = |window: &Window, label: &str| window.get_by_label(label).rect().top();
+    // What has the focus is scrolled to.
+    let focus = |window: &mut Window, field: &str| {
+        window.get_by_label(field).focus();
+        window.run_steps(3);
+    };
+    focus(&mut window, "Levels of width");
     let before = top(&window, "Add a factor");
     type_into(&mut window, "Levels of width", "0.05, wide");
     window.get_by_label_contains("width \"wide\" is not a number");
     assert_eq!(top(&window, "Add a factor"), before);
     type_into(&mut window, "Levels of width", "0.05, 0.1");
+    focus(&mut window, "Label of rating 3");
     let before = top(&window, "Add a factor");
     type_into(&mut window, "Label of rating 3", " ");
     window.get_by_label_contains("Rating 3: Enter the meaning of the answer.");
     window.get_by_label_contains("1 error, first in Rating 3.");
     assert_eq!(top(&window, "Add a factor"), before);
     let mut window = duplicate("threshold-width");
+    focus(&mut window, "Reference depth");
     let before = top(&window, "Add to reference");
     type_into(&mut window, "Reference depth", "shallow");
     window.get_by_label_contains("depth \"shallow\"");

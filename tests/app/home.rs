@@ -174,7 +174,7 @@ fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
     press(&mut harness, Key::X);
     assert_eq!(drawn(&harness), nothing, "a stimulus");
     press(&mut harness, Key::Num2);
-    assert_eq!(drawn(&harness), (1, vec!["Keys: 0 1 2 3".to_owned()]));
+    assert_eq!(drawn(&harness), (1, vec!["Keys: 0, 1, 2, 3".to_owned()]));
     // Both are gone by the middle of the recovery.
     harness.run_steps(16);
     assert_eq!(drawn(&harness), nothing);
@@ -184,6 +184,46 @@ fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
     assert_eq!(drawn(&harness), nothing, "the same stimulus");
     press(&mut harness, Key::Num0);
     assert_eq!(drawn(&harness), (1, Vec::new()), "the same mark for every answer");
+}
+
+/// Participants read which keys answer, also while they pause, and the buttons of the scale are in one row.
+#[test]
+fn keys_that_are_not_digits_are_named() {
+    let read = |response: &str| {
+        let text = format!(
+            "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1]\n[design]\n\
+             practice = 1\n[recovery]\nduration_s = 0.2\n[viewing]\nwindow_deg = 5\n{response}"
+        );
+        definition::parse("panes", &text).unwrap()
+    };
+    let keys = |protocol: &Protocol| protocol.response.fill_keys(&protocol.instructions.keys);
+    let eleven: Vec<String> = (0..11).map(|label| format!("\"label {label}\"")).collect();
+    let eleven = read(&format!("[response]\nlabels = [{}]\n", eleven.join(", ")));
+    assert!(keys(&eleven).starts_with("Answer with the keys 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, A. "), "{}", keys(&eleven));
+    assert!(keys(&read("")).starts_with("Answer with the number keys "));
+    let letters = "[response]\nlabels = [\"none\", \"weak\", \"so strong that it is seen at once and stays while one looks \
+                   at it, wherever one looks\"]\nkeys = [\"j\", \"k\", \"l\"]\n";
+    let own = read(&format!("{letters}[instructions]\nkeys = \"Press one.\"\n"));
+    assert_eq!(keys(&own), "Press one.");
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = harness(request(folder.path(), read(letters)));
+    for page in ["These findings are saved", "Welcome"] {
+        wait_for(&mut harness, page);
+        press(&mut harness, Key::Space);
+    }
+    wait_for(&mut harness, "Answer with the keys J, K, L. ");
+    press(&mut harness, Key::Space);
+    wait_for(&mut harness, "First, some practice");
+    press(&mut harness, Key::Space);
+    harness.run_steps(20);
+    let place = |label: &str| {
+        let rect = harness.get_by_label_contains(label).rect();
+        (rect.top(), rect.bottom())
+    };
+    assert_eq!(place("none"), place("so strong"));
+    press(&mut harness, Key::Escape);
+    wait_for(&mut harness, "Paused");
+    harness.get_by_label_contains("Answer with the keys J, K, L. ");
 }
 
 /// Questions about the participant: what is wrong is said in plain words, and the answers are kept.
@@ -423,6 +463,7 @@ fn another_window_takes_a_participant() {
     std::os::unix::fs::symlink(&data, &data).unwrap();
     third.event(egui::Event::WindowFocused(true));
     third.run_steps(3);
+    assert!(third.query_by_label_contains("Another window").is_none(), "an error about what was there before");
     third.get_by_label_contains("cannot list");
     third.get_by_label_contains("Something above needs attention");
 }

@@ -1,6 +1,6 @@
 //! Every control has a name for assistive technology, and the keyboard reaches it.
 
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Key, Modifiers, Shape};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 use crate::window::{Role, Window, choose, click, home, press, session_form};
@@ -104,6 +104,38 @@ fn tabbed(window: &mut Window, presses: usize) -> Vec<String> {
     (0..presses).map(|_| press_tab()).collect()
 }
 
+/// What has the focus is scrolled into view, and what a dialog covers says nothing.
+#[test]
+fn the_focus_stays_in_view() {
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    click(&mut window, "Duplicate as…");
+    window.run_steps(5);
+    for _ in 0..70 {
+        press(&mut window, Key::Tab);
+        window.run_steps(2);
+        let focused = window.root().children_recursive().find(|node| node.is_focused()).unwrap();
+        let (rect, role) = (focused.rect(), focused.accesskit_node().role());
+        let page = window.ctx.content_rect();
+        assert!(page.contains_rect(rect), "{:?} at {rect:?}", focused.accesskit_node().label());
+        if role == Role::RadioButton || role == Role::Slider {
+            let shapes = window.output().shapes.iter().map(|clipped| &clipped.shape);
+            let is_ring = |shape: &Shape| {
+                let Shape::Rect(ring) = shape else { return false };
+                ring.stroke.width == 2.0 && ring.rect == rect.expand(1.0)
+            };
+            assert!(shapes.filter(|shape| is_ring(shape)).count() == 1, "{:?}", focused.accesskit_node().label());
+        }
+    }
+    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
+    window.get_by_label("Hide").hover();
+    window.run_steps(60);
+    window.get_by_label("Does not show this again.");
+    press(&mut window, Key::F1);
+    window.run_steps(3);
+    window.get_by_label_contains("Keys of this page");
+    assert!(window.query_by_label("Does not show this again.").is_none());
+}
+
 /// Tab reaches every enabled button of a page from the side bar to the lower edge, and what has the focus says so.
 #[test]
 fn the_keyboard_reaches_every_button_in_reading_order() {
@@ -111,9 +143,9 @@ fn the_keyboard_reaches_every_button_in_reading_order() {
     let mut window = home([1366.0, 768.0], 1.0 / 60.0);
     let reached = tabbed(&mut window, 60);
     assert_eq!(reached[..7], places);
-    for label in ["See more stimuli", "Hide", "Duplicate as…", "New session"] {
-        assert!(reached.iter().any(|one| one == label), "{label}: only {reached:?}");
-    }
+    let place = |label: &&str| reached.iter().position(|one| one == label).unwrap_or_else(|| panic!("{reached:?}"));
+    let order = ["See more stimuli", "Hide", "Duplicate as…", "More", "New session"];
+    assert!(order.iter().map(place).is_sorted(), "{reached:?}");
     let mut window = home([1366.0, 768.0], 1.0 / 60.0);
     go(&mut window, Key::Num3);
     click(&mut window, "Copy as command");

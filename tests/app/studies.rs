@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use eframe::egui::Key;
+use eframe::egui::{Event, FontId, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch},
@@ -15,6 +15,9 @@ use crate::{
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"five\"\ntitle = \"Five categories\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[design]\nrepetitions = 3\n[response]\nlabels = [\"none\", \"faint\", \"clear\", \"strong\", \"very strong\"]\nkeys = [\"1\", \"2\", \"3\", \"4\", \"5\"]\n[plan]\nparticipants = 3\nsessions = 2\n";
+
+/// Size of the letters of a title, points.
+const TITLE: f32 = 26.0;
 
 /// Opens the window with this results folder and this definition.
 fn opened(folder: &Path, text: &str) -> Window {
@@ -117,6 +120,80 @@ fn a_session_without_ratings_can_be_removed() {
     click(&mut window, "Remove");
     wait_for(&mut window, "P001, session 1: next");
     assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
+}
+
+/// Tab reaches the selected session in a long list, and a session whose file was cut is not called finished.
+#[test]
+fn a_long_grid_has_its_selected_cell_in_view() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("five.toml"), DEFINITION).unwrap();
+    common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "60"]);
+    let csv = common::session_csv(&folder.path().join("results"), "five", "S058");
+    let text = fs::read_to_string(&csv).unwrap();
+    fs::write(&csv, text.split_inclusive('\n').take(4).collect::<String>()).unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    wait_for(&mut window, "S058, session 1: was finished, but only 3 of 6 trials are left");
+    // The next participant follows all others.
+    let (next, page) = ("P001, session 1: next", window.ctx.content_rect());
+    window.run_steps(3);
+    let detail = window.get_by_label("P001, session 1").rect().top();
+    assert!(window.get_by_label(next).rect().bottom() < detail);
+    let grid = window.get_by_label(next).rect().center();
+    window.hover_at(grid);
+    window.event(Event::MouseWheel {
+        unit: MouseWheelUnit::Point,
+        delta: Vec2::new(0.0, 5000.0),
+        modifiers: Modifiers::NONE,
+        phase: TouchPhase::Move,
+        source: MouseWheelSource::Unknown,
+    });
+    window.run_steps(30);
+    assert!(!page.contains_rect(window.get_by_label(next).rect()), "scrolled away");
+    for _ in 0..60 {
+        press(&mut window, Key::Tab);
+        if window.get_by_label(next).is_focused() {
+            break;
+        }
+    }
+    window.run_steps(3);
+    assert!(window.get_by_label(next).is_focused() && window.get_by_label(next).rect().bottom() < detail);
+}
+
+/// A long title takes three lines, and is drawn with a font of the system if it needs one.
+#[test]
+fn a_title_is_long_or_foreign() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = "A study of bands with a very long title ".repeat(6);
+    let mut window = opened(folder.path(), &DEFINITION.replace("Five categories", &long));
+    window.run_steps(3);
+    let lines = window.get_all_by_label(&long).map(|node| node.rect().height() / TITLE);
+    assert!(lines.fold(0.0, f32::max) < 4.0);
+    let (_, missing) = machband::system::fonts::covering(&"帯".chars().collect());
+    if !missing.is_empty() {
+        return common::skip("FONT", "a Japanese title: no font is installed");
+    }
+    // Another text that is not in Latin letters is drawn by the editor.
+    for (text, is_edited) in [("Five categories", false), ("faint", true)] {
+        fs::write(folder.path().join("five.toml"), DEFINITION.replace(text, "帯")).unwrap();
+        let launch = Launch { request: None, settings: Some(folder.path().join("settings.toml")) };
+        let builder = window::builder([1366.0, 900.0], 1.0 / 60.0).allow_missing_glyphs();
+        let mut window = builder.build_eframe(|cc| App::new(cc, launch));
+        if is_edited {
+            window.run_steps(3);
+            open_study(&mut window, folder.path().join("five.toml").to_str().unwrap());
+            click(&mut window, "Edit");
+        }
+        let is_drawn =
+            |window: &Window| window.ctx.fonts_mut(|fonts| fonts.has_glyph(&FontId::proportional(15.0), '帯'));
+        for _ in 0..3000 {
+            if is_drawn(&window) {
+                break;
+            }
+            window.step();
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        assert!(is_drawn(&window), "{text}");
+    }
 }
 
 /// While there are sessions, only what no session depends on may change.

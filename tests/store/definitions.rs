@@ -161,6 +161,7 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 [instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
 # Scripts.
 welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
+title = "My study" => title = "אב" => 3:1 => Hebrew, which is written from right to left
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", "ᠠ"] => 28:26 => Mongolian, which is written from top to bottom
 # Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most

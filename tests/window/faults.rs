@@ -140,7 +140,9 @@ fn a_signal_closes_the_sitting() {
         let stderr = harness.stderr();
         assert_eq!(status.code(), Some(128 + number), "{stderr}");
         assert!(
-            stderr.contains(&format!("ended by SIG{signal}; to continue")) && !stderr.contains("panicked"),
+            stderr.contains(&format!("ended by SIG{signal}; every saved answer is on disk; to resume,"))
+                && stderr.contains("or press Resume")
+                && !stderr.contains("panicked"),
             "{stderr}"
         );
         assert!(harness.sidecar("swift")["sittings"][0]["seal"].is_object(), "the session is not sealed");

@@ -7,6 +7,7 @@ use std::{
 
 use eframe::egui;
 
+use super::files::Files;
 use crate::{
     app::ui::{
         Dialog, FileKind, Saving, complain, full, open, say,
@@ -43,6 +44,8 @@ pub struct Exported<'a> {
     pub request: &'a Analyze,
     /// A phrase that describes the selected data; empty if nothing is excluded.
     pub filter: String,
+    /// The files from which they come.
+    pub files: &'a Files,
     pub write: Arc<Write>,
 }
 
@@ -55,8 +58,9 @@ impl Export {
         Self { folder, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
     }
 
-    /// Draws the controls. Nothing can be exported while no results are shown.
-    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) {
+    /// Draws the controls. Nothing can be exported while no results are shown. Returns true if nothing was exported
+    /// because the files have changed since they were read.
+    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) -> bool {
         self.take_outcome(ui.ctx());
         if let Some(Exported { request, .. }) = exported
             && self.of.as_ref() != Some(request)
@@ -67,13 +71,18 @@ impl Export {
         let label = ui.label("Export to the folder");
         let width = ui.available_width();
         let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
-        let mut changed = field.changed();
+        let (mut changed, mut is_outdated) = (field.changed(), false);
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             let writer = self.saving.button(ui, "Export", ready, &folder, &self.inputs);
             if let Some((exported, writer)) = exported.zip(writer) {
-                self.start(ui.ctx(), folder, writer, exported);
+                is_outdated = exported.files.have_changed();
+                if is_outdated {
+                    self.saving.finish(&folder, Err(exported.files.changed()));
+                } else {
+                    self.start(ui.ctx(), folder, writer, exported);
+                }
             }
             changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
         });
@@ -100,6 +109,7 @@ impl Export {
             Some(filter) => format!("The export includes only the data shown: {filter}."),
         };
         two_lines(ui, &included, ink.dim);
+        is_outdated
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
@@ -118,7 +128,8 @@ impl Export {
         ctx.request_repaint();
     }
 
-    fn forget(&mut self) {
+    /// Forgets the last export, because it is not of what is shown now.
+    pub fn forget(&mut self) {
         (self.saving, self.written) = (Saving::default(), None);
     }
 

@@ -7,6 +7,7 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
+    files::Files,
     opened::{Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
@@ -36,6 +37,7 @@ pub struct OpenStudy {
     study: Arc<Study>,
     /// How the study was read.
     pub asked: Analyze,
+    files: Arc<Files>,
     filters: Filters,
     model: ModelControls,
     /// The last requested analysis, finished or not.
@@ -57,6 +59,8 @@ pub struct OpenStudy {
     section: &'static str,
     export: Export,
     request: Option<Request>,
+    /// Whether nothing is selected, so that the results are of what was selected before.
+    is_empty: bool,
     /// Columns that are read only because the terms name them.
     extra: Vec<String>,
     /// The names of all columns of the files, once they are needed.
@@ -87,8 +91,10 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    pub fn new(study: Study, asked: Analyze) -> Self {
+    pub fn new(study: Study, asked: Analyze, files: Arc<Files>) -> Self {
         Self {
+            files,
+            is_empty: false,
             filters: Filters::default(),
             model: ModelControls::default(),
             last: None,
@@ -109,8 +115,9 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data with the same files read with other options. Selections that are still possible are kept.
-    pub fn reread(study: Study, asked: Analyze, before: Self) -> Self {
+    /// Replaces the data with the same files read again. Selections that are still possible are kept.
+    pub fn reread(study: Study, asked: Analyze, files: Arc<Files>, mut before: Self) -> Self {
+        before.export.forget();
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -121,7 +128,7 @@ impl OpenStudy {
             extra: before.extra,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, asked)
+            ..Self::new(study, asked, files)
         }
     }
 
@@ -149,10 +156,11 @@ impl OpenStudy {
                 self.draft = Some(DocumentView::new(document, None));
                 self.start(ctx, Stage::Whole);
             }
-            Some((_, Progress::Done(outcome))) => {
+            Some((_, Progress::Done(None))) => (self.work, self.is_empty) = (None, true),
+            Some((Stage::Whole, Progress::Done(Some((outcome, document))))) => {
                 let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                self.shown = outcome.map(|(outcome, document)| (outcome, DocumentView::new(document, earlier)));
-                (self.work, self.draft, self.predicting) = (None, None, None);
+                self.shown = Some((outcome, DocumentView::new(document, earlier)));
+                (self.work, self.predicting) = (None, None);
             }
             Some((_, Progress::Lost)) => {
                 self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
@@ -173,7 +181,7 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.error, self.draft, self.predicting) = (None, None, None);
+            (self.error, self.draft, self.predicting, self.is_empty) = (None, None, None, false);
             self.start(ctx, Stage::Draft);
         }
     }
@@ -186,6 +194,11 @@ impl OpenStudy {
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
         let compute = move || Outcome::new(&study, request, filter, stage, &simulated);
         self.work = Some((stage, BackgroundTask::stoppable(ctx, compute)));
+    }
+
+    /// Returns whether the results are of what was selected before.
+    fn is_stale(&self) -> bool {
+        self.work.is_some() || self.is_empty
     }
 
     /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
@@ -221,19 +234,25 @@ impl Opened for OpenStudy {
     fn state(&self, ui: &mut egui::Ui) {
         let size = egui::vec2(ui.available_width(), theme::MESSAGE);
         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
-        let line = egui::UiBuilder::new().max_rect(rect).layout(egui::Layout::left_to_right(egui::Align::Center));
-        let ui = &mut ui.new_child(line);
+        let [left, right] =
+            [egui::Layout::left_to_right, egui::Layout::right_to_left].map(|to| to(egui::Align::Center));
+        let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
-        if let Some((outcome, _)) = &self.shown {
-            let counts = &outcome.results.measured.counts;
-            let left = &outcome.filter;
-            let filtered = if left.is_empty() { String::new() } else { format!(" Filtered: {left}.") };
-            let people = count(outcome.results.people() as u64, "participant");
-            let text = format!("{} by {people}.{filtered}", count(counts.total(), "rating"));
-            ui.add(egui::Label::new(secondary(text)).extend());
-        }
+        // How far it is has the right end of the line; the rest may be cut.
         if self.work.is_some() {
             self.simulated.show(ui, "Analyzing", "simulated studies");
+        } else if self.is_empty {
+            ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
+                .on_hover_text("Select at least one participant and at least one level of every factor.");
+        }
+        if let Some((outcome, _)) = &self.shown {
+            let counts = &outcome.results.measured.counts;
+            let filter = &outcome.filter;
+            let filtered = if filter.is_empty() { String::new() } else { format!(" Filtered: {filter}.") };
+            let people = count(outcome.results.people() as u64, "participant");
+            let before = if self.is_stale() { "Before: " } else { "" };
+            let text = format!("{before}{} by {people}.{filtered}", count(counts.total(), "rating"));
+            ui.with_layout(left, |ui| ui.add(egui::Label::new(secondary(text)).truncate()));
         }
     }
 
@@ -254,17 +273,8 @@ impl Opened for OpenStudy {
                 return;
             }
         }
-        let is_stale = self.work.is_some();
-        let Some((outcome, view)) = &mut self.shown else {
-            if self.work.is_none() && self.error.is_none() {
-                show_error(
-                    ui,
-                    "No data are selected. Select at least one participant and at least one level of every \
-                    factor.",
-                );
-            }
-            return;
-        };
+        let is_stale = self.is_stale();
+        let Some((outcome, view)) = &mut self.shown else { return };
         // Results of an earlier selection stay, dimmed, until the new ones are there.
         let found = ui.scope(|ui| {
             if is_stale {
@@ -272,12 +282,12 @@ impl Opened for OpenStudy {
             }
             view.show(ui, self.section)
         });
-        if !found.inner {
+        if !found.inner && !self.is_empty {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("Predicting…");
             });
-            if self.predicting.is_none() && self.work.is_none() {
+            if self.predicting.is_none() && !is_stale {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
                 let figures = outcome.figures.clone();
                 self.predicting =
@@ -325,12 +335,13 @@ impl Opened for OpenStudy {
 
     fn export(&mut self, ui: &mut egui::Ui) {
         // Only displayed results can be exported, not results that are still being computed.
-        let outcome = self.shown.as_ref().filter(|_| self.work.is_none()).map(|(outcome, _)| outcome);
+        let outcome = self.shown.as_ref().filter(|_| !self.is_stale()).map(|(outcome, _)| outcome);
         let exported = outcome.map(|outcome| {
             let (study, results) = (self.study.clone(), outcome.results.clone());
             Exported {
                 request: &outcome.request,
                 filter: outcome.filter.clone(),
+                files: &self.files,
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
@@ -338,7 +349,9 @@ impl Opened for OpenStudy {
                 }),
             }
         });
-        self.export.show(ui, exported.as_ref());
+        if self.export.show(ui, exported.as_ref()) {
+            self.request = Some(Request::Read(Box::new(self.asked.clone())));
+        }
     }
 }
 

@@ -1,10 +1,14 @@
 //! The page that reads and shows the data.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use eframe::egui::{self, Key};
 
 use super::{
+    files::Files,
     open_study::OpenStudy,
     opened::Request,
     questions::{CategoryOrder, Columns},
@@ -41,6 +45,11 @@ pub struct Analysis {
     open: Option<Box<OpenStudy>>,
     /// The results of a task other than a rating.
     task: Option<Box<OpenTask>>,
+    /// The files of the open data, and whether to look if they have changed.
+    files: Option<Arc<Files>>,
+    returns: bool,
+    /// Looks if they have changed.
+    looking: Option<BackgroundTask<bool>>,
 }
 
 /// What was read.
@@ -49,23 +58,24 @@ enum Read {
     Task(Box<TaskRead>),
 }
 
+type Reading = Result<(Arc<Files>, Read), String>;
+
 /// Reads what is asked for: ratings, or the answers to another task, which are analyzed at once.
-fn read(asked: &Analyze) -> Result<Read, String> {
-    match asked.read_task() {
-        Ok(Some(study)) => Ok(Read::Task(TaskRead::of(study, asked).into())),
-        Ok(None) => {
-            asked.read_unordered().map(|study| Read::Ratings(study.into())).map_err(|errors| errors.to_string())
-        }
-        Err(error) => Err(error.to_string()),
-    }
+fn read(asked: &Analyze) -> Reading {
+    let files = Arc::new(Files::of(asked.clone()));
+    let read = match asked.read_task().map_err(|error| error.to_string())? {
+        Some(study) => Read::Task(TaskRead::of(study, asked).into()),
+        None => Read::Ratings(asked.read_unordered().map_err(|errors| errors.to_string())?.into()),
+    };
+    Ok((files, read))
 }
 
 /// Files that are being read.
 struct Pending {
     asked: Analyze,
-    /// Whether the files that are already open are read again with other options.
+    /// Whether the files that are already open are read again.
     again: bool,
-    work: BackgroundTask<Result<Read, String>>,
+    work: BackgroundTask<Reading>,
 }
 
 impl Analysis {
@@ -76,13 +86,14 @@ impl Analysis {
         page
     }
 
-    /// Offers the experiments that are in a results folder now.
+    /// Offers the experiments that are in a results folder when the user returns to the page.
     pub fn offer(&mut self, results: &Path) {
         (self.found, self.unlisted) = match unless_missing(entries(results)) {
             Ok(found) => (found.unwrap_or_default(), None),
             Err(error) => (Vec::new(), Some(format!("{} cannot be read: {error}.", results.display()))),
         };
         self.found.retain(|path| has_data(path));
+        self.returns = true;
     }
 
     /// Creates the page that opens a data set.
@@ -118,6 +129,7 @@ impl Analysis {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
+        self.look(ui.ctx());
         // While its files are read again, the study stays in view.
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
         let task = self.task.as_mut().filter(|_| !is_reading);
@@ -155,12 +167,14 @@ impl Analysis {
         };
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
-            Ok(Read::Task(read)) => {
+            Ok((files, Read::Task(read))) => {
+                self.files = Some(files.clone());
                 (self.columns, self.open) = (None, None);
                 let before = self.task.take().filter(|_| again).map(|before| *before);
-                self.task = Some(Box::new(OpenTask::new(*read, asked, before)));
+                self.task = Some(Box::new(OpenTask::new(*read, asked, files, before)));
             }
-            Ok(Read::Ratings(study)) => {
+            Ok((files, Read::Ratings(study))) => {
+                self.files = Some(files.clone());
                 let study = *study;
                 (self.columns, self.task) = (None, None);
                 let before = self.open.take().filter(|_| again);
@@ -169,8 +183,8 @@ impl Analysis {
                     return;
                 }
                 self.open = Some(Box::new(match before {
-                    Some(before) => OpenStudy::reread(study, asked, *before),
-                    None => OpenStudy::new(study, asked),
+                    Some(before) => OpenStudy::reread(study, asked, files, *before),
+                    None => OpenStudy::new(study, asked, files),
                 }));
             }
             Err(error) => match (self.open.as_mut().filter(|_| again), self.task.as_mut().filter(|_| again)) {
@@ -185,6 +199,23 @@ impl Analysis {
                 }
             },
         }
+    }
+
+    /// Reads the open files again if they have changed while another page or window was in use.
+    fn look(&mut self, ctx: &egui::Context) {
+        self.returns |= ctx.input(|input| input.events.contains(&egui::Event::WindowFocused(true)));
+        let is_open = self.open.is_some() || self.task.is_some();
+        let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
+        if self.looking.is_none() && std::mem::take(&mut self.returns) {
+            let files = files.clone();
+            self.looking = Some(BackgroundTask::start(ctx, move || files.have_changed()));
+        }
+        match self.looking.as_ref().map(BackgroundTask::poll) {
+            None | Some(Progress::Running) => return,
+            Some(Progress::Done(true)) => self.read(ctx, files.asked.clone(), true),
+            Some(Progress::Done(false) | Progress::Lost) => {}
+        }
+        self.looking = None;
     }
 
     /// Performs an action requested by the controls of the study.

@@ -7,6 +7,7 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
+    files::Files,
     opened::{Opened, Request, problems, show_opened},
     query::people,
 };
@@ -42,6 +43,7 @@ pub struct OpenTask {
     study: Arc<TaskStudy>,
     results: Arc<TaskResults>,
     asked: Analyze,
+    files: Arc<Files>,
     /// All participants, and those who are to be left out.
     people: Vec<String>,
     excluded: Vec<String>,
@@ -56,12 +58,15 @@ pub struct OpenTask {
 }
 
 impl OpenTask {
-    /// Shows results; `before` are those of the same data with another selection.
-    pub fn new(read: TaskRead, asked: Analyze, before: Option<Self>) -> Self {
+    /// Shows results; `before` are those of the same data with another selection, or as they were before.
+    pub fn new(read: TaskRead, asked: Analyze, files: Arc<Files>, before: Option<Self>) -> Self {
         let TaskRead { study, results, document } = read;
         let excluded = asked.ratings.exclude.clone().unwrap_or_default().0;
         let (people, view, section, export) = match before {
-            Some(before) => (before.people, Some(before.view), before.section, before.export),
+            Some(mut before) => {
+                before.export.forget();
+                (before.people, Some(before.view), before.section, before.export)
+            }
             None => {
                 let files = study.files.iter().map(|(path, _)| path.clone());
                 (study.people.clone(), None, "summary", Export::new(&asked.ratings.paths, files))
@@ -69,7 +74,7 @@ impl OpenTask {
         };
         let view = DocumentView::new(document, view);
         let (error, is_stale, request) = Default::default();
-        Self { study, results, asked, people, excluded, view, section, export, error, is_stale, request }
+        Self { study, results, asked, files, people, excluded, view, section, export, error, is_stale, request }
     }
 
     /// Says why the data could not be read with another selection. The current results stay.
@@ -129,7 +134,7 @@ impl Opened for OpenTask {
     }
 
     fn export(&mut self, ui: &mut egui::Ui) {
-        let Self { study, results, asked, people, excluded, is_stale, .. } = self;
+        let Self { study, results, asked, files, people, excluded, is_stale, .. } = self;
         let left = people.len() - excluded.len();
         let filter =
             if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
@@ -137,6 +142,7 @@ impl Opened for OpenTask {
         let exported = Exported {
             request: asked,
             filter,
+            files,
             write: Arc::new(move |writer, made, folder| {
                 writer.make_folder(folder)?;
                 let contents = task_files(&study, &results, made, folder, false)?;
@@ -145,6 +151,8 @@ impl Opened for OpenTask {
                 Ok(files.len())
             }),
         };
-        self.export.show(ui, Some(&exported).filter(|_| !*is_stale));
+        if self.export.show(ui, Some(&exported).filter(|_| !*is_stale)) {
+            self.request = Some(Request::Read(Box::new(asked.clone())));
+        }
     }
 }

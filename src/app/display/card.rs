@@ -5,7 +5,7 @@ use eframe::egui::{self, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Str
 use crate::{
     app::ui::{
         Step, modal, neutral_primary, secondary, show_error,
-        theme::{COLUMN, ink},
+        theme::{COLUMN, focus_ring, ink},
     },
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
@@ -75,6 +75,7 @@ impl CardHelper {
         let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
         let slider = Slider::new(&mut self.card_px, range).step_by(1.0).max_decimals(0).clamping(SliderClamping::Edits);
         let slider = ui.add(slider).labelled_by(label.id);
+        focus_ring(ui, &slider);
         if self.slider.is_none() {
             slider.request_focus();
             self.slider = Some(slider.id);

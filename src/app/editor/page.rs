@@ -6,7 +6,7 @@ use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifier
 
 use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Saving, Step, theme},
+    app::ui::{self, Dialog, Field, FileKind, Saving, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
     store::definition,
 };
@@ -48,6 +48,7 @@ pub struct Editor {
     saving: Saving,
     preview: Preview,
     thumbnails: Thumbnails,
+    fonts: TextFonts,
     /// The part of the form to scroll to.
     wanted: Option<usize>,
     /// Whether no frame was drawn yet, so that the form begins at its top.
@@ -77,6 +78,7 @@ impl Editor {
             saving: Saving::default(),
             preview: Preview::default(),
             thumbnails: Thumbnails::default(),
+            fonts: TextFonts::default(),
             wanted: None,
             is_new: true,
             leaving: false,
@@ -100,9 +102,12 @@ impl Editor {
         let escaped = ui::escaped(ui);
         let action = if self.copy { "Duplicate" } else { "Edit" };
         let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
-        if let Err(error) = &self.form {
-            let (back, ()) = ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error));
-            return Step::back_if(back);
+        match &self.form {
+            Ok(form) => _ = self.fonts.find(ui.ctx(), [form.draft().text().as_str()]),
+            Err(error) => {
+                let (back, ()) = ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error));
+                return Step::back_if(back);
+            }
         }
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let (mut back, mut saved) = (false, None);

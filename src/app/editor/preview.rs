@@ -121,8 +121,12 @@ impl Preview {
             let at = at + vec2(side / 2.0, side + 3.0);
             ui.painter().text(at, Align2::CENTER_TOP, caption, FontId::proportional(theme::NOTE), ink);
         }
-        let keys: Vec<String> =
-            protocol.response.categories.iter().map(|answer| format!("{}: {}", answer.key, answer.label)).collect();
+        let keys: Vec<String> = protocol
+            .response
+            .categories
+            .iter()
+            .map(|answer| format!("{}: {}", answer.key_name(), answer.label))
+            .collect();
         let question = protocol.response.question.clone();
         let answers = if protocol.task.dial().is_some() {
             "Participants set a value and press Enter.".to_owned()

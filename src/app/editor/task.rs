@@ -99,10 +99,11 @@ fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Res
     let ink = theme::ink(ui);
     let edge = match () {
         () if selected => Stroke::new(2.0, ink.ink),
-        () if response.has_focus() || response.hovered() => Stroke::new(1.0, ink.edge),
+        () if response.hovered() => Stroke::new(1.0, ink.edge),
         () => Stroke::new(1.0, ink.line),
     };
     ui.painter().rect(rect, 6.0, ink.card, edge, StrokeKind::Inside);
+    theme::focus_ring(ui, &response);
     let at = rect.min + Vec2::splat(8.0);
     icon.paint(ui.painter(), Rect::from_min_size(at, Vec2::splat(PICTOGRAM)), ink.text);
     let room = width - 16.0;

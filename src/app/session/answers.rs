@@ -1,8 +1,11 @@
 //! Draws what participants can answer with the mouse: the categories of a scale, or a slider.
 
-use eframe::egui::{self, Align2, Area, Button, Frame, Id, RichText, Vec2};
+use eframe::egui::{self, Align2, Area, Button, Color32, Frame, Id, RichText, TextStyle, Vec2};
 
-use crate::{app::ui::theme, experiment::ResponseScale};
+use crate::{
+    app::ui::theme,
+    experiment::{Category, ResponseScale},
+};
 
 /// Maximum width of a button of the scale, points.
 const MAX_WIDTH: f32 = 250.0;
@@ -14,30 +17,48 @@ const MIN_LABELED_WIDTH: f32 = 100.0;
 /// Maximum length of the slider, points.
 const SLIDER_LENGTH: f32 = 600.0;
 
+/// Padding of a button of the scale, its margin, and its distance from the lower edge of the window, points.
+const PADDING: Vec2 = Vec2::new(6.0, 4.0);
+const MARGIN: f32 = 6.0;
+const BELOW: f32 = 8.0;
+
+/// Returns the text of each button of the scale, and the size of all of them: the highest needs it.
+fn buttons(ctx: &egui::Context, scale: &ResponseScale) -> (Vec<String>, Vec2) {
+    let count = scale.categories.len().max(1) as f32;
+    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(MAX_WIDTH);
+    let text = |category: &Category| match width < MIN_LABELED_WIDTH {
+        true => category.key_name(),
+        false => format!("{}  {}", category.key_name(), category.label),
+    };
+    let texts: Vec<String> = scale.categories.iter().map(text).collect();
+    let style = ctx.global_style();
+    let font = TextStyle::Small.resolve(&style);
+    let high = |text: &String| {
+        let room = width - 2.0 * PADDING.x;
+        let text = ctx.fonts_mut(|fonts| fonts.layout(text.clone(), font.clone(), Color32::WHITE, room));
+        text.size().y + 2.0 * PADDING.y
+    };
+    let height = texts.iter().map(high).fold(style.spacing.interact_size.y, f32::max).ceil();
+    (texts, Vec2::new(width.max(height), height))
+}
+
+/// Returns the height of the scale with its distance from the lower edge of the window, points.
+pub fn scale_height(ctx: &egui::Context, scale: &ResponseScale) -> f32 {
+    buttons(ctx, scale).1.y + 2.0 * MARGIN + BELOW
+}
+
 /// Draws the rating scale at the lower edge; returns the clicked rating. The scale is the only element besides the
 /// field and the stimulus, and it can be hidden. `enabled` is true while there is something to rate.
 pub fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> Option<u8> {
     let mut rated = None;
-    let count = scale.categories.len().max(1) as f32;
-    let width = ((ctx.content_rect().width() - 40.0) / count - GAP).min(MAX_WIDTH);
-    Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
-        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(6.0).show(ui, |ui| {
+    let (texts, size) = buttons(ctx, scale);
+    Area::new(Id::unique("scale")).anchor(Align2::CENTER_BOTTOM, [0.0, -BELOW]).show(ctx, |ui| {
+        Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(MARGIN).show(ui, |ui| {
             ui.spacing_mut().item_spacing.x = GAP;
-            ui.spacing_mut().button_padding = Vec2::new(6.0, 4.0);
+            ui.spacing_mut().button_padding = PADDING;
             ui.horizontal(|ui| {
-                for (rating, category) in (0..).zip(&scale.categories) {
-                    let text = match width < MIN_LABELED_WIDTH {
-                        true => category.key.to_string(),
-                        false => format!("{}  {}", category.key, category.label),
-                    };
+                for ((rating, category), text) in (0..).zip(&scale.categories).zip(texts) {
                     let button = Button::new(RichText::new(text).small()).frame(enabled).wrap();
-                    // All labels get two lines if any label needs them.
-                    let height = if (MIN_LABELED_WIDTH..MAX_WIDTH).contains(&width) {
-                        46.0
-                    } else {
-                        ui.spacing().interact_size.y
-                    };
-                    let size = Vec2::new(width.max(height), height);
                     let response = ui.add_enabled_ui(enabled, |ui| ui.add_sized(size, button)).inner;
                     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, &category.label));
                     if response.clicked() {
@@ -54,7 +75,7 @@ pub fn draw_scale(ctx: &egui::Context, scale: &ResponseScale, enabled: bool) -> 
 pub fn draw_slider(ctx: &egui::Context, scale: &ResponseScale, enabled: bool, share: Option<f64>) -> Option<f64> {
     let mut set = None;
     let length = (ctx.content_rect().width() - 40.0).min(SLIDER_LENGTH);
-    Area::new(Id::unique("slider")).anchor(Align2::CENTER_BOTTOM, [0.0, -8.0]).show(ctx, |ui| {
+    Area::new(Id::unique("slider")).anchor(Align2::CENTER_BOTTOM, [0.0, -BELOW]).show(ctx, |ui| {
         Frame::NONE.fill(theme::SHADE).corner_radius(6.0).inner_margin(10.0).show(ui, |ui| {
             ui.set_width(length);
             let sense = if enabled { egui::Sense::click_and_drag() } else { egui::Sense::hover() };

@@ -90,7 +90,7 @@ pub fn instructions(
                 _ => key_list(ui, protocol),
             }
             ui.add_space(8.0);
-            ui.label(&texts.keys);
+            ui.label(protocol.response.fill_keys(&texts.keys));
         }
         pinned.unwrap_or_else(|| {
             ui.add_space(theme::LARGE_GAP);
@@ -115,7 +115,7 @@ fn examples(
             ui.vertical(|ui| {
                 ui.set_width(side);
                 pixels::picture(ui, texture, &category.label);
-                ui.label(egui::RichText::new(category.key.to_string()).size(theme::TITLE).strong());
+                ui.label(egui::RichText::new(category.key_name()).size(theme::TITLE).strong());
                 ui::paragraph(ui, &category.label);
             });
         }
@@ -153,7 +153,7 @@ fn key_list(ui: &mut egui::Ui, protocol: &Protocol) {
     }
     for category in &protocol.response.categories {
         ui.horizontal(|ui| {
-            ui.label(egui::RichText::new(category.key.to_string()).strong());
+            ui.label(egui::RichText::new(category.key_name()).strong());
             ui::paragraph(ui, &category.label);
         });
     }
@@ -177,7 +177,8 @@ pub enum PauseChoice {
 }
 
 /// Draws the pause page. `why` says that the window became too small; `None` if the participant paused.
-pub fn paused(ui: &mut egui::Ui, progress: &Progress, texts: &Texts, why: Option<&str>) -> Option<PauseChoice> {
+pub fn paused(ui: &mut egui::Ui, progress: &Progress, protocol: &Protocol, why: Option<&str>) -> Option<PauseChoice> {
+    let texts = &protocol.instructions;
     ui::page(ui, |ui| {
         ui.heading(&texts.paused);
         ui.label(&texts.paused_text);
@@ -187,7 +188,7 @@ pub fn paused(ui: &mut egui::Ui, progress: &Progress, texts: &Texts, why: Option
         ui.add_space(theme::GAP);
         draw_progress(ui, progress, texts);
         ui.add_space(theme::GAP);
-        ui.label(&texts.keys);
+        ui.label(protocol.response.fill_keys(&texts.keys));
         ui.add_space(theme::LARGE_GAP);
         let resume = next(ui, texts).then_some(PauseChoice::Resume);
         ui.add_space(theme::GAP);

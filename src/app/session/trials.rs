@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, time::Duration};
 use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureHandle, Vec2, ViewportCommand};
 
 use super::{
-    answers::{draw_scale, draw_slider},
+    answers::{draw_scale, draw_slider, scale_height},
     feedback::Feedback,
     finish::Finish,
     frames::ScreenRefresh,
@@ -32,9 +32,6 @@ use crate::{
 const TEXTURES_KEPT: usize = 8;
 /// How long the cursor stays visible after mouse movement if the scale can be clicked, seconds.
 const CURSOR_S: f64 = 2.0;
-
-/// Height of the scale with its distance from the lower edge of the window, points.
-const SCALE_HEIGHT: f32 = 68.0;
 
 /// Distance of a mark from the lower edge of the stimulus, points.
 const MARK_BELOW: f32 = 28.0;
@@ -421,7 +418,7 @@ impl Trials {
             return;
         }
         let why = self.too_small(ui.ctx());
-        match instructions::paused(ui, &self.session.progress(), &protocol.instructions, why.as_deref()) {
+        match instructions::paused(ui, &self.session.progress(), protocol, why.as_deref()) {
             Some(PauseChoice::Resume) if why.is_none() => self.step(Event::Resume, now),
             Some(PauseChoice::Reread) => self.reread = Some(0),
             Some(PauseChoice::Leave) => self.step(Event::Leave, now),
@@ -457,9 +454,8 @@ impl Trials {
         let scale = &self.session.protocol().response;
         // Nothing is ever drawn on a stimulus.
         let lowest = ui.ctx().content_rect().center().y + self.half_height(ui.ctx());
-        let covers = lowest > ui.ctx().content_rect().bottom() - SCALE_HEIGHT;
-        let hidden = covers && matches!(self.session.state(), State::Stimulus { .. });
-        let is_shown = self.scale_shown && !hidden;
+        let covers = || lowest > ui.ctx().content_rect().bottom() - scale_height(ui.ctx(), scale);
+        let is_shown = self.scale_shown && !(matches!(self.session.state(), State::Stimulus { .. }) && covers());
         let mut set = None;
         let clicked = match self.dial() {
             // A slider is always shown, because without it, nobody could answer.
@@ -497,9 +493,11 @@ impl Trials {
         let area = ui.ctx().content_rect();
         let below = area.center().y + self.half_height(ui.ctx()) + MARK_BELOW;
         let center = egui::pos2(area.center().x, below.min(area.bottom() - SCALE_ABOVE));
-        let keys: Vec<String> = protocol.response.categories.iter().map(|one| one.key.to_string()).collect();
-        let keys = if protocol.task.dial().is_some() { DIAL_HINT.to_owned() } else { keys.join(" ") };
-        let keys = protocol.instructions.answer_keys.replace("{keys}", &keys);
+        let text = &protocol.instructions.answer_keys;
+        let keys = match protocol.task.dial() {
+            Some(_) => text.replace("{keys}", DIAL_HINT),
+            None => protocol.response.fill_keys(text),
+        };
         if let (Layout::Intervals { .. }, State::Response { .. }) = (protocol.task.layout(), self.session.state()) {
             self.feedback.ask(ui, area.center(), self.field, &format!("{}  {keys}", protocol.response.question));
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, Align, Layout, Popup, RichText, Ui};
+use eframe::egui::{self, Align, Layout, Popup, TextStyle, Ui, text::LayoutJob};
 
 use super::{
     grid::Cell,
@@ -16,6 +16,7 @@ use crate::{
         theme::{self, Icon, NARROW},
     },
     experiment::Protocol,
+    report::document::numbers::count,
     store::{definition::BUILT_IN, session::overview::SessionState},
     system::found,
     work::{Export, plan::Plan, simulate::Simulate},
@@ -27,6 +28,8 @@ const ROOM_FOR_ACTIONS: f32 = 560.0;
 const SMALL: f32 = 600.0;
 /// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
 const ROOM_FOR_ALL: f32 = 816.0;
+/// Maximum number of lines of the title.
+const LINES: usize = 3;
 /// Number of simulated participants if none is planned.
 const PARTICIPANTS: u32 = 8;
 
@@ -37,67 +40,64 @@ impl Studies {
         let experiment = self.form.experiment.trim().to_owned();
         let is_built_in = BUILT_IN.iter().any(|built_in| built_in.name == experiment);
         let mut next = None;
-        ui.with_layout(Layout::right_to_left(Align::Min), |ui| {
+        // The buttons are at the right edge, and Tab reaches them from left to right.
+        let id = ui.scope_id().with("buttons");
+        let width: f32 = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        let needed = ui.horizontal_top(|ui| {
             let is_wide = ui.available_width() >= ROOM_FOR_ACTIONS;
-            let more = quiet(ui, Icon::More, "", "More");
-            Popup::menu(&more).show(|ui| {
-                if !is_wide && !is_built_in && ui.button("Duplicate as…").clicked() {
-                    next = Some(Destination::Editor(experiment.clone(), None));
-                }
-                if ui.button("Open the folder").clicked()
-                    && let Some(error) = ui::open(&self.folder())
-                {
-                    ui::complain(ui.ctx(), error);
-                }
-                if !is_built_in && ui.button("Remove from the list").clicked() {
-                    settings.recent.experiments.retain(|other| *other != experiment);
-                    self.choose_experiment(BUILT_IN[0].name.to_owned());
-                    ui::say(ui.ctx(), format!("{experiment} is no longer listed; the file and its sessions stay."));
-                }
-            });
-            if (is_wide || is_built_in) && quiet(ui, Icon::Plus, "Duplicate as…", "Duplicate as…").clicked() {
-                next = Some(Destination::Editor(experiment.clone(), None));
-            }
-            let word = |ui: &Ui, word| if ui.ctx().content_rect().width() < SMALL { "" } else { word };
-            if !is_built_in && quiet(ui, Icon::Edit, word(ui, "Edit"), "Edit").clicked() {
-                let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-                next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
-            }
-            if ui.ctx().content_rect().width() < NARROW {
-                let menu = quiet(ui, Icon::Down, word(ui, "Studies"), "Choose another study");
-                Popup::menu(&menu).width(LIST[1]).show(|ui| {
-                    ui.set_max_height(420.0);
-                    self.studies(ui);
-                });
-            }
-            ui.with_layout(Layout::top_down(Align::Min), |ui| {
+            let room = ui.available_width() - width - ui.spacing().item_spacing.x;
+            ui.allocate_ui_with_layout(egui::vec2(room, 0.0), Layout::top_down(Align::Min), |ui| {
+                ui.set_width(room);
                 let file = Path::new(&experiment).file_name().unwrap_or_default().to_string_lossy().into_owned();
                 let title = checked.protocol.as_ref().map_or(file.as_str(), |protocol| &protocol.title);
-                ui.add(egui::Label::new(RichText::new(title).heading().strong()).wrap());
+                let font = TextStyle::Heading.resolve(ui.style());
+                let mut title = LayoutJob::simple(title.to_owned(), font, theme::ink(ui).ink, room);
+                title.wrap.max_rows = LINES;
+                // The pointer on a longer one shows all of it.
+                ui.add(egui::Label::new(title).wrap());
                 if let Some(protocol) = &checked.protocol {
-                    let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
-                    let task = match &protocol.adaptive {
-                        Some(adaptive) => {
-                            format!("{}, {}", protocol.task.name(), ui::parameter::method(adaptive.method.name()))
-                        }
-                        None if protocol.task.is_default() => {
-                            format!("rating, {} categories", protocol.response.categories.len())
-                        }
-                        None => protocol.task.name().to_owned(),
-                    };
-                    let mut parts = vec![
-                        file.clone(),
-                        task,
-                        if conditions == 1 { "1 condition".to_owned() } else { format!("{conditions} conditions") },
-                        ui::extent(protocol),
-                    ];
-                    if sessions > 1 {
-                        parts.push(format!("{sessions} sessions"));
-                    }
-                    ui::hint(ui, parts.join(" · "));
+                    ui::hint(ui, facts(file, protocol));
                 }
             });
+            let buttons = ui.horizontal(|ui| {
+                let word = |ui: &Ui, word| if ui.ctx().content_rect().width() < SMALL { "" } else { word };
+                if ui.ctx().content_rect().width() < NARROW {
+                    let menu = quiet(ui, Icon::Down, word(ui, "Studies"), "Choose another study");
+                    Popup::menu(&menu).width(LIST[1]).show(|ui| {
+                        ui.set_max_height(420.0);
+                        self.studies(ui);
+                    });
+                }
+                if !is_built_in && quiet(ui, Icon::Edit, word(ui, "Edit"), "Edit").clicked() {
+                    let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+                    next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
+                }
+                if (is_wide || is_built_in) && quiet(ui, Icon::Plus, "Duplicate as…", "Duplicate as…").clicked() {
+                    next = Some(Destination::Editor(experiment.clone(), None));
+                }
+                let more = quiet(ui, Icon::More, "", "More");
+                Popup::menu(&more).show(|ui| {
+                    if !is_wide && !is_built_in && ui.button("Duplicate as…").clicked() {
+                        next = Some(Destination::Editor(experiment.clone(), None));
+                    }
+                    if ui.button("Open the folder").clicked()
+                        && let Some(error) = ui::open(&self.folder())
+                    {
+                        ui::complain(ui.ctx(), error);
+                    }
+                    if !is_built_in && ui.button("Remove from the list").clicked() {
+                        settings.recent.experiments.retain(|other| *other != experiment);
+                        self.choose_experiment(BUILT_IN[0].name.to_owned());
+                        ui::say(ui.ctx(), format!("{experiment} is no longer listed; the file and its sessions stay."));
+                    }
+                });
+            });
+            buttons.response.rect.width()
         });
+        if needed.inner != width {
+            ui.data_mut(|data| data.insert_temp(id, needed.inner));
+            ui.ctx().request_discard("the buttons have another width");
+        }
         next
     }
 
@@ -247,7 +247,8 @@ impl Studies {
         match self.recorded(cell) {
             None if self.form.participant == cell.subject && self.form.session == cell.session => {
                 let begun = self.begin_checked(ui, now);
-                self.open = begun.is_none().then_some(Open::Session);
+                self.opening = begun.is_none();
+                self.open = self.opening.then_some(Open::Session);
                 return begun;
             }
             None => self.open_session(Some(cell)),
@@ -256,6 +257,21 @@ impl Studies {
         }
         None
     }
+}
+
+/// Returns the facts about a study in one line.
+fn facts(file: String, protocol: &Protocol) -> String {
+    let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
+    let task = match &protocol.adaptive {
+        Some(adaptive) => format!("{}, {}", protocol.task.name(), ui::parameter::method(adaptive.method.name())),
+        None if protocol.task.is_default() => format!("rating, {} categories", protocol.response.categories.len()),
+        None => protocol.task.name().to_owned(),
+    };
+    let mut parts = vec![file, task, count(conditions as u64, "condition"), ui::extent(protocol)];
+    if sessions > 1 {
+        parts.push(format!("{sessions} sessions"));
+    }
+    parts.join(" · ")
 }
 
 /// Returns the dialog that exports the study in a folder.

@@ -97,9 +97,14 @@ impl Studies {
                         return;
                     };
                     let SessionState { rated, planned, complete, .. } = session;
-                    let (icon, color) = if *complete { (Icon::Done, ink(ui).text) } else { (Icon::Part, ink(ui).warn) };
+                    let (icon, color, note) = match complete {
+                        true if session.is_cut() => (Icon::Warn, ink(ui).bad, "; it was finished, so check its file"),
+                        true => (Icon::Done, ink(ui).text, ""),
+                        false => (Icon::Part, ink(ui).warn, ""),
+                    };
                     icon.show(ui, color);
-                    let text = format!("{rated} of {planned} trials with practice, last used on {}", session.day());
+                    let text =
+                        format!("{rated} of {planned} trials with practice, last used on {}{note}", session.day());
                     ui.label(RichText::new(text).small().color(color));
                     if !complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
@@ -107,7 +112,7 @@ impl Studies {
                     if ui.button("Open the file").clicked() {
                         open_file(ui, session);
                     }
-                    if *rated == 0 && ui.button("Remove…").clicked() {
+                    if session.is_empty() && ui.button("Remove…").clicked() {
                         self.open = Some(Open::Removal(Box::new(session.clone())));
                     }
                 });

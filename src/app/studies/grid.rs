@@ -7,7 +7,7 @@ use std::{
 
 use eframe::egui::{
     self, Color32, FocusDirection, Id, Key, Modifiers, Popup, Rect, RichText, ScrollArea, Sense, Shape, Stroke,
-    StrokeKind, TextStyle, Ui, Vec2,
+    StrokeKind, TextStyle, Ui, UiBuilder, Vec2,
 };
 
 use crate::{
@@ -209,18 +209,28 @@ impl<'a> Grid<'a> {
             && !Popup::is_any_open(ui.ctx());
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
         let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
-        let wanted = moved.as_ref().and_then(|cell| self.subjects.iter().position(|id| *id == cell.subject));
         let selected = moved.as_ref().unwrap_or(selected);
+        let row = self.subjects.iter().position(|id| *id == selected.subject).unwrap_or_default();
+        let column = self.columns.iter().position(|id| *id == selected.session).unwrap_or_default();
+        let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
+        let is_new = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
         ScrollArea::both().id_salt("grid").auto_shrink([false, true]).show_rows(
             ui,
             CONTROL,
             self.subjects.len() + 1,
             |ui, rows| {
-                if let Some(row) = wanted {
-                    let below = (row as f32 + 1.0 - rows.start as f32) * (CONTROL + 1.0);
-                    let top = ui.max_rect().left_top() + Vec2::new(0.0, below);
-                    ui.scroll_to_rect(Rect::from_min_size(top, Vec2::splat(CONTROL)), None);
+                let below = (row as f32 + 1.0 - rows.start as f32) * (CONTROL + 1.0);
+                let right = NAMES + GAP + answers + column as f32 * (width + GAP);
+                let place = ui.max_rect().left_top() + Vec2::new(right, below);
+                let place = Rect::from_min_size(place, Vec2::new(width, CONTROL));
+                if is_new {
+                    ui.scroll_to_rect(place, None);
+                }
+                if !rows.contains(&(row + 1)) {
+                    // Tab reaches the selected cell also where it is not in view.
+                    let ui = &mut ui.new_child(UiBuilder::new().max_rect(place));
+                    chosen = self.cell(ui, selected, width, Some(1.0)).or(chosen.take());
                 }
                 for row in rows {
                     ui.horizontal(|ui| {
@@ -269,6 +279,11 @@ impl<'a> Grid<'a> {
         let (icon, text, color, said) = match self.state(cell) {
             State::Recorded(session) if self.wrong.contains(&session.csv) => {
                 (Icon::Warn, session.rated.to_string(), ink.bad, "check failed".to_owned())
+            }
+            State::Recorded(session) if session.is_cut() => {
+                let SessionState { rated, planned, .. } = session;
+                let said = format!("was finished, but only {rated} of {planned} trials are left");
+                (Icon::Warn, format!("{rated} of {planned}"), ink.bad, said)
             }
             State::Recorded(session) if session.complete => {
                 (Icon::Done, session.rated.to_string(), ink.text, format!("finished, {} trials", session.rated))

@@ -8,7 +8,9 @@ use eframe::egui::{
 
 use crate::{
     app::ui::{
-        self, pixels,
+        self,
+        fonts::TextFonts,
+        pixels,
         theme::{FIELD_GAP, GAP, LARGE_GAP, SMALL_GAP, ink},
         work::Latest,
     },
@@ -30,6 +32,8 @@ pub struct StudyList {
     rows: Vec<Row>,
     /// The study that was chosen when the list was last drawn.
     shown: String,
+    /// The fonts for the titles.
+    fonts: TextFonts,
 }
 
 struct Row {
@@ -43,10 +47,11 @@ struct Row {
 
 impl StudyList {
     /// Reads the definitions if these are not the files that have a row.
-    pub fn update(&mut self, files: &[String]) {
+    pub fn update(&mut self, ctx: &egui::Context, files: &[String]) {
         if self.files != files || self.rows.is_empty() {
             self.read(files);
         }
+        self.fonts.find(ctx, self.rows.iter().filter_map(|row| Some(&*row.protocol.as_ref().ok()?.title)));
     }
 
     /// Reads the built-in definitions and these files again, because they may have changed. Pictures of definitions

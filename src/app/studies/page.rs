@@ -144,7 +144,7 @@ impl Studies {
             "1".clone_into(&mut self.form.session);
             self.selected = None;
         }
-        self.checked = None;
+        (self.checked, self.error) = (None, None);
         self.sessions.refresh();
         self.list.read(&settings.recent.experiments);
     }
@@ -179,7 +179,7 @@ impl Studies {
         }
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
-        self.list.update(&settings.recent.experiments);
+        self.list.update(ui.ctx(), &settings.recent.experiments);
         let results = self.results();
         self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
@@ -294,7 +294,7 @@ impl Studies {
                 self.selected = Some(cell);
             }
             Some(Chosen::Removed(cell)) => {
-                self.open = self.recorded(&cell).filter(|found| found.rated == 0).map(|f| Open::Removal(Box::new(f)));
+                self.open = self.recorded(&cell).filter(SessionState::is_empty).map(|f| Open::Removal(Box::new(f)));
                 self.selected = Some(cell);
             }
             None => {}

@@ -216,9 +216,9 @@ impl Studies {
         if again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
             let (subject, session) = (request.identity.subject(), request.identity.session());
             let is_taken = again.resume || again.is_wrong(SessionField::Session);
+            self.refresh(false, now.settings);
             self.error = is_taken
                 .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));
-            self.refresh(false, now.settings);
             return None;
         }
         self.error = None;

@@ -9,7 +9,7 @@ use eframe::{
 
 use super::{
     text,
-    theme::{MESSAGE, SMALL_GAP, outline_wrong},
+    theme::{MESSAGE, SMALL_GAP, focus_ring, outline_wrong},
 };
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
@@ -160,6 +160,7 @@ impl<'a> Field<'a> {
                 .custom_parser(|typed| number(&typed.replace('−', "-")))
                 .suffix(self.suffix);
             let response = ui.add(slider);
+            focus_ring(ui, &response);
             if response.changed() {
                 *value = N::from_f64(shown);
             }

@@ -10,53 +10,51 @@ use eframe::egui::{
 use super::work::{BackgroundTask, Progress};
 use crate::system::fonts::{self, SystemFont};
 
-/// The fonts for the texts of a session. They are looked for on another thread, and only if a character needs them.
+/// Fonts, and the characters that no font has.
+type Found = (Vec<SystemFont>, BTreeSet<char>);
+
+/// The fonts for the texts of a page. They are looked for on another thread, and only if a character needs them.
 #[derive(Default)]
 pub struct TextFonts {
-    state: State,
-}
-
-#[derive(Default)]
-enum State {
-    #[default]
-    New,
-    Searching(BackgroundTask<(Vec<SystemFont>, BTreeSet<char>)>),
+    /// The characters that are looked for.
+    search: Option<(BTreeSet<char>, BackgroundTask<Found>)>,
     /// The characters that no font has.
-    Done(BTreeSet<char>),
+    missing: BTreeSet<char>,
 }
 
 impl TextFonts {
     /// Looks for the fonts for these texts; returns the characters that no font has, once that is known.
-    pub fn find<'t>(&mut self, ctx: &Context, texts: impl Iterator<Item = &'t str>) -> Option<&BTreeSet<char>> {
-        match &self.state {
-            State::New => {
-                let lacking = lacking(ctx, texts);
-                self.state = if lacking.is_empty() {
-                    State::Done(lacking)
-                } else {
-                    State::Searching(BackgroundTask::start(ctx, move || fonts::covering(&lacking)))
-                };
+    pub fn find<'t>(&mut self, ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> Option<&BTreeSet<char>> {
+        match self.search.take().map(|(wanted, task)| (task.poll(), wanted, task)) {
+            None => {}
+            Some((Progress::Running, wanted, task)) => {
+                self.search = Some((wanted, task));
+                return None;
             }
-            State::Searching(task) => match task.poll() {
-                Progress::Running => {}
-                Progress::Done((fonts, missing)) => {
-                    fonts.into_iter().for_each(|font| install(ctx, font));
-                    self.state = State::Done(missing);
-                    // The new fonts are in use from the next frame on.
-                    ctx.request_repaint();
-                    return None;
-                }
-                Progress::Lost => self.state = State::Done(BTreeSet::new()),
-            },
-            State::Done(_) => {}
+            Some((Progress::Done((fonts, missing)), ..)) => {
+                fonts.into_iter().for_each(|font| install(ctx, font));
+                self.missing.extend(missing);
+                // The new fonts are in use from the next frame on.
+                ctx.request_repaint();
+                return None;
+            }
+            Some((Progress::Lost, wanted, _)) => self.missing.extend(wanted),
         }
-        if let State::Done(missing) = &self.state { Some(missing) } else { None }
+        let mut wanted = lacking(ctx, texts);
+        wanted.retain(|c| !self.missing.contains(c));
+        if wanted.is_empty() {
+            return Some(&self.missing);
+        }
+        let characters = wanted.clone();
+        self.search = Some((wanted, BackgroundTask::start(ctx, move || fonts::covering(&characters))));
+        None
     }
 }
 
 /// Returns the characters that the installed fonts lack.
-fn lacking<'t>(ctx: &Context, texts: impl Iterator<Item = &'t str>) -> BTreeSet<char> {
-    let all: BTreeSet<char> = texts.flat_map(str::chars).filter(|c| !c.is_control()).collect();
+fn lacking<'t>(ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> BTreeSet<char> {
+    let is_foreign = |c: &char| !c.is_ascii() && !c.is_control();
+    let all: BTreeSet<char> = texts.into_iter().flat_map(str::chars).filter(is_foreign).collect();
     let font = FontId::proportional(16.0);
     ctx.fonts_mut(|fonts| all.into_iter().filter(|c| !fonts.has_glyph(&font, *c)).collect())
 }

@@ -3,8 +3,9 @@
 use std::convert::Infallible;
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui, UiBuilder,
-    Vec2,
+    self, CentralPanel, Color32, Context, Event, Frame, Id, Key, LayerId, Modal, Panel, PointerState, Popup, RichText,
+    ScrollArea, Ui, UiBuilder, Vec2,
+    accesskit::{Action, ActionRequest, TreeId},
 };
 
 use super::{
@@ -309,15 +310,64 @@ pub fn entered(ctx: &Context) -> bool {
 pub fn escaped(ui: &Ui) -> bool {
     let open = Popup::is_any_open(ui.ctx()) || !ui.memory(|memory| memory.allows_interaction(ui.layer_id()));
     // egui has already taken the keyboard focus from the field in which the user was typing.
-    let typing = ui.data(|data| data.get_temp(typing_id())).unwrap_or(false);
+    let typing = LastFrame::of(ui.ctx(), |last| last.typing);
     !open && !typing && ui.input(|input| input.key_pressed(Key::Escape))
 }
 
-/// Remembers whether the user is typing in a field, so that [`escaped`] knows it in the next frame. Call this at the end
-/// of each frame.
-pub fn end_frame(ctx: &egui::Context) {
+/// What the pages remember from the last frame.
+#[derive(Clone, Default)]
+struct LastFrame {
+    /// Whether the user is typing in a field.
+    typing: bool,
+    focused: Option<Id>,
+    dialog: Option<LayerId>,
+    /// The pointer, while it is hidden from the controls.
+    pointer: Option<PointerState>,
+}
+
+impl LastFrame {
+    fn of<R>(ctx: &Context, change: impl FnOnce(&mut Self) -> R) -> R {
+        ctx.data_mut(|data| change(data.get_temp_mut_or_default(Id::unique("last frame"))))
+    }
+}
+
+/// Scrolls to the control that the keyboard focus moved to, and closes a tooltip below a dialog that was just opened.
+/// Call this at the beginning of each frame.
+pub fn begin_frame(ctx: &Context) {
+    let (focused, dialog) = ctx.memory(|memory| (memory.focused(), memory.top_modal_layer()));
+    let (is_new_focus, is_new_dialog) = LastFrame::of(ctx, |last| {
+        let new = (last.focused != focused, last.dialog != dialog);
+        (last.focused, last.dialog) = (focused, dialog);
+        new
+    });
+    // A control that was clicked is under the pointer, and stays there.
+    let is_cut = |response: &egui::Response| {
+        !response.interact_rect.contains_rect(response.rect) && !response.contains_pointer()
+    };
+    let moved = focused.filter(|_| is_new_focus);
+    if let Some(id) = moved.filter(|id| ctx.read_response(*id).is_some_and(|response| is_cut(&response))) {
+        let (action, target_node) = (Action::ScrollIntoView, id.accesskit_id());
+        let request = ActionRequest { action, target_tree: TreeId::ROOT, target_node, data: None };
+        ctx.input_mut(|input| input.events.push(Event::AccessKitActionRequest(request)));
+        ctx.request_repaint();
+    }
+    if is_new_dialog && dialog.is_some() {
+        // egui keeps a tooltip open as long as the pointer rests on its control.
+        let pointer = ctx.input_mut(|input| std::mem::take(&mut input.pointer));
+        LastFrame::of(ctx, |last| last.pointer = Some(pointer));
+    }
+}
+
+/// Remembers the frame for the next one. Call this at the end of each frame.
+pub fn end_frame(ctx: &Context) {
     let typing = ctx.text_edit_focused();
-    ctx.data_mut(|data| data.insert_temp(typing_id(), typing));
+    let hidden = LastFrame::of(ctx, |last| {
+        last.typing = typing;
+        last.pointer.take()
+    });
+    if let Some(pointer) = hidden {
+        ctx.input_mut(|input| input.pointer = pointer);
+    }
 }
 
 /// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.
@@ -325,8 +375,4 @@ pub fn release_focus(ctx: &egui::Context) {
     if let Some(focused) = ctx.memory(|memory| memory.focused()) {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }
-}
-
-fn typing_id() -> Id {
-    Id::unique("typing")
 }

@@ -5,7 +5,7 @@ use eframe::egui::{self, ComboBox, Slider, TextEdit, Ui};
 use super::{
     fields::{Field, entry},
     text,
-    theme::ink,
+    theme::{focus_ring, ink},
 };
 use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
 
@@ -59,7 +59,9 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
                     .clamping(egui::SliderClamping::Never)
                     .step_by(step)
                     .max_decimals(if step >= 1.0 { 0 } else { 4 });
-                if ui.add(slider).labelled_by(label).on_hover_text(parameter.description).changed() {
+                let slider = ui.add(slider).labelled_by(label).on_hover_text(parameter.description);
+                focus_ring(ui, &slider);
+                if slider.changed() {
                     *text = ParameterValue::Number(value).to_string();
                 }
             }

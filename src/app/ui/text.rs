@@ -1,8 +1,8 @@
 //! Text: paragraphs, hints, notes, and errors.
 
 use eframe::egui::{
-    self, Align, Color32, FontId, Label, Layout, Response, RichText, Role, Sense, TextStyle, Ui, UiBuilder, Vec2,
-    WidgetInfo, WidgetText, text::LayoutJob,
+    self, Align, Color32, FontId, Label, Layout, Response, RichText, Role, Sense, TextStyle, Ui, Vec2, WidgetInfo,
+    WidgetText, text::LayoutJob,
 };
 
 use super::theme::{ICON, Icon, NOTE, SECTION, ink};
@@ -41,15 +41,16 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }
 
-/// Draws a note in the room of two lines, which it takes even if it is empty, so that it shifts nothing. The pointer on a
-/// longer one shows the rest.
+/// Draws a note in the room of two lines, which it takes even if it is empty, so that it shifts nothing. A longer one
+/// takes more, and the pointer on one of more than six lines shows the rest.
 pub fn two_lines(ui: &mut Ui, text: &str, color: Color32) {
-    let font = FontId::proportional(NOTE);
-    let height = 2.0 * ui.text_style_height(&TextStyle::Small);
-    let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
-    let mut job = LayoutJob::simple(text.to_owned(), font, color, rect.width());
-    job.wrap.max_rows = 2;
-    ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Min))).add(Label::new(job).wrap());
+    let size = Vec2::new(ui.available_width(), (2.0 * ui.text_style_height(&TextStyle::Small)).ceil());
+    let mut job = LayoutJob::simple(text.to_owned(), FontId::proportional(NOTE), color, size.x);
+    job.wrap.max_rows = 6;
+    ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
+        ui.set_min_size(size);
+        ui.add(Label::new(job).wrap());
+    });
 }
 
 /// Draws errors, one a line.

@@ -2,8 +2,8 @@
 //! pages between trials do not change the eye's adaptation.
 
 use eframe::egui::{
-    self, Button, Color32, ComboBox, CornerRadius, FontFamily, FontId, Rect, Sense, Shadow, Shape, Stroke, Style,
-    TextStyle, Theme, Ui, Vec2, Visuals,
+    self, Button, Color32, ComboBox, CornerRadius, FontFamily, FontId, Rect, Sense, Shadow, Shape, Stroke, StrokeKind,
+    Style, TextStyle, Theme, Ui, Vec2, Visuals,
     class::HasClasses as _,
     style::{HandleShape, ScrollAnimation},
     theme::{DefaultStyle, StyleProvider},
@@ -335,6 +335,16 @@ pub fn outline_wrong(ui: &mut Ui) {
         widget.bg_stroke.color = bad;
     }
     visuals.selection.stroke.color = bad;
+}
+
+/// Draws the ring around a control that has the keyboard focus, for one that does not draw its own.
+pub fn focus_ring(ui: &Ui, response: &egui::Response) {
+    if response.has_focus() && !ui.ctx().text_edit_focused() {
+        // The response of a slider also has the place of its number.
+        let rect = ui.ctx().read_response(response.id).map_or(response.rect, |own| own.rect);
+        let ring = Stroke::new(2.0, ink(ui).ink);
+        ui.painter().rect_stroke(rect.expand(1.0), 5.0, ring, StrokeKind::Outside);
+    }
 }
 
 /// Returns the frame of a card: a group of things that belong together.

@@ -47,11 +47,15 @@ pub enum WindowError {
     },
 }
 
+/// How a session continues whose window is gone.
+const RESUME: &str = "every saved answer is on disk; to resume, use the same command with --resume, or press Resume next to \
+                      it on the start page";
+
 fn ended(signal: Signal, rows: Option<&Path>) -> String {
     match rows {
         Some(rows) => {
             let ended = Ended { place: rows.display().to_string(), signal };
-            format!("{ended}; to continue, use the same command with --resume")
+            format!("{ended}; {RESUME}")
         }
         None => format!("window: ended by {signal}; expected the user to close it"),
     }
@@ -59,11 +63,7 @@ fn ended(signal: Signal, rows: Option<&Path>) -> String {
 
 fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, expected) = match rows {
-        Some(rows) => (
-            rows.display().to_string(),
-            "every saved answer is on disk; to resume, use the same command with --resume, or press Resume \
-                next to it on the start page",
-        ),
+        Some(rows) => (rows.display().to_string(), RESUME),
         None => ("display".to_owned(), "expected a window system and graphics driver that keep running"),
     };
     format!("{place}: the window was lost ({reason}); {expected}")

@@ -41,7 +41,7 @@ pub use yes_no::YesNo;
 
 use kinds::kinds;
 
-use super::texts::Texts;
+use super::{scale::ResponseScale, texts::Texts};
 
 kinds! {
     /// What participants do in a trial.
@@ -82,12 +82,12 @@ impl Default for Task {
 /// How a dial is turned.
 const DIAL: &str = "Change the value with the arrow keys or the mouse wheel; with Shift, the steps are finer. Press Enter to answer. While the screen shows one even color, Backspace undoes the last answer. Esc pauses.";
 /// How answers with keys of their own are given.
-const KEYS: &str = "Answer with these keys. While the screen shows one even color, Backspace undoes the last answer. S shows or hides the answers. Esc pauses.";
+const KEYS: &str = "Answer with the keys {keys}. While the screen shows one even color, Backspace undoes the last answer. S shows or hides the answers. Esc pauses.";
 
 impl Task {
-    /// Replaces the default texts, which are those of a rating, by texts that suit this task.
-    pub fn instruct(&self, texts: &mut Texts) {
-        if self.is_default() {
+    /// Replaces the default texts, which are those of a rating with digits, by texts that suit this task and its answers.
+    pub fn instruct(&self, texts: &mut Texts, scale: &ResponseScale) {
+        if self.is_default() && scale.categories.iter().all(|category| category.key.is_ascii_digit()) {
             return;
         }
         let (default, has_dial) = (Texts::default(), self.dial().is_some());

@@ -30,7 +30,7 @@ pub struct SessionState {
     pub rated: usize,
     /// Number of planned trials.
     pub planned: usize,
-    /// Whether every planned trial is rated.
+    /// Whether the session ended with every planned trial rated. If fewer are `rated`, its file was cut since.
     pub complete: bool,
     /// When the last sitting began, RFC 3339, UTC.
     pub started_at: String,
@@ -71,15 +71,15 @@ impl SessionState {
     /// participants.
     ///
     /// # Errors
-    /// There are rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
+    /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
-        let (_, _, protocol) = self.protocol()?;
+        let (_, sidecar, protocol) = self.protocol()?;
         let refuse = |what: &str| Err(StoreError::Protected { path: self.csv.clone(), what: what.to_owned() });
         if lock::is_held(&self.csv)? {
             return Err(StoreError::InUse(self.csv.clone()));
         }
-        if !results::read(&self.csv, &columns(&protocol))?.is_empty() {
-            return refuse("contains ratings; expected a session without any");
+        if sidecar.is_complete() || !results::read(&self.csv, &columns(&protocol))?.is_empty() {
+            return refuse("has or had ratings; expected a session without any");
         }
         let results = self.csv.ancestors().nth(3).unwrap_or(Path::new(""));
         let paths = SessionPaths::new(results, &protocol, &self.identity);
@@ -90,14 +90,26 @@ impl SessionState {
         Ok(())
     }
 
+    /// Returns whether the session was finished, but some of its trials are missing now.
+    pub fn is_cut(&self) -> bool {
+        self.complete && self.rated < self.planned
+    }
+
+    /// Returns whether nothing was ever rated, so that the session can be removed.
+    pub fn is_empty(&self) -> bool {
+        self.rated == 0 && !self.complete
+    }
+
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
         let (path, sidecar) = Sidecar::of(&csv)?;
         let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
         let planned = protocol.main_trials() + protocol.design.practice as usize;
-        // A complete session was rated to the end, so its rows need not be read.
+        // A complete session was rated to the end, so its rows need not be read unless some are missing.
         let complete = sidecar.is_complete();
-        let rated = if complete {
+        let size = found(&csv).map_err(io(&csv, "read"))?.map_or(0, |metadata| metadata.len());
+        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size >= seal.data_bytes);
+        let rated = if complete && is_whole {
             planned
         } else {
             let rows = results::read(&csv, &columns(&protocol))?;

@@ -7,7 +7,12 @@ use glam::DVec3;
 
 use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
 use crate::{
-    app::ui::{Field, parameter::swatch_edge, secondary, text, theme::ink},
+    app::ui::{
+        Field,
+        parameter::swatch_edge,
+        secondary, text,
+        theme::{focus_ring, ink},
+    },
     light::{Depth, Transfer},
     shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
     stimulus::Renderer,
@@ -103,6 +108,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             let mut number = *vertices as f64;
             let slider = Slider::new(&mut number, range).logarithmic(true).step_by(1.0).max_decimals(0);
             let response = ui.add(slider);
+            focus_ring(ui, &response);
             text::name(ui, &response, "Number of vertices");
             if response.changed() {
                 *vertices = number as usize;
