@@ -119,6 +119,11 @@ pub fn t_quantile(df: f64) -> f64 {
     StudentsT::new(0.0, 1.0, df).map_or(f64::INFINITY, |distribution| distribution.inverse_cdf(0.975))
 }
 
+/// Returns the two-sided probability of a value of the t distribution.
+pub fn t_two_sided(t: f64, df: f64) -> f64 {
+    StudentsT::new(0.0, 1.0, df).map_or(f64::NAN, |distribution| 2.0 * distribution.sf(t.abs()))
+}
+
 /// Returns P(χ² > x) for `df` degrees of freedom.
 pub fn chi_squared_tail(x: f64, df: usize) -> f64 {
     if x <= 0.0 { 1.0 } else { gamma_ur(df as f64 / 2.0, x / 2.0) }

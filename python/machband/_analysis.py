@@ -136,10 +136,9 @@ class Analysis:
         return self._named([row["se"] for row in self._rows])
 
     def cov_params(self) -> Table:
-        """Return the covariance of thresholds, coefficients and the standard deviation of the random intercept."""
+        """Return the covariance of `params`, the thresholds and the coefficients."""
         names = [row["name"] for row in self._rows]
-        names += [f"sd {i}" if i else "sd" for i in range(len(self._covariance) - len(names))]
-        return named(names, self._covariance, names)
+        return named(names, self._covariance[: len(names), : len(names)], names)
 
     @property
     def llf(self) -> float:

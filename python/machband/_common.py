@@ -338,11 +338,20 @@ def png(codes: np.ndarray[Any, Any]) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
 
 
+def axes(ax: Any) -> Any:
+    """Return axes of matplotlib, by default new ones."""
+    from matplotlib import pyplot
+
+    if ax is not None and not hasattr(ax, "imshow"):
+        raise TypeError(f"ax is {ax!r}; expected axes of matplotlib")
+    return pyplot.subplots()[1] if ax is None else ax
+
+
 def plotted(png: bytes, ax: Any) -> Any:
     """Draw an image on axes of matplotlib, by default new ones, and return them."""
-    from matplotlib import image, pyplot
+    from matplotlib import image
 
-    ax = pyplot.subplots()[1] if ax is None else ax
+    ax = axes(ax)
     ax.imshow(image.imread(io.BytesIO(png), format="png"))
     ax.set_axis_off()
     return ax

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Seed, Table, encoding, flag, name_of, number, numbers, options, path, png, suggests, table
-from ._common import text, value, whole
+from ._common import Dither, Seed, Table, axes, encoding, flag, name_of, number, numbers, options, path, png
+from ._common import suggests, table, text, value, whole
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -376,9 +376,7 @@ class Stimulus:
 
     def plot(self, ax: Any = None) -> Any:
         """Draw it on axes of matplotlib, by default new ones, in degrees of visual angle; return them."""
-        from matplotlib import pyplot
-
-        ax = pyplot.subplots()[1] if ax is None else ax
+        ax = axes(ax)
         high, wide = (degrees / 2 for degrees in self.visual_size)
         ax.imshow(self.codes(), extent=(-wide, wide, -high, high), interpolation="nearest")
         ax.set(xlabel="degrees", ylabel="degrees")

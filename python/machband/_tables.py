@@ -39,7 +39,10 @@ def columns(data: Any) -> dict[str, Any] | None:
     names = [_text("the name of a column", name if isinstance(name, bytes) else str(name)) for name, _ in found]
     if twice := [name for name in names if names.count(name) > 1]:
         raise Error(f"two columns are named {twice[0]!r}; expected a different name for each")
-    rows = [len(column) if hasattr(column, "__len__") else 0 for _, column in found]
+    for name, (_, column) in zip(names, found, strict=True):
+        if not hasattr(column, "__len__"):
+            raise TypeError(f"column {name!r} is {column!r}; expected a list or an array")
+    rows = [len(column) for _, column in found]
     for name, count in zip(names, rows, strict=True):
         if count != rows[0]:
             raise Error(f"{name} has length {count}; expected {rows[0]}, as {names[0]} has")
@@ -68,7 +71,10 @@ def _columns(data: Any) -> list[tuple[Any, Any]] | None:
         else:
             try:
                 arrow = pyarrow.table(data)
-            except pyarrow.ArrowInvalid:
+            except pyarrow.ArrowInvalid as error:
+                if hasattr(data, "columns"):
+                    message = f"{type(data).__name__} cannot be read: {error}; expected columns that Arrow has"
+                    raise Error(message) from None
                 # A single column.
                 return None
             for place, kind in enumerate(map(str, getattr(data, "types", ()))):

@@ -297,8 +297,8 @@ def test_the_model_is_like_statsmodels(sessions):
     found = machband.analyze(sessions[1], draws=99, slopes="none")
     names = [row["name"] for row in [*found.model["thresholds"], *found.model["coefficients"]]]
     assert found.params.index.tolist() == names == found.bse.index.tolist() == found.pvalues.index.tolist()
-    assert found.cov_params().shape == (len(names) + 1,) * 2 or found.cov_params().shape == (len(names),) * 2
-    assert np.allclose(np.sqrt(np.diag(found.cov_params()))[: len(names)], found.bse, rtol=1e-6)
+    assert found.cov_params().index.tolist() == found.cov_params().columns.tolist() == names
+    assert np.allclose(np.sqrt(np.diag(found.cov_params())), found.bse, rtol=1e-6)
     # Calibrated: with one degree of freedom the likelihood-ratio test, otherwise the comparison with the baseline.
     [test] = [test for test in found.model["likelihood_ratio"] if test["df"] == 1]
     assert found.pvalues["orientation_deg90"] == test["p"] and found.pvalues[:3].isna().all()
@@ -318,6 +318,8 @@ def test_the_model_is_like_statsmodels(sessions):
     assert found.predict(pandas.DataFrame(given, index=["a"])).index.tolist() == ["a"]
     with pytest.raises(machband.Error, match="depth has length 2; expected 1, as width has"):
         found.predict({**given, "depth": [1, 2]})
+    with pytest.raises(TypeError, match="column 'depth' is 1; expected a list or an array"):
+        found.predict({**given, "depth": 1})
     with pytest.raises(TypeError, match="alpha is '0.05'; expected a number"):
         found.conf_int("0.05")
     numeric = machband.analyze(sessions[1], draws=99, terms="num:width", link="probit")
@@ -349,6 +351,8 @@ def test_results_pickle_and_plot(sessions, tmp_path):
     assert (tmp_path / "again" / "report.html").read_bytes() == (tmp_path / "found" / "report.html").read_bytes()
     figure = found.figures["effects"]
     assert repr(figure) == "<Figure 'effects'>" and len(figure.plot().images) == 1
+    with pytest.raises(TypeError, match="ax is 3; expected axes of matplotlib"):
+        figure.plot(3)
 
 
 BASE = {"schema": 1, "name": "t", "stimulus": {"kind": "mach-band", "color": "gray"}}

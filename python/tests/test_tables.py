@@ -191,6 +191,8 @@ def test_wrong_tables_of_others_are_refused():
         machband.analyze(frame.lazy(), **GIVEN)
     with pytest.raises(TypeError, match="column 'dose' has cells of type"):
         machband.analyze(frame.with_columns(dose=polars.col("dose").str.split("")), **GIVEN)
+    with pytest.raises(machband.Error, match="DataFrame cannot be read: .*expected columns that Arrow has"):
+        machband.analyze(frame.with_columns(dose=polars.lit(1, polars.Int128)), **GIVEN)
     arrow = pyarrow.table(frame)
     with pytest.raises(machband.Error, match="two columns are named 'dose'"):
         machband.analyze(arrow.append_column("dose", arrow["who"]), **GIVEN)

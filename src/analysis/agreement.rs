@@ -70,12 +70,7 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
     let pseudo_values: Option<Vec<f64>> = (0..groups).into_par_iter().map(without).collect();
     let interval = pseudo_values.filter(|_| enough).and_then(|values| Interval::of_mean(&values));
     let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
-    Some(Alpha {
-        alpha,
-        units: units.len(),
-        ratings: ratings as u64,
-        interval: interval.map(|Interval { low, high }| Interval { low, high: high.min(1.0) }),
-    })
+    Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval: interval.map(at_most_one) })
 }
 
 /// Returns α with each participant counted as many times as its weight. The ordinal metric between two categories is the
@@ -129,9 +124,13 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     (expected > 1e-12 * below.powi(4)).then(|| 1.0 - (below - 1.0) * observed / expected)
 }
 
-/// Returns the mean of a statistic over participants and its 95 % t interval, or `None` if there are no values.
-pub fn mean_over_subjects(values: &[f64]) -> Option<(f64, Option<Interval>)> {
-    (!values.is_empty()).then(|| (mean_and_sd(values).0, Interval::of_mean(values)))
+/// Returns the mean of participants' κ and its 95 % t interval, at most 1, or `None` if there are no values.
+pub fn mean_kappa(values: &[f64]) -> Option<(f64, Option<Interval>)> {
+    (!values.is_empty()).then(|| (mean_and_sd(values).0, Interval::of_mean(values).map(at_most_one)))
+}
+
+fn at_most_one(Interval { low, high }: Interval) -> Interval {
+    Interval { low, high: high.min(1.0) }
 }
 
 /// Returns Cohen's κ (1968) with quadratic weights for first and second ratings, given as categories: 1 is perfect

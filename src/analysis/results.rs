@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{
     Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction,
     Random, Resampling, Slopes,
-    agreement::{Alpha, kappa, mean_over_subjects, ordinal_alpha, retests},
+    agreement::{Alpha, kappa, mean_kappa, ordinal_alpha, retests},
     counts::{Counts, MAX_LEVELS, Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
@@ -320,7 +320,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         spec,
         model,
         alpha: if people > 1 { alpha } else { None },
-        kappa: mean_over_subjects(&kappas),
+        kappa: mean_kappa(&kappas),
         times,
         options: options.clone(),
         whole,

@@ -140,7 +140,8 @@ impl Course {
         }
     }
 
-    fn second_of(&self, shown: &Presentation) -> Option<f64> {
+    /// Returns the level of the second parameter that a presentation shows, if the method varies one.
+    pub(super) fn second_of(&self, shown: &Presentation) -> Option<f64> {
         let name = self.protocol.adaptive.as_ref()?.parameters().nth(1)?;
         crate::text::Cell::from(shown.described().get(name)?).as_number()
     }

@@ -274,7 +274,7 @@ pub enum Unrated {
     Vision(#[from] VisionError),
     /// A stimulus has no smooth reference.
     #[error(
-        "the vision model does not say how visible the bands of {0} are; expected a mach-band, or a mesh whose smooth surface is known"
+        "the vision model does not say how visible the bands in a stimulus of the kind {0} are; expected a mach-band, or a mesh whose smooth surface is known"
     )]
     NoReference(&'static str),
 }

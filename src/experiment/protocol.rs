@@ -304,10 +304,12 @@ impl Definition {
             && !self.lacks_pictures()
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
-            errors.add(
-                "design.order",
-                format!("order {} does not name a factor; expected one of {}", design.order, known.join(", ")),
-            );
+            let expected = if known.is_empty() {
+                "random, because there are none"
+            } else {
+                &format!("one of {}", known.join(", "))
+            };
+            errors.add("design.order", format!("order {} does not name a factor; expected {expected}", design.order));
         }
     }
 
@@ -359,7 +361,15 @@ impl Definition {
             if let Some(error) =
                 shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
             {
-                errors.add(self.level_to_blame(condition, &picks).unwrap_or("task"), error.to_string());
+                let is_wrong = |stimulus: &Stimulus| stimulus.validate().is_err();
+                // The ends of a dial alternate.
+                let of_dial = || {
+                    let end = shown.iter().find_map(|stimuli| stimuli.iter().position(is_wrong))? % 2;
+                    dial.as_ref().map(|_| ["task.low", "task.high"][end])
+                };
+                let of_reference = || self.task.reference().map(|_| "task.reference");
+                let key = self.level_to_blame(condition, &picks).or_else(of_dial).or_else(of_reference);
+                errors.add(key.unwrap_or("task"), error.to_string());
                 return;
             }
         }
@@ -368,8 +378,12 @@ impl Definition {
     /// Returns the key of the level that the target of a condition cannot have; `None` if it can have them all.
     fn level_to_blame(&self, condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Option<&'static str> {
         let targets = targets(condition, picks);
-        let wrong = targets.iter().position(|target| target.validate().is_err())?;
+        let is_wrong = |target: &Stimulus| target.validate().is_err();
+        let wrong = targets.iter().position(is_wrong)?;
+        let seconds = self.adaptive.as_ref()?.second().map_or(1, |second| second.levels.len());
+        let mut with_same_second = targets.iter().skip(wrong % seconds).step_by(seconds);
         Some(match &self.adaptive.as_ref()?.method {
+            Method::QuestPlus(_) if seconds > 1 && with_same_second.all(is_wrong) => "adaptive.second.levels",
             Method::Staircase(_) if 2 * wrong < targets.len() => "adaptive.low",
             Method::Staircase(_) => "adaptive.high",
             Method::QuestPlus(_) | Method::Constant(_) => "adaptive.levels",
@@ -426,6 +440,11 @@ impl Definition {
         if self.design.order != Order::Random || self.design.max_run.is_some() {
             errors.add("design.order", "pairs have no levels of their own; expected order = \"random\" and no max_run");
         }
+        if pairs.is_empty() {
+            let message =
+                "there are no two conditions to compare; expected neighboring levels of a factor, all else equal";
+            errors.add("task.along", message);
+        }
         let trials = pairs.len().saturating_mul(self.design.repetitions as usize);
         if self.task.ranking().is_none() && trials > MAX_TRIALS {
             errors.add("factors", format!("the design has {trials} comparisons; expected at most {MAX_TRIALS}"));
@@ -435,6 +454,9 @@ impl Definition {
 
     fn check_response(&self, errors: &mut DefinitionErrors) {
         let categories = &self.response.categories;
+        if self.response.question.trim().is_empty() {
+            errors.add("response.question", "the question is empty; expected what participants answer");
+        }
         if let Some(expected) = self.task.answers().filter(|expected| *expected != categories.len()) {
             let message = format!("the number of labels is {}; expected {expected}", categories.len());
             errors.add("response.labels", message);

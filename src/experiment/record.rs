@@ -491,6 +491,7 @@ impl TrialRecord {
     }
 
     /// Returns whether the changes of a value lead to this answer: in the order of time, from the start to the answer.
+    /// Times of changes are written to the millisecond.
     pub(super) fn leads_to(&self, answer: &Answer, protocol: &Protocol) -> bool {
         let Some(TaskAnswer { start, path, .. }) = &self.answer else { return true };
         if protocol.task.dial().is_none() {
@@ -506,7 +507,7 @@ impl TrialRecord {
             })
         };
         let is_whole = path.iter().flat_map(|path| path.split(' ')).all(&mut is_next);
-        is_whole && value.map(Answer::Value).as_ref() == Some(answer)
+        is_whole && last_s <= self.response_time_s.0 + 0.001 && value.map(Answer::Value).as_ref() == Some(answer)
     }
 
     /// Returns the answer in this row; `None` if the task has no such answer.

@@ -4,7 +4,7 @@
 use super::{
     course::Course,
     identity::Identity,
-    record::{RowContext, TrialRecord},
+    record::{RowContext, TrialRecord, columns},
     schedule::{Phase, Trial},
     task::{Answer, Presentation},
 };
@@ -94,7 +94,7 @@ impl<'a> Replay<'a> {
         let trials = &self.course.schedule().trials;
         let index = (before + row.trial as usize).checked_sub(1);
         let index = index.filter(|index| trials.get(*index).is_some_and(|trial| trial.phase == row.phase));
-        let index = index.ok_or_else(|| self.unplanned(row))?;
+        let index = index.ok_or_else(|| self.unplanned(row, &format!("no {} trial {}", row.phase, row.trial)))?;
         self.course.take_back(index);
         let skipped = (self.next..index).find(|trial| !self.has_gaps && !self.course.is_over(*trial));
         self.next = self.next.max(index + 1);
@@ -111,8 +111,8 @@ impl<'a> Replay<'a> {
         }
         let level = row.answer.as_ref().and_then(|answer| answer.level);
         let possible = self.course.possible(index, level);
-        let Some(shown) = possible.into_iter().find(|shown| self.shows(row, index, (shown, &given))) else {
-            return Err(self.unplanned(row));
+        let Some(shown) = possible.iter().find(|shown| self.shows(row, index, (shown, &given))).cloned() else {
+            return Err(self.unplanned(row, &self.difference(row, index, &given, &[&[shown][..], &possible].concat())));
         };
         if !self.has_gaps {
             return Err(gap.unwrap_or_else(|| {
@@ -127,26 +127,45 @@ impl<'a> Replay<'a> {
 
     /// Returns whether a row is the one that a trial with this presentation and answer records.
     fn shows(&self, row: &TrialRecord, index: usize, trial: (&Presentation, &Answer)) -> bool {
+        self.planned(row, index, trial) == *row
+    }
+
+    /// Returns the row that a trial with this presentation and answer records.
+    fn planned(&self, row: &TrialRecord, index: usize, trial: (&Presentation, &Answer)) -> TrialRecord {
         let context = RowContext {
             protocol: self.course.protocol(),
             schedule: self.course.schedule(),
             identity: self.identity,
             sitting: row.sitting,
         };
-        row.clone().of_trial(&context, index, row.attempt, trial) == *row
+        row.clone().of_trial(&context, index, row.attempt, trial)
+    }
+
+    /// Names the cells in which a row differs from what is most like it of what its trial could show.
+    fn difference(&self, row: &TrialRecord, index: usize, given: &Answer, possible: &[Presentation]) -> String {
+        let (cells, columns) = (row.cells(), columns(self.course.protocol()));
+        let differing = |shown: &Presentation| -> Vec<String> {
+            let planned = self.planned(row, index, (shown, given)).cells();
+            let cells = columns.iter().zip(cells.iter().zip(&planned)).filter(|(_, (cell, planned))| cell != planned);
+            cells.map(|(column, (cell, planned))| format!("{} {planned:?} instead of {cell:?}", column.name)).collect()
+        };
+        possible.iter().map(differing).min_by_key(Vec::len).unwrap_or_default().join(", ")
     }
 
     fn expected(&self, index: usize) -> String {
         let shown = self.course.presentation(index);
+        let second = self.course.second_of(&shown);
         match shown.level {
-            Some(level) => format!("the level {level}"),
+            Some(level) => {
+                format!("the level {level}{}", second.map_or_else(String::new, |second| format!(" with {second}")))
+            }
             None => "the pair that tells most".to_owned(),
         }
     }
 
-    fn unplanned(&self, row: &TrialRecord) -> String {
+    fn unplanned(&self, row: &TrialRecord, expected: &str) -> String {
         format!(
-            "row {} is not planned by the definition and seed {}; expected the row as it was recorded",
+            "row {} is not planned by the definition and seed {}; expected {expected}",
             row.row_id,
             self.course.schedule().seed
         )

@@ -432,7 +432,9 @@ fn scale(written: WrittenScale, default_scale: ResponseScale, errors: &mut Defin
     };
     let keys = written.keys.unwrap_or_else(|| (0..count).map(default).collect());
     if keys.len() != count {
-        let message = format!("response.keys has length {}; expected {count}, one for each label", keys.len());
+        let expected =
+            if count == 0 { "none, because participants set a value" } else { &format!("{count}, one for each label") };
+        let message = format!("response.keys has length {}; expected {expected}", keys.len());
         errors.add("response.keys", message);
     }
     // A missing key has already been reported; its digit stands in for it.

@@ -227,6 +227,11 @@ fn explained(path: &str, error: &str) -> String {
     let Some(found) = wrong.strip_prefix("invalid type: ").or(wrong.strip_prefix("invalid value: ")) else {
         return format!("{path}: {wrong}; expected {expected}");
     };
+    let (found, expected) = match found.strip_prefix("string ").map(|text| text.trim_matches('"')) {
+        // A number that is not finite is a string here.
+        Some(number @ ("NaN" | "inf" | "-inf")) if expected == "a number" => (number, "a finite number"),
+        _ => (found, expected),
+    };
     let found = match found.split_once(' ') {
         None if found == "sequence" => "a list",
         None if found == "map" => "a table",

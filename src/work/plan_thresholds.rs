@@ -8,6 +8,7 @@ use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
     report::{names, tasks::task},
+    stimulus::Stimulus,
     store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
 };
@@ -62,8 +63,11 @@ impl Plan {
             let message = format!(
                 "{name} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
                  expected a rating on a scale of categories, or a task with [adaptive]. To see the intervals that simulated \
-                 people give, run machband simulate {name} --participants 8 and machband analyze results/{name} --out analysis",
+                 people give, run machband simulate {}{} --participants 8 and machband analyze results/{name} --out analysis",
                 task(&protocol.task),
+                self.experiment.display(),
+                // The model of vision does not say what people see in pictures.
+                if matches!(protocol.stimulus, Stimulus::Image(_)) { " --observer random" } else { "" },
                 name = protocol.name
             );
             return Err(RequestError::whole(message).into());

@@ -98,8 +98,8 @@ struct Simulation<'a> {
     pictures: Pictures,
     /// Hashes of the pictures, which are rendered when the first session ends, so that no row waits for them.
     hashes: OnceLock<Vec<String>>,
-    /// Number of trials in all sessions, and of those that are done.
-    rows: u64,
+    /// The most trials that all sessions can have, and the rows of those that are done.
+    trials: u64,
     done: AtomicU64,
     watcher: &'a dyn Watcher,
 }
@@ -130,7 +130,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
         description,
         pictures: Pictures::without_screen(protocol),
         hashes: OnceLock::new(),
-        rows: sessions * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
+        trials: sessions * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
         done: AtomicU64::new(0),
         watcher,
     };
@@ -139,7 +139,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
     let (threads, begin) = threads(AT_A_TIME.min(total))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
     pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))?;
-    Ok(Simulated { folder: request.results.join(&protocol.name), sessions, rows: simulation.rows })
+    Ok(Simulated { folder: request.results.join(&protocol.name), sessions, rows: simulation.done.into_inner() })
 }
 
 /// Returns the rows of a session of the vision observer, which is not stored.
@@ -194,7 +194,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
 impl Simulation<'_> {
     fn advance(&self, trials: u64) {
         let done = self.done.fetch_add(trials, Ordering::Relaxed) + trials;
-        self.watcher.progress(done, self.rows);
+        self.watcher.progress(done, self.trials);
     }
 
     fn session(&self, number: usize) -> anyhow::Result<()> {

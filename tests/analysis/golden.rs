@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, fs};
 
 use machband::analysis::{
     Coefficient, Link, Model, ModelSpec, Note, Random, Slopes,
-    agreement::{kappa, ordinal_alpha},
+    agreement::{kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
     rank_tests::{SubjectMeans, friedman},
@@ -271,6 +271,7 @@ fn agreement_matches_krippendorff_and_scikit_learn() {
         close(kappa(&pairs).unwrap(), &row[3], row);
     }
     assert_eq!(kappa(&[]), None);
+    assert_eq!(mean_kappa(&[0.9, 1.0, 0.5]).unwrap().1.unwrap().high, 1.0);
 }
 
 /// `p.adjust(c(0.01, 0.04, 0.03, 0.005), "holm")`, R 4.2.2.

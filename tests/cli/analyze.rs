@@ -663,6 +663,9 @@ fn reversed_functions_have_no_threshold() {
         "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out";
     let [printed, _] = answers(folder.path(), "level,right,n\n1,19,20\n2,14,20\n3,9,20\n", "--guess 0.1");
     assert!(printed.contains(says) && !printed.contains("threshold"), "{printed}");
+    let (header, rows) = table(&folder.path().join("a/thresholds.csv"));
+    let of_function = header.iter().zip(&rows[0]).filter(|(name, _)| name.starts_with("threshold"));
+    assert!(of_function.clone().count() == 3 && of_function.clone().all(|(_, cell)| cell.is_empty()), "{rows:?}");
     let rows = of_people(&[("c", 0..4)], 0.0, 1.0);
     let reversed = |line: &str| match line.strip_prefix("p3,c,") {
         Some(rest) => format!("p3,c,{}\n", rest.strip_prefix('-').map_or(format!("-{rest}"), str::to_owned)),
@@ -691,6 +694,37 @@ fn conditions_are_compared_by_the_people_who_have_both() {
     assert!(printed.contains(" over 4 participants, so ") && is_method, "{printed}");
     let (printed, is_method) = run(&[("A", 0..3), ("B", 3..6)]);
     assert!(printed.contains("at cond B is ") && !printed.contains("difference") && !is_method, "{printed}");
+}
+
+/// With many pairs of conditions, some would seem to differ by chance.
+#[test]
+fn comparisons_of_many_conditions_are_corrected() {
+    let folder = tempfile::tempdir().unwrap();
+    let shifts = [[0.05, -0.05, 0.02, -0.03, 0.01], [0.1, 0.3, 0.5, 0.7, 0.9], [0.6, -0.2, 0.4, -0.1, 0.5]];
+    let right = [10, 11, 12, 14, 17, 19, 20, 20];
+    let row = |condition: usize, person: usize| -> String {
+        let level = |i: usize| i as f64 - 3.5 + shifts[condition][person];
+        (0..8).map(|i| format!("p{person},c{condition},{},{},20\n", level(i), right[i])).collect()
+    };
+    for (conditions, verdict) in [(2, "so they differ"), (3, "so it is not clear that they differ")] {
+        let rows = (0..conditions).flat_map(|condition| (0..5).map(move |person| row(condition, person)));
+        let rows = "who,cond,level,right,n\n".to_owned() + &rows.collect::<String>();
+        let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who --factors cond");
+        let first = printed.lines().find(|line| line.contains("at cond c0 and at cond c1")).unwrap();
+        let interval = first.split(['(', ')']).nth(1).unwrap();
+        let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
+        assert_eq!(report.contains("Holm"), conditions > 2);
+        assert!(first.contains(verdict) && interval.contains("to −"), "{printed}");
+    }
+}
+
+/// Answers that do not depend on the level say nothing about a threshold, not even on which side it lies.
+#[test]
+fn a_flat_function_has_no_threshold_on_any_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "level,right,n\n1,10,20\n2,10,20\n4,10,20\n8,10,20\n";
+    let [printed, _] = answers(folder.path(), rows, "--guess free --log");
+    assert!(printed.contains("is not determined by the answers") && !printed.contains("lies"), "{printed}");
 }
 
 /// A threshold has as many digits as its interval determines, whatever the size of the levels.

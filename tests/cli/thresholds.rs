@@ -130,4 +130,8 @@ fn studies_of_thresholds_are_planned() {
     let told = fails(folder.path(), &["plan", "pairs-shaders", "--participants=4"], 2);
     assert!(told.contains("expected a rating on a scale of categories, or a task with [adaptive]"), "{told}");
     assert!(told.contains("run machband simulate pairs-shaders --participants 8"), "{told}");
+    let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
+    fs::write(folder.path().join("a.toml"), adjust).unwrap();
+    let told = fails(folder.path(), &["plan", "a.toml", "--participants=4"], 2);
+    assert!(told.contains("run machband simulate a.toml --participants 8"), "{told}");
 }

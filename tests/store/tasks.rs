@@ -156,8 +156,9 @@ fn a_path_that_does_not_lead_to_the_value_is_named() {
         let (header, rows) = table(&csv);
         let at = |name: &str| header.iter().position(|column| column == name).unwrap();
         let (path, set) = (rows[3][at("path")].clone(), rows[3][at("response")].clone());
+        let late = format!("1000:{set}");
         for wrong in
-            ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN"]
+            ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN", &late]
         {
             let original = fs::read_to_string(&csv).unwrap();
             set_cell(&csv, 5, "path", wrong);
@@ -238,7 +239,10 @@ fn a_wrong_level_target_or_mark_is_named() {
         fs::write(&csv, &text).unwrap();
         set_cell(&csv, line, column, value);
         let errors = verified(&csv).errors;
-        assert!(errors.iter().any(|error| error.position.is_some_and(|at| at.0 == line)), "{column}: {errors:?}");
+        let is_told = errors.iter().any(|error| {
+            error.position.is_some_and(|at| at.0 == line) && error.message.contains(&format!(" {column} "))
+        });
+        assert!(is_told, "{column}: {errors:?}");
     }
 }
 
@@ -403,7 +407,10 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
         let simulate = ["simulate", "tasks.toml", "--observer", "paper", "--participants", "3", "--results", "results"];
-        succeeds(folder.path(), &simulate);
+        let told = succeeds(folder.path(), &simulate);
+        let data = fs::read_dir(folder.path().join("results/tasks/data")).unwrap().map(|entry| entry.unwrap().path());
+        let rows = data.filter(|path| path.extension().is_some_and(|ext| ext == "csv")).map(|csv| table(&csv).1.len());
+        assert!(told.contains(&format!(", {} rows, ", rows.sum::<usize>())), "{name}: {told}");
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
         assert!(printed.contains("Simulated: a program answered"), "{name}: {printed}");
@@ -506,6 +513,13 @@ fn what_no_trial_could_show_is_refused() {
         (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.7)), Some("low")),
         (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.5)), None),
         (format!("[presentation]\nduration_s = 1\n{CHOICE}"), Some("[presentation] does not apply to intervals")),
+        (adjust("orientation_deg", 190.0), Some("goes around half a turn or more")),
+        (adjust("orientation_deg", 180.0), None),
+        (format!("{CHOICE}{quest}lapse = [0.5]\n"), Some("expected a sum below 1")),
+        (format!("{CHOICE}{quest}lapse = [0.49]\n"), None),
+        (format!("{}[response]\nkeys = [\"1\"]\n", adjust("low", 0.5)), Some("expected none")),
+        ("[response]\nquestion = \" \"\n".to_owned(), Some("the question is empty")),
+        ("[design]\norder = \"latin:width\"\n".to_owned(), Some("expected random, because there are none")),
         (format!("{with_levels}pairs = \"chain\"\n{quest}"), Some("expected no pairs")),
         (format!("{with_levels}trials = 9\n{quest}"), Some("trials applies to adaptive pairs only")),
         (
@@ -518,9 +532,12 @@ fn what_no_trial_could_show_is_refused() {
         (steepness(YES_NO, "\"inf\""), None),
         (CHOICE.replace("\"inf\"", "2, tanh_k = 10"), Some("tanh_k 10 changes nothing that is shown")),
         (CHOICE.replace("\"inf\"", "\"inf\", tanh_k = 5"), None),
-        (format!("{CHOICE}{}", quest.replace("0.02", "nan")), Some("adaptive.levels.1 is the text \"NaN\"")),
+        (
+            format!("{CHOICE}{}", quest.replace("0.02", "nan")),
+            Some("adaptive.levels.1 is NaN; expected a finite number"),
+        ),
         (format!("{CHOICE}{}", quest.replace("quest-plus", "quest")), Some("method \"quest\" is not known")),
-        (format!("{CHOICE}{}", stairs.replace("20", "inf")), Some("adaptive.high is the text \"inf\"")),
+        (format!("{CHOICE}{}", stairs.replace("20", "inf")), Some("adaptive.high is inf; expected a finite number")),
         ("[response]\nlabels = [\"a\", \"a\"]\n".to_owned(), Some("label \"a\" appears twice")),
         (
             format!(
@@ -541,8 +558,15 @@ fn what_no_trial_could_show_is_refused() {
     // A level that contradicts another parameter is at fault itself, not the task.
     let too_high =
         "[adaptive]\nmethod = \"staircase\"\nparameter = \"low\"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n";
-    let errors = definition::parse("t.toml", &format!("{HEAD}{CHOICE}{too_high}")).unwrap_err();
-    assert!(errors.0.len() == 1 && errors.0[0].key == "adaptive.high", "{errors:?}");
+    for (body, key) in [
+        (format!("{CHOICE}{too_high}"), "adaptive.high"),
+        (format!("{CHOICE}{quest}{}", second("[0.1, 0.9]")), "adaptive.second.levels"),
+        (adjust("low", 0.9), "task.high"),
+        (CHOICE.replace("depth = \"inf\"", "low = 0.9"), "task.reference"),
+    ] {
+        let errors = definition::parse("t.toml", &format!("{HEAD}{body}")).unwrap_err();
+        assert!(errors.0.len() == 1 && errors.0[0].key == key, "{key}: {errors:?}");
+    }
 }
 
 /// Conditions that no comparison connects have no common order, and every column has a name of its own.
@@ -606,6 +630,19 @@ fn own_pictures_are_described_by_their_question() {
         assert!(!texts.task.contains("bright"), "{}", texts.task);
         let own = write(&task, "[instructions]\ntask = \"Look.\"\n").unwrap().instructions.clone();
         assert_eq!(own.task, "Look.");
+    }
+    let chain = "[task]\nkind = \"pair\"\npairs = \"chain\"\nalong = \"style\"";
+    for (levels, pairs) in [(["x", "y", "z"], Some(2)), (["x", "x", "x"], None)] {
+        let rows = ["a", "b", "truth"].iter().zip(levels).map(|(name, level)| format!("{name}.png,{level}\n"));
+        let rows = format!("file,style\n{}", rows.collect::<String>());
+        fs::write(folder.path().join("pictures/pictures.csv"), rows).unwrap();
+        let found = write(chain, "").map(|protocol| protocol.main_trials()).map_err(|errors| errors.to_string());
+        match pairs {
+            Some(pairs) => assert_eq!(found, Ok(pairs)),
+            None => {
+                assert!(found.as_ref().is_err_and(|told| told.contains("no two conditions to compare")), "{found:?}")
+            }
+        }
     }
     for (column, problem) in [("simulated", "has the name of a column of the data"), ("style", "")] {
         let table = format!("file,{column}\na.png,x\nb.png,y\ntruth.png,y\n");

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::statistics::{Interval, mean_and_sd};
+use crate::statistics::{Interval, mean_and_sd, t_quantile, t_two_sided};
 
 /// The mean of one value of each person.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -28,6 +28,13 @@ impl Mean {
         let (mean, sd) = mean_and_sd(values);
         let interval = Interval::of_bounded_mean(values.len() as f64, mean, sd, ends);
         Self { interval, ..Self::new(values) }
+    }
+
+    /// Returns p of the t test of a mean of 0; `None` without an interval.
+    #[must_use]
+    pub fn p(&self) -> Option<f64> {
+        let (Interval { low, high }, df) = (self.interval?, self.people as f64 - 1.0);
+        Some(t_two_sided(self.mean / ((high - low) / 2.0 / t_quantile(df)), df))
     }
 
     /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair

@@ -8,7 +8,9 @@
 //!
 //! The standard error of μ is that of the sandwich (Liang & Zeger 1986, Biometrika 73, 13): each person moves μ by some
 //! amount, and these amounts vary between people. It holds also where the data do not tell τ from w, and where τ is
-//! estimated as 0, which is common with few people; the observed information does not.
+//! estimated as 0, which is common with few people; the observed information does not. Where people have unequal numbers
+//! of trials, the amounts are weighted as in a meta-analysis (Hartung & Knapp 2001, Stat. Med. 20, 3875), because the t
+//! interval assumes that they vary equally.
 
 use std::{array::from_fn, f64::consts::PI};
 
@@ -28,7 +30,8 @@ use crate::statistics::{Interval, mean_and_sd};
 pub struct Population {
     /// μ, the mean threshold, on the scale of x.
     pub mean: f64,
-    /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people.
+    /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people; `None` if all people's
+    /// functions rise between the same two levels, so that no answers tell where in between.
     pub interval: Option<Interval>,
     /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
     pub sd: f64,
@@ -55,8 +58,8 @@ pub struct Person {
     /// The standard deviation of t_i given the same.
     pub se: f64,
     /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
-    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is no estimate of the person's threshold where people have unequal numbers of
-    /// trials.
+    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is no estimate of
+    /// the person's threshold where people have unequal numbers of trials.
     pub contribution: f64,
 }
 
@@ -102,6 +105,10 @@ const SD: usize = 1;
 const WIDTH: usize = 2;
 const LAPSE: usize = 3;
 const GUESS: usize = 4;
+/// The 95 % quantile of the normal distribution: F rises from .05 to .95 over twice as many standard deviations.
+const Z_90: f64 = 1.644_853_626_951_472_7;
+/// The least weight of a person, as a share of the mean weight.
+const LEAST_WEIGHT: f64 = 0.1;
 /// Maximum number of nodes of the quadrature on either side of the peak.
 const MAX_NODES: u32 = 1_000;
 /// The peak of an integrand is found to this share of its width.
@@ -169,16 +176,64 @@ impl Answers<'_> {
     /// Returns the people, and the interval of the mean.
     fn persons(&self, x: &[f64; 5]) -> (Vec<Person>, Option<Interval>) {
         let n = self.people.len();
-        let influences = self.influences(x);
-        let (middle, _) = mean_and_sd(&influences);
+        let (weights, influences) = (self.weights(x), self.influences(x));
+        // The priors, too, move μ; the contributions exclude this.
+        let moved: f64 = influences.iter().sum();
+        // An influence varies with the square root of its weight, so that these vary equally (Hartung & Knapp 2001).
+        let equal = |(influence, weight): (f64, &f64)| (influence - weight * moved) * (n as f64 / weight).sqrt();
+        let equal: Vec<f64> = influences.into_iter().zip(&weights).map(equal).collect();
+        // With unequal weights, their mean is not 0. Without it, they would vary too little.
+        let (middle, _) = mean_and_sd(&equal);
+        let [about_zero, about_middle] =
+            [0.0, middle].map(|from| equal.iter().map(|one| (one - from).powi(2)).sum::<f64>());
+        let spread = if about_middle > 0.0 { (about_zero / about_middle).sqrt() } else { 1.0 };
         let person = |person: usize| {
             let Integral { mean, sd, .. } = self.integral(person, x);
-            // The priors, too, move μ; the contributions exclude this.
-            Person { threshold: mean, se: sd, contribution: x[MEAN] + n as f64 * (influences[person] - middle) }
+            Person { threshold: mean, se: sd, contribution: x[MEAN] + spread * (equal[person] - middle) }
         };
         let people: Vec<Person> = (0..n).map(person).collect();
         let interval = Interval::of_mean(&people.iter().map(|person| person.contribution).collect::<Vec<_>>());
-        (people, interval)
+        (people, interval.filter(|_| !self.rises_between_levels(x)))
+    }
+
+    /// The psychometric function of the population, whose width includes the differences between people.
+    fn marginal(&self, x: &[f64; 5]) -> Estimate {
+        let at = self.parameters(x);
+        Estimate { width: at.width.hypot(2.0 * Z_90 * x[SD]), ..at }
+    }
+
+    /// Returns whether the functions of all people rise between the same two levels. The likelihood is then flat about μ.
+    fn rises_between_levels(&self, x: &[f64; 5]) -> bool {
+        let at = self.marginal(x);
+        let levels = || self.people.iter().flatten().filter(|point| point.total > 0).map(|point| point.x);
+        let below = levels().filter(|level| *level <= at.threshold).fold(f64::NEG_INFINITY, f64::max);
+        let above = levels().filter(|level| *level >= at.threshold).fold(f64::INFINITY, f64::min);
+        (above - below).is_finite() && at.width < above - below
+    }
+
+    /// Returns the share of each person in what is known about μ: proportional to 1 / (τ² + s²), with s² the variance of
+    /// the person's own threshold. The information 1 / s² is that of the trials at the function of the population, so that
+    /// it does not depend on how the person happened to answer.
+    fn weights(&self, x: &[f64; 5]) -> Vec<f64> {
+        let at = self.marginal(x);
+        let step = 0.01 * at.width;
+        let weight = |points: &Vec<Point>| {
+            let sigmoids = |by: f64| self.model.sigmoids(points, at.threshold + by, at.width);
+            let rises = sigmoids(step).zip(sigmoids(-step)).map(|(one, other)| (one - other) / (2.0 * step));
+            let terms = points.iter().zip(sigmoids(0.0).zip(rises)).map(|(point, (sigmoid, rise))| {
+                let span = 1.0 - at.guess - at.lapse;
+                let chance = at.guess + span * sigmoid;
+                f64::from(point.total) * (span * rise).powi(2) / (chance * (1.0 - chance)).max(1e-6)
+            });
+            let information: f64 = terms.sum();
+            information / (1.0 + x[SD].powi(2) * information)
+        };
+        let weights: Vec<f64> = self.people.iter().map(weight).collect();
+        // Trials that tell nothing about the threshold still move μ by what they tell about w, λ and γ.
+        let least = LEAST_WEIGHT * weights.iter().sum::<f64>() / weights.len() as f64;
+        let weights = weights.into_iter().map(|weight| weight.max(least).max(f64::MIN_POSITIVE));
+        let all: f64 = weights.clone().sum();
+        weights.map(|weight| weight / all).collect()
     }
 
     /// Returns by how much each person moves μ: a row of the inverse of the observed information, times the person's

@@ -9,8 +9,8 @@
 //! twice the least distance of two levels and the range, and falls as a cosine to 0 at that distance and at 3 ranges; λ,
 //! a free γ, and η have the density 10(1 − λ)⁹.
 
-use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Binomial, Distribution as _};
 use serde::Serialize;
 
 pub use super::model::{Estimate, FitError, Guess, Model, Point};
@@ -118,12 +118,16 @@ pub fn goodness_of_fit(
     let best = posterior.search(&[threshold, width, lapse, guess, 0.0]);
     let observed = deviance(&posterior.points, model, &posterior.at(&best));
     let function = model.parameters(&posterior.at(&best));
-    let chances: Vec<f64> = posterior.points.iter().map(|point| model.curve.probability(point.x, &function)).collect();
+    let answers = |point: &Point| {
+        let chance = model.curve.probability(point.x, &function).clamp(0.0, 1.0);
+        Binomial::new(point.total.into(), chance).map_err(|_| FitError::Count)
+    };
+    let answers = posterior.points.iter().map(answers).collect::<Result<Vec<_>, _>>()?;
     let mut larger = 0;
     for _ in 0..simulations {
         checkpoint();
-        for (point, &chance) in posterior.points.iter_mut().zip(&chances) {
-            point.correct = (0..point.total).filter(|_| rng.random::<f64>() < chance).count() as u32;
+        for (point, answers) in posterior.points.iter_mut().zip(&answers) {
+            point.correct = answers.sample(rng) as u32;
         }
         let again = posterior.at(&posterior.search(&best));
         larger += usize::from(deviance(&posterior.points, model, &again) >= observed - 1e-9);

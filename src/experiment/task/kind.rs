@@ -11,7 +11,7 @@ use crate::{
         faults::DefinitionErrors,
         scale::ResponseScale,
     },
-    stimulus::{ParameterError, ParameterValue, Stimulus, picture::Picture},
+    stimulus::{ParameterError, ParameterValue, Stimulus, is_direction, picture::Picture},
 };
 
 /// Parameters of a stimulus and their values, as in `reference = { depth = "inf" }`.
@@ -227,6 +227,9 @@ pub enum Answer {
     Value(f64),
 }
 
+/// Directions that are this far apart, in degrees, have no mean.
+const HALF_TURN: f64 = 180.0;
+
 /// The part of a definition that a task is checked against.
 pub struct Given<'a> {
     /// The stimulus before any factor is set.
@@ -288,6 +291,12 @@ impl Given<'_> {
         }
         if low >= high {
             errors.add("task.high", format!("high {high} is not above low {low}; expected a higher number"));
+        }
+        if high - low >= HALF_TURN && is_direction(name) {
+            let message = format!(
+                "{name} from {low} to {high} goes around half a turn or more, where settings have no mean; expected less than {HALF_TURN}°"
+            );
+            errors.add("task.high", message);
         }
         if dial.log && low <= 0.0 {
             let message =

@@ -10,6 +10,7 @@ use crate::{
         faults::DefinitionErrors,
         scale::ResponseScale,
     },
+    stimulus::{Stimulus, picture::Picture},
     text::names::named,
 };
 
@@ -32,7 +33,7 @@ options! {
         #[serde(skip_serializing_if = "Option::is_none")]
         along: Option<String> = None, "Chain along", OptionValue::Factor, "The factor whose neighboring levels a chain compares.";
         #[serde(skip_serializing_if = "Option::is_none")]
-        trials: Option<u32> = None, "Adaptive trials", OptionValue::Optional("6 a condition"), "The number of comparisons of adaptive pairs.";
+        trials: Option<u32> = None, "Adaptive trials", OptionValue::Optional("60"), "The number of comparisons of adaptive pairs.";
         #[serde(skip_serializing_if = "is_empty")]
         reference: Settings = Settings::default(), "Reference", OptionValue::Settings, "With a method that chooses levels: the parameters in which the reference differs from the target.";
     }
@@ -42,7 +43,7 @@ fn is_empty(settings: &Settings) -> bool {
     settings.0.is_empty()
 }
 
-/// The number of comparisons of `adaptive` unless the definition says otherwise: six for each condition.
+/// The number of comparisons of `adaptive` unless the definition says otherwise.
 const TRIALS: u32 = 60;
 /// Maximum number of conditions to compare, and of those whose comparisons follow from the answers.
 const MAX_COMPARED: usize = 1000;
@@ -140,9 +141,14 @@ impl Kind for Pair {
         let all = (0..conditions.len()).flat_map(|i| (i + 1..conditions.len()).map(move |j| [i, j]));
         let chained = self.chained(factors).filter(|_| self.pairs == Pairs::Chain);
         let neighbors = |[i, j]: &[usize; 2]| {
-            let levels = conditions[*i].levels.iter().zip(&conditions[*j].levels).enumerate();
+            let mut levels = conditions[*i].levels.iter().zip(&conditions[*j].levels).enumerate();
             chained.is_none_or(|along| {
-                levels.clone().all(|(factor, (one, other))| one.abs_diff(*other) == usize::from(factor == along))
+                levels.all(|(factor, (one, other))| {
+                    // Each picture is itself a level of the factor that names the pictures.
+                    let is_picture = matches!(conditions[*i].stimulus, Stimulus::Image(_))
+                        && factors[factor].name == Picture::PICTURE;
+                    is_picture && factor != along || one.abs_diff(*other) == usize::from(factor == along)
+                })
             })
         };
         Some(all.filter(neighbors).collect())

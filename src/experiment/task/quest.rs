@@ -156,6 +156,15 @@ impl QuestPlus {
             let message = format!("a guess is right with probability {of_task} in this task; expected no guess rates");
             errors.add("adaptive.guess", message);
         }
+        let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max);
+        let guesses = guess.map_or(most(&self.guess), |guess| guess);
+        if guesses + most(&self.lapse) >= 1.0 {
+            let message = format!(
+                "a guess rate of {guesses} and a lapse rate of {} leave nothing to see; expected a sum below 1",
+                most(&self.lapse)
+            );
+            errors.add("adaptive.lapse", message);
+        }
         if self.lapse.is_empty() {
             errors.add("adaptive.lapse", "lapse is empty; expected at least one rate, such as [0.02]");
         }

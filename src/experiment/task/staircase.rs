@@ -30,10 +30,14 @@ impl Staircase {
             errors.add(format!("adaptive.{key}"), format!("adaptive.{key} is missing; expected {key} = …"));
         }
         if self.low >= self.high {
-            errors.add("adaptive.high", format!("high {} is not above low {}; expected more", self.high, self.low));
+            errors.add(
+                "adaptive.high",
+                format!("high {} is not above low {}; expected a higher number", self.high, self.low),
+            );
         } else if self.start < self.low || self.start > self.high {
             let range = format!("{}…{}", self.low, self.high);
-            errors.add("adaptive.start", format!("start {} is outside {range}; expected a level within", self.start));
+            let message = format!("start {} is outside {range}; expected a level in this range", self.start);
+            errors.add("adaptive.start", message);
         }
         for (key, count) in [("down", self.down), ("up", self.up), ("reversals", self.reversals.unwrap_or(1))] {
             errors.check_range(&format!("adaptive.{key}"), count.into(), 1.0, 1000.0, "a count");

@@ -22,7 +22,7 @@ use crate::{
         figures::Figure,
         study::Provenance,
     },
-    statistics::Interval,
+    statistics::{Interval, holm},
 };
 
 /// Below this p, the answers vary more than a psychometric function allows.
@@ -84,7 +84,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {
         let (of, place) = (study.at(*condition), end(common, *place));
-        format!("The threshold of {name}{of} was not measured: that of at least half of the participants lies {place}.")
+        format!(
+            "The threshold of {name}{of} was not measured: the most probable one of at least half of the participants lies {place}."
+        )
     };
     results.beyond.iter().map(beyond).for_each(|sentence| section.warning(sentence));
     if results.populations.is_empty() && results.beyond.is_empty() {
@@ -96,7 +98,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
-            let what = match (function.beyond, fit.determined_threshold()) {
+            let what = match (function.side(), function.threshold()) {
                 (Some(place), _) => format!("was not measured: it lies {}", end(common, place)),
                 (None, Some(threshold)) => format!("is {}{interval}", level(threshold)),
                 (None, None) => format!("is not determined by the answers{interval}"),
@@ -106,9 +108,10 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
     misfits(&mut section, study, results);
-    for ([one, two], difference) in &results.differences {
+    let corrected = holm(&results.differences.iter().map(|(_, difference)| difference.p()).collect::<Vec<_>>());
+    for (([one, two], difference), p) in results.differences.iter().zip(corrected) {
         let Some(interval) = difference.interval else { continue };
-        let clear = interval.low > 0.0 || interval.high < 0.0;
+        let clear = p.is_some_and(|p| p < 0.05);
         let (one, two) = (study.name(*one), study.name(*two));
         let level = level(common, Some(interval));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
@@ -215,9 +218,9 @@ fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, co
             study.people[function.person].as_str().into(),
             study.name(function.condition).into(),
             whole(function.trials()),
-            match (fit, function.beyond) {
+            match (fit, function.side()) {
                 (None, _) => fixed(None, 0),
-                (Some(fit), None) => fit.determined_threshold().map_or_else(|| fixed(None, 0), &level),
+                (Some(_), None) => function.threshold().map_or_else(|| fixed(None, 0), &level),
                 (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
                 (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
             },
@@ -285,6 +288,13 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     }
     for (condition, population) in &results.populations {
         let [low, high] = population.range;
+        if population.interval.is_none() {
+            section.warning(format!(
+                "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their \
+                 thresholds are the same.",
+                study.at(*condition)
+            ));
+        }
         if population.interval.is_some_and(|mean| mean.low < low || mean.high > high) {
             section.warning(format!(
                 "The interval of the mean threshold{} reaches beyond the levels that could be shown, where no answers limit it.",
@@ -297,7 +307,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         let count = results.functions.iter().filter(is_beyond).count();
         if count > 0 {
             section.warning(format!(
-                "The thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
+                "The most probable thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
                  participants contains them.",
                 population.people.len(),
                 study.at(*condition)
@@ -305,12 +315,13 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         }
     }
     let undetermined = |function: &PersonFunction| {
-        let is_missing = |fit: &Fit| fit.determined_threshold().is_none() || fit.determined_slope().is_none();
-        function.beyond.is_none() && function.described().is_some_and(is_missing)
+        let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
+        function.side().is_none() && function.described().is_some_and(is_missing)
     };
     if results.functions.iter().any(undetermined) {
         section.note(
-            "A threshold or slope is left out if its most probable value lies outside its interval: the answers do not determine it.",
+            "A threshold or slope is left out if its most probable value lies outside its interval, or a threshold beyond the levels: the answers do \
+             not determine it.",
         );
     }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
@@ -358,13 +369,20 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if !results.differences.is_empty() {
         section.text(MODEL_OF_DIFFERENCES);
     }
+    if results.differences.len() > 1 {
+        section.text(
+            "Two conditions are said to differ if p of the t test of this difference, with Holm's correction for all pairs of conditions, is below \
+             .05. The intervals are not corrected.",
+        );
+    }
     section
 }
 
 /// How the answers of all people are modeled.
 pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
-     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13).";
+     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how much the participant's \
+     trials can tell (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
 
 /// How the thresholds of two conditions are compared.
 pub const MODEL_OF_DIFFERENCES: &str =

@@ -101,6 +101,22 @@ impl PersonFunction {
         self.fit.as_ref().ok().filter(|_| self.misfit.is_none())
     }
 
+    /// Returns where beyond the levels the threshold lies, if its whole interval lies there.
+    #[must_use]
+    pub fn side(&self) -> Option<Beyond> {
+        let Interval { low, high } = self.described()?.threshold;
+        self.beyond.filter(|place| match *place {
+            Beyond::Below(lowest) => high <= lowest,
+            Beyond::Above(highest) => low >= highest,
+        })
+    }
+
+    /// Returns the most probable threshold, if the answers determine one within the levels.
+    #[must_use]
+    pub fn threshold(&self) -> Option<f64> {
+        self.described()?.determined_threshold().filter(|_| self.beyond.is_none())
+    }
+
     /// Returns the number of trials with a target.
     #[must_use]
     pub fn trials(&self) -> u64 {
@@ -150,7 +166,7 @@ pub struct PersonFunction {
     pub fit: Result<Fit, FitError>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
-    /// Where the threshold lies, if beyond the levels.
+    /// Where the most probable threshold lies, if beyond the levels.
     pub beyond: Option<Beyond>,
     /// Why the function cannot be what was assumed, if it cannot.
     pub misfit: Option<Misfit>,
@@ -368,7 +384,8 @@ fn differences(populations: &[(usize, Population)], functions: &[PersonFunction]
         let people = sound(functions, *condition).zip(&population.people);
         (*condition, people.map(|(function, person)| (function.person, person.contribution)).collect())
     };
-    let all: Vec<_> = populations.iter().map(own).collect();
+    // Without an interval, the contributions say nothing about how people differ.
+    let all: Vec<_> = populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect();
     let pairs = all.iter().enumerate().flat_map(|(i, one)| all[i + 1..].iter().map(move |two| (one, two)));
     let compared = pairs.map(|((one, first), (two, second))| {
         let both = first.iter().filter_map(|(person, value)| Some((*value, *second.get(person)?)));

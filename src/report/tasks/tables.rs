@@ -73,7 +73,11 @@ fn ends(common: &Common, interval: Option<Interval>) -> [Cell; 2] {
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
     let last = [
         ("trials", "", "Number of trials with a target."),
-        ("threshold", "", "Level with F = 1/2; empty if the most probable one lies outside the interval."),
+        (
+            "threshold",
+            "",
+            "Level with F = 1/2; empty if the most probable one lies outside the interval, and with all that follows if no function describes the answers.",
+        ),
         ("threshold_low", "", "Lower end of its 95 % interval."),
         ("threshold_high", "", "Upper end of its 95 % interval."),
         (
@@ -88,13 +92,13 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         (
             "is_beyond",
             "",
-            "1 if the threshold lies beyond the levels that could be shown, where only the prior places it.",
+            "1 if the most probable threshold lies beyond the levels that could be shown, where only the prior places it.",
         ),
         ("deviance", "", "Deviance of the best function."),
         ("p", "", "Proportion of simulated studies with at least this deviance."),
     ];
     let rows = results.functions.iter().map(|function| {
-        let fit = function.fit.as_ref().ok();
+        let fit = function.described();
         let mut row = vec![Cell::from(study.people[function.person].as_str())];
         row.extend(study.cells(function.condition));
         row.push(function.trials().into());
