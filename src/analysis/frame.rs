@@ -38,7 +38,8 @@ impl<'a> Frame<'a> {
             let lost: u64 = rows.iter().filter(|row| missing(row)).map(|row| row.count).sum();
             if lost > 0 {
                 rows.retain(|row| !missing(row));
-                notes.push(Note::MissingValues { factor: counts.factors[factor].name.clone(), ratings: lost });
+                let (factor, further) = (counts.factors[factor].name.clone(), !notes.is_empty());
+                notes.push(Note::MissingValues { factor, ratings: lost, further });
             }
         }
         if rows.is_empty() {

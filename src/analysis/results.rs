@@ -147,12 +147,11 @@ impl FactorResults {
         means.into_iter().map(|mean| (mean * 1e9).round() / 1e9).collect()
     }
 
-    /// Returns the same results with the marginal means, if the raw means of the levels cannot be compared.
-    fn with_margins(&self, margins: &[Margin]) -> Self {
-        let is_own = |m: &&Margin, level: &Group| m.factor == self.name && m.level == level.names[0];
+    /// Returns the same results with the marginal means of the levels, if their raw means cannot be compared.
+    pub fn with_margins(&self, margin: impl Fn(&str) -> Option<f64>) -> Self {
         // If the ratings are separated, there may be no expected rating.
-        let own = |level: &Group| margins.iter().find(|m| is_own(m, level)).filter(|m| m.mean.is_finite());
-        let marginal: Option<Vec<f64>> = self.levels.iter().map(|level| own(level).map(|margin| margin.mean)).collect();
+        let own = |level: &Group| margin(&level.names[0]).filter(|mean| mean.is_finite());
+        let marginal: Option<Vec<f64>> = self.levels.iter().map(own).collect();
         let with = Self { marginal, ..self.clone() };
         // If a factor varies only between participants, none of them could rate all levels.
         let is_same = !self.within && (self.course(), self.extremes()) == (with.course(), with.extremes());
@@ -260,19 +259,19 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     };
     let factors: Vec<FactorResults> = (0..counts.factors.len()).into_par_iter().map(described).collect();
     let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
-        let of_factor = |(index, factor): (usize, &FactorResults)| {
+        let pair = |(index, factor): (usize, &FactorResults)| {
             let level = |place: usize| {
                 let name = &factor.levels[place].names[0];
                 let (_, own) = modeled.factor(&counts.factors[index].name)?;
                 own.levels.iter().position(|level| level == name).map(|level| level as u32)
             };
-            let ([first, second], _) = factor.with_margins(margins).contrast();
+            let ([first, second], _) = factor.with_margins(of_factor(margins, &factor.name)).contrast();
             // The later level minus the earlier one, as in all comparisons.
             let (later, earlier) = (level(first.max(second))?, level(first.min(second))?);
             (later != earlier).then(|| (factor.name.clone(), [later, earlier]))
         };
         let varied = factors.iter().enumerate().filter(|(_, factor)| factor.levels.len() > 1);
-        varied.filter_map(of_factor).collect()
+        varied.filter_map(pair).collect()
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
     let left_out = &left_out;
@@ -308,7 +307,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let described = |factor: &FactorResults| FactorResults {
         // Ranks do not know of items.
         friedman: factor.friedman.filter(|_| options.items.is_none()),
-        ..factor.with_margins(margins)
+        ..factor.with_margins(of_factor(margins, &factor.name))
     };
     let factors = factors.iter().map(described).collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
@@ -326,6 +325,13 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         whole,
         covariates: names,
         measured,
+    }
+}
+
+/// Returns the marginal mean at a level of a factor.
+fn of_factor(margins: &[Margin], factor: &str) -> impl Fn(&str) -> Option<f64> {
+    move |level| {
+        margins.iter().find(|margin| margin.factor == factor && margin.level == level).map(|margin| margin.mean)
     }
 }
 

@@ -89,11 +89,11 @@ impl Planned {
                 percent(self.sampling.alpha),
                 clauses(&|powers| self.false_alarms(powers))
             ),
-            Some(Effect { logits, above, below }) => {
-                let logits = logits.map_or_else(String::new, |logits| format!("{} logits ", rounded(logits, 2)));
+            Some(Effect { logits: effect, above, below }) => {
+                let size = effect.map_or_else(String::new, |size| format!("{} ", logits(rounded(size, 2))));
                 let [above, below] = [above, below].map(|level| names::level(known, term, level));
                 let enough = clauses(&|powers| self.fewest(powers));
-                format!("Effect of {words} ({logits}between {above} and {below}): {enough}.")
+                format!("Effect of {words} ({size}between {above} and {below}): {enough}.")
             }
         })
     }
@@ -174,10 +174,10 @@ impl Planned {
     /// Says how the simulated participants differ, and where to say how much.
     fn differences(&self, field: &str) -> String {
         let sd = self.plan.observer().subject_sd;
-        let intercepts = if sd > 0.0 { format!("in their intercepts (sd {sd} logits)") } else { String::new() };
+        let intercepts = if sd > 0.0 { format!("in their intercepts (sd {})", logits(sd)) } else { String::new() };
         let varied = |slope: &&Slope| slope.sd > 0.0;
         let slopes: Vec<String> = (self.plan.slopes().iter().filter(varied))
-            .map(|slope| format!("at each level of {} (sd {} logits)", self.in_words(&slope.factor), slope.sd))
+            .map(|slope| format!("at each level of {} (sd {})", self.in_words(&slope.factor), logits(slope.sd)))
             .collect();
         if slopes.is_empty() {
             let differ = if sd > 0.0 { format!("differ only {intercepts}") } else { "are identical".to_owned() };
@@ -198,6 +198,12 @@ impl Planned {
 
 fn people(number: u32) -> String {
     count(number.into(), "participant")
+}
+
+/// Formats a size on the latent scale: `1 logit`, `0.5 logits`.
+fn logits(size: impl ToString) -> String {
+    let size = size.to_string();
+    format!("{size} {}", if size == "1" { "logit" } else { "logits" })
 }
 
 /// Formats a power with its interval: `83.5 % (77.6–88.4 %)`. The unit is never on a line of its own.

@@ -145,6 +145,18 @@ fn declared_categories_reject_other_ratings_and_stay_when_empty() {
     assert_eq!(rows.iter().map(|row| (row.rating, row.count)).collect::<Vec<_>>(), [(2, 1)]);
 }
 
+/// A category has one name, in whatever form its number was written first.
+#[test]
+fn categories_that_are_numbers_are_named_plainly() {
+    for (ratings, expected) in
+        [(["3.00", "1", "2.50", "3"], &["1", "2.5", "3"][..]), (["1.0", "b", "1", "2"], &["1.0", "2", "b"])]
+    {
+        let mut builder = MeasuredBuilder::new(&["width"]);
+        ratings.iter().for_each(|rating| builder.add_counts("S1", &["a"], rating, 1).unwrap());
+        assert_eq!(builder.finish().counts.categories, expected);
+    }
+}
+
 /// Uses times from 0.001 to 10 s in scrambled order, a time that does not belong to a single rating, and a participant
 /// without times.
 #[test]

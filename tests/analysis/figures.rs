@@ -163,6 +163,21 @@ const BAR: &str = "2.2";
 const GRID: &str = "1.4";
 const BLUE: &str = "#0072b2";
 
+/// The charts of the model are about the ratings on which it was fitted.
+#[test]
+fn charts_of_the_model_count_its_ratings() {
+    let mut builder = MeasuredBuilder::new(&["cond"]);
+    for (person, level, ratings) in (0..6).flat_map(|person| [(person, "a", 2), (person, "b", 1), (person, "", 3)]) {
+        let rating = |place: usize| ((person + place + usize::from(level == "a")) % 4).to_string();
+        (0..ratings).for_each(|n| builder.add_counts(&format!("S{person}"), &[level], &rating(n), 1).unwrap());
+    }
+    let all = figures::all(&analyze(builder.finish(), &Options::default()));
+    for (name, sample) in [("effects", 18), ("predictive", 18), ("proportions", 36)] {
+        let caption = &named(&all, name).caption;
+        assert!(caption.contains(&format!("; 6 participants, {sample} ratings.")), "{caption}");
+    }
+}
+
 /// Checks which charts a study has. With one person, intervals are about that person’s trials.
 #[test]
 fn a_study_has_every_chart_that_its_data_allow() {

@@ -348,7 +348,11 @@ fn the_limits_of_a_model_are_stated() {
     let mixed = with(&options());
     assert!(is_independent(&independent) && !is_independent(&mixed));
     // In that case, the sentence uses the test that does not treat ratings as independent.
-    assert_parts(finding(&independent, "with depth"), &["exact Friedman test: χ²", "mean rating at 1 is"]);
+    assert_parts(
+        finding(&independent, "with depth"),
+        &["(Friedman test, p from random orders: χ²", "mean rating at 1 is"],
+    );
+    assert_parts(finding(&independent, "with width"), &["(exact Friedman test: χ²(2)"]);
     assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 59 simulated studies: χ²"]);
     let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
     finding(&crossed, "effects of width and depth depend on each other");

@@ -182,6 +182,87 @@ fn a_crossed_interaction_leads() {
     }
 }
 
+/// Contact lowers ratings, but it exists only at the action that raises them, so that its raw means rise: the means beside p
+/// are those of the model, or those in the same conditions if the model has no such effects.
+#[test]
+fn simple_effects_have_the_direction_of_their_test() {
+    let rows: [&[&str]; 6] =
+        [&["0", "f", "0"], &["1", "f", "0"], &["0", "f", "1"], &["0", "m", "0"], &["1", "m", "0"], &["0", "m", "1"]];
+    let latent = |_: usize, row: usize| Some([2.5, 2.2, -2.5, 2.5, 0.6, -2.5][row]);
+    let measured = study(&["contact", "group", "action"], &rows, (10, 10, 5), latent);
+    for (terms, what) in [
+        ("contact*group,action", "At group f, the rating that the model expects is "),
+        ("contact,group,action", "At group f, the mean rating in the same conditions is "),
+    ] {
+        let results = analyze(measured.clone(), &options(Some(terms)));
+        let findings = said(&results).findings;
+        let finding = findings.iter().find(|text| text.contains("of contact and group depend")).unwrap();
+        assert!(finding.contains(what) && finding.contains("by contact at each level of group are not"), "{finding}");
+        let (_, at_m) = finding.split_once("; at group m, it is ").unwrap();
+        let numbers: Vec<f64> = at_m.split(' ').filter_map(|word| word.parse().ok()).collect();
+        let [none, 0.0, contact, 1.0, ..] = numbers[..] else { panic!("{finding}") };
+        assert!(none > contact + 0.3, "{finding}");
+    }
+}
+
+/// Age differs between the groups and nothing is known about the rest, so the raw means are not comparable, but nothing shows
+/// that they mislead.
+#[test]
+fn raw_means_are_said_to_differ_for_the_true_reason() {
+    let ages: Vec<String> = (0..16).map(|person| (20 + 40 * (person % 2) + person).to_string()).collect();
+    let rows: Vec<[&str; 3]> =
+        (0..32).map(|row| [["young", "old"][row / 2 % 2], ages[row / 2].as_str(), ["a", "b"][row % 2]]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    let latent = |person: usize, row: usize| (row / 2 == person).then_some((row % 2) as f64);
+    for seed in 0..9 {
+        let measured = study(&["group", "age", "cond"], &rows, (16, 6, seed), latent);
+        let results = analyze(measured, &options(Some("group,num:age,cond")));
+        let group = &results.factors[0];
+        if group.marginal.is_some() {
+            let finding = &said(&results).findings[0];
+            let expected = "The raw means by group are not comparable: the covariate age differs between its levels. ";
+            assert!(finding.starts_with(expected), "{finding}");
+            return;
+        }
+    }
+    panic!("the model agrees with the raw means of every study");
+}
+
+/// Most people lack a level, and there is no other factor.
+#[test]
+fn people_who_lack_levels_are_counted() {
+    let latent = |person: usize, row: usize| (!person.is_multiple_of(4) || row == 0).then_some([0.0, 1.5][row]);
+    let results = analyze(study(&["cond"], &[&["a"], &["b"]], (12, 8, 2), latent), &options(None));
+    let finding = &said(&results).findings[0];
+    let expected = "The raw means by cond are not comparable: 3 of 12 participants did not rate every level. ";
+    assert!(finding.starts_with(expected), "{finding}");
+}
+
+/// Ratings without a level belong to no condition, and each is counted once among those that the model lacks. A scale with two
+/// categories has one threshold, so that proportional odds are no assumption.
+#[test]
+fn missing_levels_and_two_categories_have_sections_of_their_own() {
+    let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1"]);
+    for person in 0..8 {
+        for (levels, ratings) in [(["x", "m"], 6), (["y", "m"], 5), (["", "m"], 3), (["", ""], 1), (["x", ""], 2)] {
+            for rating in 0..ratings {
+                let rating = ((person * rating + usize::from(levels[0] == "x")) % 2).to_string();
+                builder.add_counts(&person.to_string(), &levels, &rating, 1).unwrap();
+            }
+        }
+        builder.add_counts(&person.to_string(), &["x", "n"], &(person % 2).to_string(), 5).unwrap();
+    }
+    let results = analyze(builder.finish(), &options(None));
+    let cautions = said(&results).cautions;
+    for expected in ["32 ratings without a value of a are excluded.", "A further 16 ratings without a value of b"] {
+        assert!(cautions.iter().any(|text| text.starts_with(expected)), "{cautions:?}");
+    }
+    let html = page(&source(&["a", "b"]), &results);
+    assert!(html.contains("they have 40 to 48 ratings each."), "{html}");
+    assert!(html.contains("48 ratings have no level of some factor, and belong to none of them."), "{html}");
+    assert!(!html.contains("Is one coefficient per effect enough?") && html.contains("Does each term matter?"));
+}
+
 /// The main effects of an interaction are their means over the other factor.
 #[test]
 fn main_effects_in_an_interaction_are_means() {
@@ -525,6 +606,7 @@ fn groups_that_lack_levels_do_not_turn_a_direction_round() {
         finding.contains("rises with dose at every step") && finding.contains("at 3 are an estimated"),
         "{finding}"
     );
+    assert!(finding.contains("no participant rated all of its levels in the same conditions"), "{finding}");
     // Where no model adds the effects, there is no direction.
     let same = Options { random: Some(machband::analysis::Random::None), max_coefficients: 1, ..options(None) };
     let without = analyze(study(&["sex", "dose"], &rows, (16, 8, 3), latent), &same);

@@ -271,6 +271,7 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     assert_eq!((rows.len(), first), (6, ["shader", "likelihood-ratio", "effect", "3", "gouraud"].map(str::to_owned)));
     assert_eq!(["term", "truth", "power"].map(|name| cell(2, name)), ["mesh", "none", ""]);
     let share = |row, name| 100.0 * cell(row, name).parse::<f64>().unwrap();
+    assert!(said.contains("Effect of shader (3 logits between gouraud and "), "{said}");
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     assert!(said.contains("With 3 participants, Friedman's test of mesh cannot be significant"), "{said}");
@@ -279,6 +280,9 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     let said = succeeds(folder.path(), blind, "2");
     assert!(said.contains("9 of 9 studies could not test width with the mixed model"), "{said}");
     // The observer has no effect of any factor, so there is no power to report.
+    let small = "shaders --participants 2 --studies 5 --effect shader:gouraud=1 --slope shader=1";
+    let said = succeeds(folder.path(), small, "2");
+    assert!(said.contains("(1 logit between") && said.contains("at each level of shader (sd 1 logit)"), "{said}");
     let said = succeeds(folder.path(), "shaders --participants 2 --studies 5", "2");
     assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }

@@ -653,7 +653,13 @@ mod elsewhere {
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
         let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)]))], &how);
-        assert_eq!(said, ["w.xlsx:4:1: the row has 6 cells; expected 4, as in the header"]);
+        assert_eq!(said, ["w.xlsx: cell A4: the row has 6 cells; expected 4, as in the header"]);
+        // The quoted comma in B2 ends no cell.
+        let wrong = sheet.replace("<c r=\"D2\"><v>1</v>", "<c r=\"D2\"><v>1.5</v>");
+        let counted =
+            ReadOptions { response: Some("c".to_owned()), count: Some("y".to_owned()), ..with_factors(&["note"]) };
+        let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)]))], &counted);
+        assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
 
         let zeros = vec![b'0'; (64 << 20) + 1];
         let mut bomb = ZipWriter::new(Cursor::new(Vec::new()));
@@ -680,7 +686,7 @@ mod elsewhere {
             (
                 "formula.xlsx",
                 workbook(&[("One", &formula)]),
-                "has no value of 1 of its formulas, such as that in row 4 and column 4",
+                "has no value of 1 of its formulas, such as that in D4; expected values",
             ),
             ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
         ] {
@@ -735,10 +741,11 @@ mod elsewhere {
     }
 
     #[test]
-    fn ids_that_look_alike_are_named() {
+    fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
-        let rows: String = ids.iter().map(|id| format!("{id},a,1\n")).collect();
+        let levels = ["2", "2.0", "NA", "nan"].into_iter().cycle();
+        let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
         let read = study(
             &file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")),
             "score",
@@ -746,7 +753,10 @@ mod elsewhere {
             ReadOptions::default(),
         );
         let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
-        assert_eq!((warnings(&read), read.measured.counts.subjects.len()), (vec![expected.to_owned()], 13));
+        let found = warnings(&read);
+        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 13));
+        let expected = "the levels 2, 2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
+        assert_eq!(found[1], expected);
     }
 
     /// Small exports in the form of PsychoPy 2023.2 (wide CSV), jsPsych 7 and OpenSesame 4.0, made by hand.

@@ -226,7 +226,12 @@ impl MeasuredBuilder {
         let ratings: Vec<Option<&str>> = self.ratings.iter().map(|text| Some(text.as_str())).collect();
         let (categories, category_of) = match &self.declared {
             Some(declared) => (declared.clone(), (0..declared.len() as u32).map(Some).collect()),
-            None => levels::rank(&ratings),
+            None => {
+                // Which form of a number came first must not matter.
+                let (names, category_of) = levels::rank(&ratings);
+                let plain = levels::numbers_of(&names);
+                (plain.map_or(names, |numbers| numbers.iter().map(f64::to_string).collect()), category_of)
+            }
         };
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
         // Two spellings of a level, such as 0.4 and 0.40, are two cells here but one condition.

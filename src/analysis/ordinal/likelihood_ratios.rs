@@ -162,8 +162,11 @@ pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
 pub(super) const MAX_NOMINAL: usize = 300;
 
 /// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
-/// effects.
+/// effects. With two categories, there is one threshold and nothing to test.
 pub(super) fn nominal_tests(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
+    if full.frame.categories.len() < 3 {
+        return Ok(Vec::new());
+    }
     full.spec.terms.iter().collect::<Vec<_>>().into_par_iter().map(|term| nominal_test(full, term)).collect()
 }
 

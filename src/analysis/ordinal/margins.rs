@@ -43,6 +43,8 @@ pub struct Comparison {
     pub at: Option<(String, String)>,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`.
     pub estimate: f64,
+    /// The model's expected ratings at both levels, for a participant whose random effects are 0; `None` for a number.
+    pub expected: Option<[f64; 2]>,
     /// The standard error that p implies, with the normal distribution; p of the only difference of a term is the term's.
     pub se: Option<f64>,
     /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient or a contrast
@@ -112,18 +114,24 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
         let between = usize::from(!is_within(&fitted.frame, factor)) * own;
         let reach = reach(fitted, 1 + between);
         for (level, x) in levels {
-            let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
-            for row in x.row_iter() {
-                let expected = model.expected(&row.iter().copied().collect::<Vec<f64>>(), &values);
-                mean += expected.mean / x.nrows() as f64;
-                gradient += expected.gradient / x.nrows() as f64;
-            }
+            let (mean, gradient) = expected(model, &x, &values);
             let interval = model.interval_of_mean(mean, &gradient, reach, &values);
             let level = description.levels[level[0] as usize].clone();
             margins.push(Margin { factor: description.name.clone(), level, mean, interval });
         }
     }
     margins
+}
+
+/// Returns the mean of the model's expected ratings in some design rows, and its gradient.
+fn expected(model: &Model, x: &DMatrix<f64>, values: &[f64]) -> (f64, DVector<f64>) {
+    let (mut mean, mut gradient) = (0.0, DVector::zeros(model.thresholds.len() + x.ncols()));
+    for row in x.row_iter() {
+        let expected = model.expected(&row.iter().copied().collect::<Vec<f64>>(), values);
+        mean += expected.mean / x.nrows() as f64;
+        gradient += expected.gradient / x.nrows() as f64;
+    }
+    (mean, gradient)
 }
 
 /// Returns the indices of the factors that the model uses as factors or numbers and that vary.
@@ -181,9 +189,8 @@ fn compare(
     if pairs > MAX_COMPARISONS {
         return Vec::new();
     }
-    let row = |level: u32, stratum: Option<u32>| -> Option<DVector<f64>> {
-        Some(cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>())?.row_mean().transpose())
-    };
+    let values = category_numbers(model);
+    let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
     // Simple effects and comparisons with a column that was dropped have no such ratio.
     let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);
     let is_whole = fitted.x.columns.iter().filter(|column| is_main(&column.parts)).count() + 1 == levels.len();
@@ -203,8 +210,8 @@ fn compare(
     };
     let pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
     let compare = |(stratum, level, lower): (Option<u32>, u32, u32)| {
-        let difference = row(level, stratum).zip(row(lower, stratum)).map(|(a, b)| a - b)?;
-        let (estimate, se) = estimated(model, &difference);
+        let x = [rows(level, stratum)?, rows(lower, stratum)?];
+        let (estimate, se) = estimated(model, &(x[0].row_mean() - x[1].row_mean()).transpose());
         // Where the likelihood ratio is known, the standard error that it implies, so that p and the interval are those of
         // the ratio.
         // A difference of many standard errors is clear without it.
@@ -214,7 +221,8 @@ fn compare(
         let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
         let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
         let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
-        Some(Comparison::new(names, (estimate, implied.unwrap_or(se)), limit))
+        let expected = Some(x.map(|x| expected(model, x, &values).0));
+        Some(Comparison { expected, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) })
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())
 }
@@ -257,6 +265,13 @@ fn slopes(
 }
 
 impl Comparison {
+    /// Returns the model's expected rating at one of the two levels.
+    pub fn expected_at(&self, level: &str) -> Option<f64> {
+        let [own, other] = self.expected?;
+        let of = [(&self.level, own), (&self.other, other)].into_iter().find(|(name, _)| *name == level);
+        of.map(|(_, rating)| rating)
+    }
+
     /// Creates a comparison of two levels, at a level of another factor, from the difference and its standard error.
     /// `limit` is that of the term's likelihood ratio: with few participants, it is larger than that of the χ² distribution.
     fn new(
@@ -272,6 +287,7 @@ impl Comparison {
             other,
             at,
             estimate,
+            expected: None,
             se,
             interval: Interval::around(estimate, se, Z_95),
             p: se.map(|se| normal_two_sided(estimate / se)),

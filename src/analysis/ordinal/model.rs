@@ -243,7 +243,8 @@ fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> 
 pub enum Note {
     /// Some ratings have no value for a factor that the model needs.
     #[error(
-        "{ratings} {} without a value of {factor} {} excluded",
+        "{}{ratings} {} without a value of {factor} {} excluded",
+        if *.further { "a further " } else { "" },
         if *.ratings == 1 { "rating" } else { "ratings" },
         if *.ratings == 1 { "is" } else { "are" }
     )]
@@ -251,6 +252,8 @@ pub enum Note {
         factor: String,
         /// Number of excluded ratings.
         ratings: u64,
+        /// Whether ratings without a value of another factor are excluded before, and not counted here.
+        further: bool,
     },
     /// Nobody used this category, so its probability cannot be estimated and it is excluded.
     #[error("no rating is {category}, so the model has no such category")]

@@ -41,7 +41,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         Link::Probit => "probit units",
     };
     let title = format!("Effects in the {} model", model.link);
-    Some(Figure::draw("effects", title, caption(results, model), bottom + below(TEXT), |svg| {
+    Some(Figure::draw("effects", title, caption(model), bottom + below(TEXT), |svg| {
         number_axis(svg, &panel, (low, high), &format!("Shift of the ratings ({unit})"));
         let zero = panel.x(share(0.0));
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
@@ -61,13 +61,13 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     }))
 }
 
-fn caption(results: &Results, model: &Model) -> String {
+fn caption(model: &Model) -> String {
     let mut text = format!(
         "Coefficients of the cumulative-link {}model ({} link), with 95\u{a0}% profile-likelihood intervals. Positive \
          values mean higher ratings than at the level in parentheses, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         model.link,
-        labels::sample(results)
+        labels::fitted(model)
     );
     if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
         text += " An arrow without a marker means that there is no finite estimate.";

@@ -1,7 +1,7 @@
 //! Names and other text in charts.
 
 use crate::{
-    analysis::{Results, number_of},
+    analysis::{Model, Results, number_of},
     report::{document::numbers::count, names},
 };
 
@@ -77,8 +77,16 @@ pub(super) fn sentence(text: &str) -> String {
 
 /// States the size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
-    let total = results.measured.counts.total();
-    format!("{}, {}", count(results.people() as u64, "participant"), count(total, "rating"))
+    people_and_ratings(results.people(), results.measured.counts.total())
+}
+
+/// States the size of the sample on which the model was fitted, which has no ratings with missing values.
+pub(super) fn fitted(model: &Model) -> String {
+    people_and_ratings(model.subjects, model.nobs)
+}
+
+fn people_and_ratings(people: usize, ratings: u64) -> String {
+    format!("{}, {}", count(people as u64, "participant"), count(ratings, "rating"))
 }
 
 /// Explains the error bars, and states the size of the sample.

@@ -29,7 +29,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
          bars show the middle 95\u{a0}% of studies simulated from the model{}{}; {}.",
         if named { "" } else { ". Colors and markers stand for the rating" },
         labels::some_of(shown.len(), all.len()),
-        labels::sample(results)
+        labels::fitted(&report.model)
     );
     let largest = all.iter().flat_map(|p| [p.observed, p.expected, p.range.high]).fold(0.0, f64::max);
     let values = Values::from_zero(largest);

@@ -131,7 +131,10 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
     }
     let possible: usize = counts.factors.iter().map(|factor| factor.levels.len()).product();
     let found = counts.complete_conditions();
-    if let Some((least, most)) = least_and_most(results.cells.iter()) {
+    // Ratings without a level of some factor belong to no condition.
+    let conditions = results.cells.iter().filter(|cell| cell.names.iter().all(|level| !level.is_empty()));
+    let outside = counts.total() - conditions.clone().map(|cell| cell.summary.n).sum::<u64>();
+    if let Some((least, most)) = least_and_most(conditions) {
         let of = if found < possible as u64 {
             format!(" out of {} possible combinations of these levels", whole(possible as u64))
         } else {
@@ -143,6 +146,11 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
             format!("they have {} to {} ratings each", whole(least), whole(most))
         };
         section.text(format!("There are ratings for {}{of}; {each}.", count(found, "condition")));
+    }
+    if outside > 0 {
+        let have = if outside == 1 { "has" } else { "have" };
+        section
+            .text(format!("{} {have} no level of some factor, and belong to none of them.", count(outside, "rating")));
     }
     if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
         && least < most

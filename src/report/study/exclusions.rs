@@ -14,8 +14,7 @@ use crate::{
 pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
     let measured = &results.measured;
     let with_ratings = |name: &str, ratings: u64| format!("{name} ({})", count(ratings, "rating"));
-    let mut people = Vec::new();
-    let mut sentences = Vec::new();
+    let (mut people, mut sentences, mut further) = (Vec::new(), Vec::new(), false);
     for excluded in &measured.excluded {
         match excluded {
             Excluded::Participant { id, ratings } => people.push(with_ratings(id, *ratings)),
@@ -31,7 +30,8 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                 ));
             }
             Excluded::Missing { factor, ratings, participants } => sentences.push(format!(
-                "{} by {} without a value of {} {} left out, because the model needs it.",
+                "{}{} by {} without a value of {} {} left out, because the model needs it.",
+                if std::mem::replace(&mut further, true) { "A further " } else { "" },
                 count(*ratings, "rating"),
                 count(*participants, "participant"),
                 names::factor(results, factor),

@@ -1,8 +1,10 @@
 //! Describes the effect of a factor in sentences: the trend of the means, how likely it is by chance, and its size.
 //!
 //! Rules: the test that leads is the likelihood ratio of the model, unless it is withheld because participants may differ in
-//! ways for which the model does not allow, or the data are too few; or else the exact rank test of the participants' means. A difference counts as found only if its p is below [`ALPHA`] and its
+//! ways for which the model does not allow, or the data are too few; or else the rank test of the participants' means. A difference counts as found only if its p is below [`ALPHA`] and its
 //! size has an interval. What is found is said of people; what one participant's trials show is said of that person.
+
+use std::collections::BTreeSet;
 
 use super::names;
 use crate::{
@@ -17,7 +19,7 @@ use crate::{
         Shown,
         numbers::{count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     },
-    statistics::{Interval, holm},
+    statistics::{Interval, holm, mean_and_sd},
 };
 
 /// Significance level: if p is below this, a difference counts as more than chance.
@@ -35,25 +37,26 @@ pub(super) struct Evidence {
 pub(super) struct Size {
     /// A clause without its period.
     text: String,
-    /// Whether it has an interval.
-    has_interval: bool,
+    /// The interval of the difference.
+    interval: Option<Interval>,
 }
 
 /// Describes the effect of a factor.
 pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let name = names::factor(results, &factor.name);
-    let before = caveat(results, factor).unwrap_or_default();
+    let evidence = evidence(results, factor);
+    let size = evidence.as_ref().and_then(|evidence| size(results, factor, evidence));
+    let before = caveat(results, factor, size.as_ref()).unwrap_or_default();
     if is_unknown(factor) {
         let verdict = |evidence: Evidence| verdict(&name, &evidence.test, evidence.p);
-        return before + &evidence(results, factor).map_or_else(|| untested(results, factor), verdict);
+        return before + &evidence.map_or_else(|| untested(results, factor), verdict);
     }
-    let Some(evidence) = evidence(results, factor) else {
+    let Some(evidence) = evidence else {
         return format!("{before}{}. {}", means(results, factor), untested(results, factor));
     };
-    let size = size(results, factor, &evidence);
     let p = p_is(evidence.p);
     let is_trend = !evidence.is_rank_test && is_slope(results, &factor.name);
-    if evidence.p < ALPHA && size.as_ref().is_none_or(|size| !size.has_interval) {
+    if evidence.p < ALPHA && size.as_ref().is_none_or(|size| size.interval.is_none()) {
         return format!(
             "{before}{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
             means(results, factor),
@@ -118,9 +121,8 @@ fn is_unknown(factor: &FactorResults) -> bool {
     factor.marginal.is_none() && !factor.comparable && factor.within
 }
 
-/// Says that the raw means cannot be compared, if so.
-fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
-    let is_incomplete = factor.within && !factor.matched.incomplete.is_empty();
+/// Says that the raw means cannot be compared, if so; and that they mislead, if the size of the effect is clear.
+fn caveat(results: &Results, factor: &FactorResults, size: Option<&Size>) -> Option<String> {
     if factor.marginal.is_none() && !is_unknown(factor) {
         return None;
     }
@@ -128,27 +130,58 @@ fn caveat(results: &Results, factor: &FactorResults) -> Option<String> {
     let raw = FactorResults { marginal: None, ..factor.clone() };
     let ([first, second], _) = factor.contrast();
     let difference = |means: &[f64]| means[second] - means[first];
-    let missing = match factor.matched.incomplete.len() {
-        _ if !is_incomplete => "the conditions of the other factors differ between its levels".to_owned(),
-        n if n == results.people() && results.measured.counts.factors.len() == 1 => {
-            "no participant rated all of its levels".to_owned()
-        }
-        n if n == results.people() => "no participant rated all of its levels in the same conditions".to_owned(),
-        n => format!("{n} of {} did not rate every level", count(results.people() as u64, "participant")),
-    };
+    let is_clear = size.and_then(|size| size.interval).is_some_and(|interval| !interval.contains(0.0));
+    let reason = incomparable(results, factor);
     let at = |place: usize| {
         format!("{} at {}", mean(raw.means()[place]), names::level_of(results, factor, &factor.levels[place]))
     };
-    Some(if difference(&raw.means()) * difference(&factor.means()) < 0.0 {
+    Some(if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
         format!(
-            "The raw means by {name} mislead ({} and {}): {missing}, and {} the order is the opposite. ",
+            "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
             at(first),
             at(second),
             if factor.within { "within participants" } else { "in the model" }
         )
     } else {
-        format!("The raw means by {name} are not comparable: {missing}. ")
+        format!("The raw means by {name} are not comparable: {reason}. ")
     })
+}
+
+/// Says why the raw means of a factor cannot be compared: other variables differ between its levels, or people lack levels.
+fn incomparable(results: &Results, factor: &FactorResults) -> String {
+    let (counts, lacking) = (results.modeled(), factor.matched.incomplete.len());
+    let differing = |own: usize| -> Vec<String> {
+        let values_at = |level: u32, other: usize| -> BTreeSet<Option<u32>> {
+            let at = counts.conditions.iter().filter(|levels| levels[own] == Some(level));
+            at.map(|levels| levels[other]).collect()
+        };
+        let name = |other: usize| {
+            let name = &counts.factors[other].name;
+            let is_covariate = results.covariates.contains(name);
+            let is_tied = counts.determines(own, other) || counts.determines(other, own);
+            let all = 0..counts.factors[own].levels.len() as u32;
+            let differs = other != own && all.into_iter().any(|level| values_at(level, other) != values_at(0, other));
+            let what = if is_covariate { "covariate" } else { "factor" };
+            (differs && (is_covariate || !is_tied)).then(|| format!("the {what} {}", names::factor(results, name)))
+        };
+        (0..counts.factors.len()).filter_map(name).collect()
+    };
+    let differing = counts.factor(&factor.name).map_or_else(Vec::new, |(own, _)| differing(own));
+    let conditions = if results.measured.counts.factors.len() > 1 { " in the same conditions" } else { "" };
+    match lacking {
+        n if factor.within && n == results.people() => format!("no participant rated all of its levels{conditions}"),
+        n if factor.within && n > 0 => {
+            format!("{n} of {} did not rate every level{conditions}", count(results.people() as u64, "participant"))
+        }
+        _ if !differing.is_empty() => {
+            format!(
+                "{} {} between its levels",
+                list(&differing),
+                if differing.len() == 1 { "differs" } else { "differ" }
+            )
+        }
+        _ => format!("not everyone rated all of its levels{conditions}"),
+    }
 }
 
 /// Says whether ratings depend on something, without a size.
@@ -290,8 +323,12 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
         return Some(Evidence { test: ratio_test(test), p, is_rank_test: false });
     }
     let test = factor.friedman.filter(|_| factor.within && results.is_inferential())?;
-    let exact = if test.method == PMethod::ChiSquared { "" } else { "exact " };
-    let text = format!("{exact}Friedman test: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
+    let name = match test.method {
+        PMethod::Exact => "exact Friedman test",
+        PMethod::Permutations => "Friedman test, p from random orders",
+        PMethod::ChiSquared => "Friedman test",
+    };
+    let text = format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1));
     Some(Evidence { test: text, p: test.p, is_rank_test: true })
 }
 
@@ -359,7 +396,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
             "On the latent scale, {higher} is an estimated {size} standard deviations above {lower}{interval_text}; {of_pairs}"
         )
     };
-    Some(Size { text, has_interval: interval.is_some() })
+    Some(Size { text, interval })
 }
 
 /// Returns the range of a number, and a clause that begins a sentence about its effect from the lowest to the highest value, so
@@ -389,7 +426,7 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
     let value = |estimate: f64| on_scale(results, estimate);
     let interval = coefficient.interval.map(|i| Interval { low: range * i.low, high: range * i.high });
     let text = format!("{what} {}{}", value(range * coefficient.estimate), with_interval(interval, value));
-    Some(Size { text, has_interval: interval.is_some() })
+    Some(Size { text, interval })
 }
 
 /// Describes the effect of a covariate over its range at each level of a factor with which it interacts in the model.
@@ -471,7 +508,7 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
             format!("{the} mean rating at {higher} is {size} higher than at {lower}{}", with_interval(interval, mean))
         }
     };
-    Some(Size { text, has_interval: interval.is_some() })
+    Some(Size { text, interval })
 }
 
 /// Factors whose effects may depend on each other, and the test of it.
@@ -614,36 +651,51 @@ fn simple_effects(
         })
         .filter(|(_, stratum)| stratum.levels.len() > 1)
         .collect();
+    let compared = |place: usize| {
+        let is_here =
+            move |(factor, level): &(String, String)| *factor == at.name && *level == at.levels[place].names[0];
+        let is_own = move |c: &&Comparison| c.factor == of.name && c.at.as_ref().is_some_and(is_here);
+        comparisons.unwrap_or_default().iter().filter(is_own)
+    };
+    let strata: Vec<(usize, FactorResults)> = (strata.into_iter())
+        .map(|(place, stratum)| {
+            let margin = |level: &str| match comparisons {
+                Some(_) => compared(place).find_map(|own| own.expected_at(level)),
+                // The tests are of these means.
+                None => {
+                    let own = stratum.matched.levels.iter().position(|own| own == level)?;
+                    Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
+                }
+            };
+            (place, stratum.with_margins(margin))
+        })
+        .collect();
     let own = |(place, stratum): &(usize, FactorResults)| {
         let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
-        let level = &at.levels[*place].names[0];
-        let is_own = |c: &&Comparison| {
-            c.factor == of.name
-                && c.at.as_ref().is_some_and(|(factor, at_level)| *factor == at.name && at_level == level)
-                && (pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
-        };
-        comparisons.and_then(|all| all.iter().find(is_own))
+        compared(*place).find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
     };
     let corrected: Vec<Option<f64>> = match comparisons {
         Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
         None => holm(&strata.iter().map(|(_, stratum)| Some(stratum.friedman?.p)).collect::<Vec<_>>()),
     };
+    let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
+    let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);
     let last = strata.len().saturating_sub(1);
     let is_shown = |place: usize| last < MAX_SHOWN || place == 0 || place == last / 2 || place == last;
     let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
         let ([first, second], _) = stratum.contrast();
         let mean_at = |index: usize| {
-            let level = &stratum.levels[index];
-            format!(
-                "{} at {} {}",
-                mean(level.summary.mean),
-                names::factor(results, &of.name),
-                names::level_of(results, of, level)
-            )
+            let level = names::level_of(results, of, &stratum.levels[index]);
+            format!("{} at {} {level}", mean(stratum.means()[index]), names::factor(results, &of.name))
         };
         let level = names::level_of(results, at, &at.levels[*level]);
         let p = p.map_or_else(String::new, |p| format!(" ({})", p_is(p)));
-        let what = if place == 0 { "the mean rating" } else { "it" };
+        let what = match (stratum.marginal.is_some(), comparisons.is_some()) {
+            _ if place > 0 && are_alike => "it",
+            (true, true) => "the rating that the model expects",
+            (true, false) => "the mean rating in the same conditions",
+            (false, _) => "the mean rating",
+        };
         is_shown(place).then(|| {
             format!(
                 "at {} {level}, {what} is {} and {}{p}",
@@ -666,6 +718,15 @@ fn simple_effects(
         ),
         (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
+    let raw = if strata.iter().all(is_raw) {
+        String::new()
+    } else {
+        let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
+        format!(
+            " The raw means by {of} at each level of {at} are not comparable: not everyone rated all levels in the same \
+             conditions."
+        )
+    };
     let text = names::capitalized(&parts.join("; "));
-    format!(" {text}{of_all}.{test}")
+    format!(" {text}{of_all}.{raw}{test}")
 }

@@ -72,8 +72,8 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
             "With more than {EXACT_PARTICIPANTS} participants, p comes from the χ² distribution, which is then accurate."
         ),
         (false, true) => format!(
-            "The p values are over all orders in which participants could rank the levels or, if there are too many, over {} \
-             random orders.",
+            "The p values are over all orders in which participants could rank the levels or, if there are too many, over up to \
+             {} random orders.",
             whole(PERMUTATIONS as u64)
         ),
         (false, false) => "The p values are exact: over all orders in which participants could rank the levels.".to_owned(),

@@ -17,6 +17,8 @@ pub(super) struct Converted {
     pub bytes: Vec<u8>,
     /// What a user should know about how the file was read.
     pub note: Option<String>,
+    /// Whether it is the sheet of a workbook, whose cells have names.
+    pub is_sheet: bool,
 }
 
 /// Converts a file that begins with `head`: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and
@@ -30,7 +32,8 @@ pub(super) fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, S
     if !is_gzip && !is_workbook && utf16(head).is_none() && !has_old_lines(head) {
         return Ok(None);
     }
-    let mut converted = Converted { bytes: read_regular(path, MAX_UNPACKED).map_err(io(path, "read"))?, note: None };
+    let bytes = read_regular(path, MAX_UNPACKED).map_err(io(path, "read"))?;
+    let mut converted = Converted { bytes, note: None, is_sheet: is_workbook };
     let failed = |message: String| FileErrors::whole(path, message);
     if is_gzip {
         converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;

@@ -15,7 +15,7 @@ use super::{
     selection::{Definitions, Input, RecordColumns, Selection},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
-    values,
+    values, workbook,
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
@@ -106,7 +106,7 @@ fn read_inputs<T>(
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
     }
     let measurements = selection.leave_out_measurements(&texts(&tables));
-    let mut notes = about_participants(&selection, options, &tables);
+    let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
     let simulated = selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| simulated(input, rows)).collect();
@@ -162,21 +162,33 @@ fn read_inputs<T>(
     Ok((Source { shape, protocol, definition_sha256, files, sessions, simulated, errors, warnings }, all))
 }
 
-/// Says which column has the participants, if it was not named, and which IDs look alike.
-fn about_participants(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
+/// Says which column has the participants, if it was not named, and which IDs and levels look alike.
+fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
     let Some(first) = selection.inputs.first() else { return Vec::new() };
     let mut notes = Vec::new();
     if options.subject.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
-    let columns = selection.texts(&texts(tables), |columns| columns.subject);
-    let alike = values::alike(columns.iter().flat_map(|column| &column.texts).map(AsRef::as_ref));
-    if !alike.is_empty() {
+    let files = texts(tables);
+    let ids = selection.texts(&files, |columns| columns.subject);
+    let mut columns = vec![("IDs", String::new(), "participants", "ID for each participant", ids)];
+    // Levels are those of the definition, if there is one.
+    let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
+    columns.extend(factors.filter(|_| selection.protocol.is_none()).map(|(index, name)| {
+        let levels = selection.texts(&files, |columns| columns.factors[index]);
+        ("levels", format!(" of {name}"), "levels", "form of each level", levels)
+    }));
+    for (names, of, different, expected, column) in columns {
+        let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
+        let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
+        if alike.is_empty() {
+            continue;
+        }
         let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
         let others = if alike.len() > groups.len() { " and others" } else { "" };
         let message = format!(
-            "the IDs {}{others} differ only in capitals or in the form of a number, and are different participants; \
-             expected one ID for each participant",
+            "the {names} {}{others}{of} differ only in capitals or in the form of a number, and are different {different}; \
+             expected one {expected}",
             groups.join("; ")
         );
         notes.push(FileError::whole(&first.name, message));
@@ -418,7 +430,16 @@ fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError
     if everything.is_some() {
         rows.errors = RowErrors::default();
     }
-    rows.into_errors(input).into_iter().chain(everything).collect()
+    // Who sees a sheet in a spreadsheet program does not see lines of text.
+    let sheet = input.header.converted.as_ref().filter(|converted| converted.is_sheet);
+    let in_cell = |error: FileError| match (sheet, error.position) {
+        (Some(sheet), Some(position)) => {
+            let message = format!("cell {}: {}", workbook::cell_at(&sheet.bytes, position), error.message);
+            FileError { position: None, message, ..error }
+        }
+        _ => error,
+    };
+    rows.into_errors(input).into_iter().map(in_cell).chain(everything).collect()
 }
 
 /// Returns the content of a file, unless it is large.

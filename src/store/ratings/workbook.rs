@@ -65,11 +65,11 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     end_row(&mut row)?;
     if let Some((row, column)) = without_value.first() {
         return Err(format!(
-            "has no value of {} of its formulas, such as that in row {} and column {}; expected values, which a spreadsheet \
-             program stores when it saves the workbook",
+            "has no value of {} of its formulas, such as that in {}{}; expected values, which a spreadsheet program stores \
+             when it saves the workbook",
             without_value.len(),
-            row + 1,
-            column + 1
+            letters(*column as usize),
+            row + 1
         ));
     }
     let note = (names.len() > 1).then(|| {
@@ -77,6 +77,23 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")
     });
     Ok((bytes, note))
+}
+
+/// Returns the name of the cell, such as `E2`, at a line and column of a sheet as CSV.
+pub(super) fn cell_at(sheet: &[u8], (line, column): (usize, usize)) -> String {
+    let text = String::from_utf8_lossy(sheet.split(|byte| *byte == b'\n').nth(line - 1).unwrap_or_default());
+    let mut is_quoted = false;
+    let is_end = |char: &char| {
+        is_quoted ^= *char == '"';
+        *char == ',' && !is_quoted
+    };
+    format!("{}{line}", letters(text.chars().take(column - 1).filter(is_end).count()))
+}
+
+/// Returns the letters of a column, counted from 0: `A` to `Z`, `AA`, `AB` and so on.
+fn letters(column: usize) -> String {
+    let last = char::from(b'A' + (column % 26) as u8);
+    if column < 26 { last.to_string() } else { format!("{}{last}", letters(column / 26 - 1)) }
 }
 
 /// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.
