@@ -215,9 +215,9 @@ impl Planned {
                 ""
             } else if spec.slopes == Slopes::None {
                 " Because effects have no random slopes, conclusions about the effect of a factor that varies within participants rest on \
-                 the exact Friedman test of its levels, at the same level, and not on the likelihood ratio."
+                 Friedman’s test of its levels, at the same level, and not on the likelihood ratio."
             } else {
-                " If the design supports no random slope of a term that varies within participants, the exact Friedman test of its \
+                " If the design supports no random slope of a term that varies within participants, Friedman’s test of its \
                  levels takes the place of this test."
             },
             self.sampling.alpha,
