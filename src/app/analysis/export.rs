@@ -128,8 +128,7 @@ impl Export {
         ctx.request_repaint();
     }
 
-    /// Forgets the last export, because it is not of what is shown now.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         (self.saving, self.written) = (Saving::default(), None);
     }
 
