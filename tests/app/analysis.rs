@@ -309,9 +309,9 @@ fn changed_files_are_read_again() {
     let out = folder.path().join("out");
     type_into(&mut window, "Export to the folder", out.to_str().unwrap());
     click(&mut window, "Export");
+    wait_for(&mut window, "72 ratings by 4 participants.");
     assert_has(&window, "tiny: has changed since it was read");
     assert!(!out.exists());
-    wait_for(&mut window, "72 ratings by 4 participants.");
     wait_until_idle(&mut window);
     click(&mut window, "Export");
     wait_for(&mut window, "files written to");

@@ -21,6 +21,9 @@ use crate::{
     work::{Analyze, words},
 };
 
+/// Maximum number of lines of a message. The lower edge grows upward with it.
+const MESSAGE: usize = 6;
+
 /// The folder field and the outcome of the last export.
 #[derive(Default)]
 pub struct Export {
@@ -96,7 +99,7 @@ impl Export {
             Some(error) => (error, ink.bad),
             None => ("", ink.dim),
         };
-        two_lines(ui, note, color);
+        two_lines(ui, note, color, MESSAGE);
         let copy = self.open_buttons(ui, exported.is_some());
         if let Some(exported) = exported.filter(|_| copy) {
             let command = self.command(exported);
@@ -108,7 +111,7 @@ impl Export {
             Some("") => "The export includes all data.".to_owned(),
             Some(filter) => format!("The export includes only the data shown: {filter}."),
         };
-        two_lines(ui, &included, ink.dim);
+        two_lines(ui, &included, ink.dim, 2);
         is_outdated
     }
 
@@ -128,8 +131,7 @@ impl Export {
         ctx.request_repaint();
     }
 
-    /// Forgets the last export, because it is not of what is shown now.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         (self.saving, self.written) = (Saving::default(), None);
     }
 

@@ -31,7 +31,7 @@ impl Files {
     /// Returns an error that says so.
     pub fn changed(&self) -> StoreError {
         let path = self.asked.ratings.paths.first().cloned().unwrap_or_default();
-        let what = "has changed since it was read, so it is being read again; export when the new results are shown";
+        let what = "has changed since it was read, so it is read again; look at the new results, then export them";
         StoreError::Protected { path, what: what.to_owned() }
     }
 }

@@ -116,8 +116,7 @@ impl OpenStudy {
     }
 
     /// Replaces the data with the same files read again. Selections that are still possible are kept.
-    pub fn reread(study: Study, asked: Analyze, files: Arc<Files>, mut before: Self) -> Self {
-        before.export.forget();
+    pub fn reread(study: Study, asked: Analyze, files: Arc<Files>, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {

@@ -63,10 +63,7 @@ impl OpenTask {
         let TaskRead { study, results, document } = read;
         let excluded = asked.ratings.exclude.clone().unwrap_or_default().0;
         let (people, view, section, export) = match before {
-            Some(mut before) => {
-                before.export.forget();
-                (before.people, Some(before.view), before.section, before.export)
-            }
+            Some(before) => (before.people, Some(before.view), before.section, before.export),
             None => {
                 let files = study.files.iter().map(|(path, _)| path.clone());
                 (study.people.clone(), None, "summary", Export::new(&asked.ratings.paths, files))

@@ -124,7 +124,7 @@ impl Studies {
     /// Draws what is planned against what is there, the last check, and the stimuli.
     pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let people = self.sessions.participants(&protocol.name);
-        let finished = self.sessions.of(&protocol.name).filter(|session| session.complete).count();
+        let finished = self.sessions.of(&protocol.name).filter(|session| session.complete && !session.is_cut()).count();
         let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
             theme::card(ui).show(ui, |ui| {
                 ui.set_width(ui.available_width());

@@ -42,11 +42,11 @@ fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
 }
 
 /// Draws a note in the room of two lines, which it takes even if it is empty, so that it shifts nothing. A longer one
-/// takes more, and the pointer on one of more than six lines shows the rest.
-pub fn two_lines(ui: &mut Ui, text: &str, color: Color32) {
+/// takes up to `most` lines, and the pointer on it shows the rest.
+pub fn two_lines(ui: &mut Ui, text: &str, color: Color32, most: usize) {
     let size = Vec2::new(ui.available_width(), (2.0 * ui.text_style_height(&TextStyle::Small)).ceil());
     let mut job = LayoutJob::simple(text.to_owned(), FontId::proportional(NOTE), color, size.x);
-    job.wrap.max_rows = 6;
+    job.wrap.max_rows = most;
     ui.allocate_ui_with_layout(size, Layout::top_down(Align::Min), |ui| {
         ui.set_min_size(size);
         ui.add(Label::new(job).wrap());

@@ -156,7 +156,7 @@ impl ShadingPage {
         }
         self.file.dialog.missing_error(ui);
         // The error has the same room before there is one.
-        text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad);
+        text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad, 2);
     }
 
     /// Shows another mesh. If it cannot be created, the current mesh stays.
@@ -282,7 +282,7 @@ impl ShadingPage {
         ui.horizontal(|ui| {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
-                Layer::Split => text::two_lines(ui, drag, ink(ui).dim),
+                Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
                 Layer::Difference => key::difference(ui, self.settings.factor),
                 Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
                 Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
