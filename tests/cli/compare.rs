@@ -116,7 +116,7 @@ fn folders_are_compared_in_pairs() {
     let mixed = machband(folder.path(), &split("compare new old --window 3"));
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
-    assert!(errors.contains("old/d.png: is not a complete PNG"), "{errors}");
+    assert!(errors.contains("old/d.png: is not a PNG; expected a PNG"), "{errors}");
     // What is left out is named.
     fs::create_dir(folder.path().join("new/more")).unwrap();
     fs::write(folder.path().join("new/e.jpg"), b"\xff\xd8\xff").unwrap();
@@ -298,7 +298,7 @@ fn impossible_comparisons_are_refused() {
         ("compare alpha.png gray.png --window 2", 1, "transparent pixels"),
         ("compare profile.png gray.png --window 2", 1, "has a color profile that is damaged"),
         ("compare palette.png gray.png --window 2", 1, "has a pixel of color 3, but its palette has 2"),
-        ("compare text.png gray.png --window 2", 1, "text.png: is not a complete PNG"),
+        ("compare text.png gray.png --window 2", 1, "text.png: is not a PNG; expected a PNG"),
         ("compare photo.png gray.png --window 2", 1, "photo.png: is a JPEG; expected a PNG"),
         ("compare gray.png gray.png --window 2 --mask black.png", 2, "black.png selects no pixel"),
         ("compare gray.png gray.png --window 2 --mask colored.png", 2, "colored.png has colors"),
