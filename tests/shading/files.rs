@@ -275,9 +275,12 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
     for (from, to, words) in [
         ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
-        ("4 0 1 2 3", "", "expected a PLY file"),
+        ("4 0 1 2 3", "", "it:18:1: vertex_indices is \"\"; expected a number of the type uchar"),
+        ("4 0 1 2 3", "4 0 1 2.5 3", "it:18:7: vertex_indices is \"2.5\"; expected a number of the type int"),
+        ("-1 -1 0 255", "-1 -1 0 256", "it:14:9: red is \"256\"; expected a number of the type uchar"),
         ("-1 -1 0", "-1 1e300 0", "vertex 0 has a position that is not finite"),
-        ("-1 -1 0", "-1 one 0", "it:14:1: "),
+        ("-1 -1 0", "-1 one 0", "it:14:4: y is \"one\"; expected a number of the type float"),
+        ("list uchar int", "list uchar float", "it:18:1: vertex_indices has another type; expected a list of whole"),
         ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
         ("property uchar red", "property int red", "it:8:1: the color red has the type int; expected uchar"),
         ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),
@@ -285,6 +288,9 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         let message = message(ascii.replace(from, to).as_bytes());
         assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
     }
+    // Numbers as C reads and writes them, between tabs and spaces.
+    let as_written = ascii.replace("-1 -1 0", " -1.\t-.1e1  +.0").replace("4 0 1", "4\t0 1");
+    assert_eq!(parsed(as_written.as_bytes()), parsed(ascii.as_bytes()));
 }
 
 /// Faces that go around the other way are reversed, whichever they are; a Möbius strip stays as it is.
