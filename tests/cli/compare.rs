@@ -68,6 +68,11 @@ fn the_difference_decides_about_the_exit_status() {
     let status = |words: &str| machband(folder.path(), &split(words)).status.code();
     assert_eq!(status("compare large.png truth.png --window 4 --max 0.5"), Some(1));
     assert_eq!(status(&format!("compare large.png truth.png --window 4 --max {}", times(&large) + 0.01)), Some(0));
+    // Where three decimals would say that the difference is the maximum, there are more.
+    let just_below = times(&large) - 1e-7;
+    let error = fails(folder.path(), &split(&format!("compare large.png truth.png --window 4 --max {just_below}")), 1);
+    let shown: f64 = error.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(shown > just_below && just_below > times(&large) - 1e-6, "{just_below}: {error}");
     // What a mask leaves out does not count.
     let mask: Vec<u8> = (0..128 * 128).map(|i| if i % 128 < 20 { 255 } else { 0 }).collect();
     png(&at("mask.png"), [128; 2], png::ColorType::Grayscale, &mask, |_| {});
