@@ -279,6 +279,68 @@ fn steps_are_those_of_the_bits_that_codes_have() {
     assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
 }
 
+/// Codes that are skipped evenly, as after posterizing or stretching the contrast, are steps as large as they are; colors
+/// that are only few are none.
+#[test]
+fn steps_are_those_between_the_codes_that_occur() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let ramp = |i: u32| 12.0 + 225.0 * f64::from(i % 512) / 512.0;
+    let gray = |name: &str, code: &dyn Fn(u32) -> f64| {
+        let codes: Vec<u8> = (0..512 * 64).map(|i| code(i).clamp(0.0, 255.0) as u8).collect();
+        png(&at(name), [512, 64], png::ColorType::Grayscale, &codes, |_| {});
+    };
+    let run = |line: &str| -> (Value, String) {
+        let output = machband(folder.path(), &split(line));
+        (serde_json::from_slice(&output.stdout).unwrap(), text(&output.stderr))
+    };
+    // What is rounded, what the codes become, and what they stand for.
+    type Code = Box<dyn Fn(f64) -> f64>;
+    let mut cases: Vec<(String, Code, Code)> = [2.0, 3.0, 5.0, 10.0, 16.0, 32.0]
+        .map(|by: f64| -> (String, Code, Code) {
+            let code = move |value: f64| (value / by).floor() * by + ((by - 1.0) / 2.0).floor();
+            (format!("by{by}"), Box::new(code), Box::new(move |value| value - by / 2.0 + ((by - 1.0) / 2.0).floor()))
+        })
+        .into();
+    let stretched = |value: f64| ((value.floor() - 60.0) * 1.7).round();
+    cases.push(("stretched".to_owned(), Box::new(stretched), Box::new(|value| (value - 60.5) * 1.7)));
+    for (name, code, truth) in &cases {
+        gray(&format!("{name}.png"), &|i| code(ramp(i)));
+        let fine = |i: u32| ((truth(ramp(i)).clamp(0.0, 255.0) * 257.0).round() as u16).to_be_bytes();
+        let codes: Vec<u8> = (0..512 * 64).flat_map(fine).collect();
+        png(&at("fine.png"), [512, 64], png::ColorType::Grayscale, &codes, |info| {
+            info.bit_depth = png::BitDepth::Sixteen;
+        });
+        let (found, said) = run(&format!("compare {name}.png --steps --window 30 --json"));
+        let (truth, _) = run(&format!("compare {name}.png fine.png --window 30 --json"));
+        let [steps, truth] = [&found["steps"], &truth["times_threshold"]].map(|of| of.as_f64().unwrap());
+        assert!((steps / truth - 1.0).abs() < 0.3, "{name}: {steps}, expected {truth}");
+        assert!(
+            said.contains("its codes skip values") || said.contains("hold codes of") || name == "stretched",
+            "{name}: {said}"
+        );
+    }
+    let colors = [17.0, 30.0, 96.0, 133.0, 150.0, 201.0, 222.0, 255.0];
+    gray("flat.png", &|i| colors[(i % 512 / 64 * 5 % 8) as usize]);
+    // Letters of two codes with soft edges.
+    gray("text.png", &|i| match (i % 512 + i / 512) % 16 {
+        0 => 30.0,
+        1 => 90.0 + f64::from(i / 512 % 3) * 41.0,
+        _ => 240.0,
+    });
+    let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 24) / 64.0;
+    gray("noisy.png", &|i| 110.0 + 20.0 * f64::from(i % 512) / 512.0 + noise(i));
+    // The web's colors are evenly spaced, but are no steps of a ramp.
+    gray("web.png", &|i| f64::from((i % 512 / 32 * 7 + i / 512 / 16 * 5) % 11 % 6) * 51.0);
+    for name in ["flat", "text", "noisy", "web"] {
+        let (found, said) = run(&format!("compare {name}.png --steps --window 30 --json"));
+        assert!(
+            found["steps"].as_f64().unwrap() < if name == "web" { 20.0 } else { 1.0 } && !said.contains("skip"),
+            "{name}: {found} {said}"
+        );
+    }
+}
+
 #[test]
 fn impossible_comparisons_are_refused() {
     let folder = tempfile::tempdir().unwrap();
