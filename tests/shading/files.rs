@@ -560,11 +560,21 @@ fn extensions_of_glb_files_are_read_or_named() {
         assert!(message(&required(name)).contains(words), "{}", message(&required(name)));
     }
     let old = br#"{"asset": {"version": "1.0"}, "meshes": {"box": {}}}"#;
+    let number = br#"{"asset": {"version": 1}, "meshes": {"box": {}}}"#;
+    assert!(message(number).contains("is glTF 1.0; expected glTF 2.0"), "{}", message(number));
     for content in [&old[..], b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0"] {
         assert!(message(content).contains("is glTF 1"), "{}", message(content));
     }
     let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
     assert_eq!(parsed(&used).notes, ["extensions were ignored: KHR_materials_ior"]);
+    let left_out = glb(|json| {
+        json["scenes"] = json!([{ "nodes": [] }, { "nodes": [0] }]);
+        json["scene"] = json!(1);
+        let lines = json!({ "attributes": { "POSITION": 0 }, "mode": 1 });
+        json["meshes"][0]["primitives"].as_array_mut().unwrap().push(lines);
+    });
+    let notes = ["points and lines were ignored", "scenes other than the default one were ignored"];
+    assert_eq!(parsed(&left_out).notes, notes);
     // A quarter turn of the texture: u becomes v.
     let place = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.25, 0], "scale": [2, 2] } });
     let turned = glb(move |json| {
@@ -596,6 +606,47 @@ fn a_glb_file_without_normals_is_flat() {
     assert_eq!(flat.mesh.vertices.len(), 6);
     let smooth = mesh::read(&path, 180.0, Normals::Averaged).unwrap();
     assert!(smooth.notes.is_empty() && smooth.mesh.vertices.len() == 4);
+}
+
+/// Flat faces face outward whichever way they go around: their normals follow from the winding once it is right.
+#[test]
+fn flat_faces_of_a_glb_file_are_turned_like_others() {
+    let corners: Vec<f32> = (0..8).flat_map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|side| side as f32)).collect();
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let cube: Vec<[u16; 3]> = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    for (reversed, note) in [
+        (0..0, ""),
+        (3..4, "1 face was reversed, because the neighbors go around the other way"),
+        (0..12, "12 faces were reversed, because the surface was inside out"),
+    ] {
+        let mut indices = cube.clone();
+        indices[reversed].iter_mut().for_each(|triangle| triangle.reverse());
+        let mut bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+        bytes.extend(indices.as_flattened().iter().flat_map(|i| i.to_le_bytes()));
+        let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+        let text = json!({
+            "asset": { "version": "2.0" },
+            "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+            "buffers": [{ "uri": uri, "byteLength": bytes.len() }],
+            "bufferViews": [
+                { "buffer": 0, "byteLength": 96 }, { "buffer": 0, "byteOffset": 96, "byteLength": 72 }
+            ],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1] },
+                { "bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR" },
+            ],
+        });
+        let found = parsed(text.to_string().as_bytes());
+        assert_eq!(found.notes.iter().skip(1).map(String::as_str).collect::<String>(), note);
+        assert_eq!((found.mesh.triangles.len(), found.mesh.vertices.len()), (12, 24));
+        for (t, corners) in found.mesh.triangles.iter().enumerate() {
+            let [a, b, c] = found.mesh.corners(t);
+            let normal = (b - a).cross(c - a).normalize();
+            assert!(normal.dot((a + b + c) / 3.0 - 0.5) > 0.0, "{note}: triangle {t}");
+            assert!(corners.iter().all(|v| found.mesh.vertices[*v as usize].normal.distance(normal) < 1e-12));
+        }
+    }
 }
 
 /// Given normals decide to which side a surface faces, and a face that repeats another one is left out: both are said.

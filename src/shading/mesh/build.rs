@@ -97,6 +97,20 @@ impl Polygons {
         self.of_polygons.push(coat);
     }
 
+    /// Makes polygons flat that were given no normal.
+    pub fn flatten(&mut self, positions: &[DVec3]) {
+        self.normals.resize(self.sites.len(), None);
+        let mut start = 0;
+        for end in &self.ends {
+            let (sites, normals) = (&self.sites[start..*end], &mut self.normals[start..*end]);
+            if normals.iter().all(Option::is_none) {
+                let corners: Vec<DVec3> = sites.iter().map(|site| positions[*site as usize]).collect();
+                normals.fill(normals::newell(&corners).try_normalize());
+            }
+            start = *end;
+        }
+    }
+
     /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.
     pub fn drop_repeated(&mut self) -> usize {
         let starts: Vec<usize> = std::iter::once(0).chain(self.ends.iter().copied()).collect();

@@ -33,6 +33,8 @@ pub(super) struct Faces {
     pub polygons: Polygons,
     /// What the reader ignored or assumed, as sentences without their ends.
     pub notes: Vec<String>,
+    /// True if faces without normals are flat.
+    pub is_flat: bool,
     /// True if faces without an area were left out.
     is_degenerate: bool,
 }
@@ -62,11 +64,6 @@ impl Faces {
         }
     }
 
-    /// Returns the position of a site.
-    pub fn position(&self, site: u32) -> DVec3 {
-        self.positions[site as usize]
-    }
-
     /// Returns the mesh, with edges joined that lie in the same place, and with faces reversed so that neighbors have the
     /// same winding. `expected` says what a file with faces has, and `normals` which normals will be used.
     ///
@@ -84,6 +81,10 @@ impl Faces {
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
+        if self.is_flat {
+            // Not before the winding is right, which decides to which side they face.
+            self.polygons.flatten(&self.positions);
+        }
         let has_normals = self.polygons.has_normals();
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
