@@ -128,17 +128,32 @@ impl Polygons {
         kept.sort_unstable();
         let repeated = faces.len() - kept.len();
         if repeated > 0 {
-            let mut left = Polygons { coats: std::mem::take(&mut self.coats), ..Polygons::default() };
-            for face in &kept {
-                left.sites.extend(&self.sites[corners(face)]);
-                left.normals.extend(self.normals.get(corners(face)).into_iter().flatten());
-                left.paint.extend(self.paint.get(corners(face)).into_iter().flatten());
-                left.of_polygons.extend(self.of_polygons.get(*face as usize));
-                left.ends.push(left.sites.len());
-            }
-            *self = left;
+            *self = self.only(kept.iter().map(|face| (*face as usize, corners(face))));
         }
         repeated
+    }
+
+    /// Leaves out corners at the site of the next one, and polygons that have fewer than three others.
+    pub(super) fn drop_collapsed(&mut self) {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        let others = starts.zip(&self.ends).map(|(start, end)| {
+            let next = |at: usize| if at + 1 < *end { at + 1 } else { start };
+            (start..*end).filter(|at| self.sites[*at] != self.sites[next(*at)]).collect::<Vec<usize>>()
+        });
+        *self = self.only(others.enumerate().filter(|(_, others)| others.len() >= 3));
+    }
+
+    /// Returns only these polygons, each with only these corners.
+    fn only(&self, kept: impl Iterator<Item = (usize, impl IntoIterator<Item = usize> + Clone)>) -> Polygons {
+        let mut left = Polygons { coats: self.coats.clone(), ..Polygons::default() };
+        for (face, corners) in kept {
+            left.sites.extend(corners.clone().into_iter().map(|at| self.sites[at]));
+            left.normals.extend(corners.clone().into_iter().filter_map(|at| self.normals.get(at)));
+            left.paint.extend(corners.into_iter().filter_map(|at| self.paint.get(at)));
+            left.of_polygons.extend(self.of_polygons.get(face));
+            left.ends.push(left.sites.len());
+        }
+        left
     }
 
     /// Returns the sites of each polygon, and its normals if any polygon has normals.

@@ -7,8 +7,9 @@ use glam::DVec3;
 use super::build::Polygons;
 
 /// A position on an open edge is joined with the nearest one that is kept, if they differ by no more than this share of the
-/// shortest open edge at them, or of the median one if that is shorter. Programs that compute a position once for each
-/// side of a seam round it differently.
+/// shortest open edge at them, or of the median edge of the mesh if that is shorter. Programs that compute a position once
+/// for each side of a seam round it differently. An edge that is shorter than this share of the median one is rounding,
+/// too, as at a pole: its ends are joined.
 const SAME: f64 = 1e-3;
 
 /// Open edges whose ends differ by no more than this share are reported.
@@ -29,12 +30,12 @@ pub struct Seams {
 }
 
 impl Polygons {
-    /// Joins positions on open edges that are almost the same, and counts open edges that run beside others, and
-    /// vertices that lie on them.
+    /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Counts
+    /// open edges that run beside others, and vertices that lie on them.
     pub fn weld(&mut self, positions: &[DVec3]) -> Seams {
-        let open = self.open_edges();
+        let edges = self.edges();
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
-        let mut lengths: Vec<f64> = open.iter().map(length).filter(|length| *length > 0.0).collect();
+        let mut lengths: Vec<f64> = edges.iter().map(|(edge, _)| length(edge)).filter(|length| *length > 0.0).collect();
         if lengths.is_empty() {
             return Seams::default();
         }
@@ -44,8 +45,12 @@ impl Polygons {
             return Seams::default();
         }
         let mut reach: BTreeMap<u32, f64> = BTreeMap::new();
-        for edge in &open {
-            let most = SAME * length(edge).min(size);
+        for (edge, faces) in &edges {
+            let most = match length(edge) {
+                length if length <= SAME * size => SAME * size,
+                length if *faces == 1 => SAME * length.min(size),
+                _ => continue,
+            };
             for site in edge {
                 reach.entry(*site).and_modify(|reach| *reach = reach.min(most)).or_insert(most);
             }
@@ -64,7 +69,13 @@ impl Polygons {
         for site in &mut self.sites {
             *site = *joined.get(site).unwrap_or(site);
         }
-        let open: Vec<[u32; 2]> = if joined.is_empty() { open } else { self.open_edges() }.into_iter().collect();
+        let edges = if joined.is_empty() {
+            edges
+        } else {
+            self.drop_collapsed();
+            self.edges()
+        };
+        let open: Vec<[u32; 2]> = edges.into_iter().filter(|(_, faces)| *faces == 1).map(|(edge, _)| edge).collect();
         let ends = |edge: &[u32; 2]| edge.map(|site| positions[site as usize]);
         let place = |edge: &[u32; 2]| 0.5 * ends(edge)[0] + 0.5 * ends(edge)[1];
         let reach = |edge: &[u32; 2]| NEAR * length(edge).min(size);
@@ -98,8 +109,8 @@ impl Polygons {
         Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count(), between: between.len() }
     }
 
-    /// Returns the edges of only one face, each with its lower site first.
-    fn open_edges(&self) -> BTreeSet<[u32; 2]> {
+    /// Returns the edges in order, each with its lower site first, and the number of faces at each.
+    fn edges(&self) -> Vec<([u32; 2], usize)> {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.sites.len());
         let mut start = 0;
         for end in &self.ends {
@@ -109,7 +120,7 @@ impl Polygons {
             start = *end;
         }
         edges.sort_unstable();
-        edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+        edges.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
     }
 }
 

@@ -80,6 +80,8 @@ impl Faces {
         let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
+        // The faces between vertices that were joined have no area.
+        self.is_degenerate |= seams.joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
         if self.is_flat {
             // Not before the winding is right, which decides to which side they face.
@@ -125,8 +127,8 @@ impl Faces {
         let within = "within a thousandth of an edge";
         found(
             seams.joined,
-            &format!("vertex on an open edge was joined with another {within}"),
-            &format!("vertices on open edges were joined with others {within}"),
+            &format!("vertex was joined with another {within}"),
+            &format!("vertices were joined with others {within}"),
         );
         let drawn = "and is not joined with it, so that a line may show there";
         found(
