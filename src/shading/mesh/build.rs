@@ -89,6 +89,12 @@ impl Polygons {
         self.normals.iter().any(Option::is_some)
     }
 
+    /// True if every corner was given a normal.
+    #[must_use]
+    pub fn has_all_normals(&self) -> bool {
+        self.has_normals() && self.normals.iter().all(Option::is_some)
+    }
+
     /// Adds a polygon with paint and the index of its coat. Either all polygons are painted or none.
     pub fn push_painted(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>, PaintedCorner)>, coat: u32) {
         let (corners, paint): (Vec<_>, Vec<_>) = corners.into_iter().map(|(s, n, paint)| ((s, n), paint)).unzip();

@@ -88,6 +88,9 @@ impl Faces {
             self.polygons.flatten(&self.positions);
         }
         let has_normals = self.polygons.has_normals();
+        if crease_deg != 180.0 && self.polygons.has_all_normals() {
+            self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
+        }
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
                 MeshError::NoTriangles if !self.is_degenerate => format!("has no faces; expected {expected}"),
