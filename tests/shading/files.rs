@@ -533,6 +533,9 @@ fn edges_without_a_length_have_one_vertex() {
         parsed(obj.as_bytes())
     };
     let (exact, rounded) = (sphere(0.0), sphere(1.2e-16));
+    // A small part has small edges.
+    let small = "v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nv 1 1 0\nv 2 1 0\nv 1 2 0\nv 2 2 0\nf 1 2 3\nf 4 5 7 6\n";
+    assert_eq!(parsed(small.as_bytes()).mesh.vertices.len(), 7);
     assert_eq!((rounded.mesh.vertices.len(), rounded.mesh.triangles.len()), (62, 120));
     assert_eq!((exact.mesh.triangles, exact.notes), (rounded.mesh.triangles, Vec::new()));
     assert_eq!(rounded.notes, ["22 vertices were joined with others within a thousandth of an edge"]);

@@ -8,9 +8,12 @@ use super::build::Polygons;
 
 /// A position on an open edge is joined with the nearest one that is kept, if they differ by no more than this share of the
 /// shortest open edge at them, or of the median edge of the mesh if that is shorter. Programs that compute a position once
-/// for each side of a seam round it differently. An edge that is shorter than this share of the median one is rounding,
-/// too, as at a pole: its ends are joined.
+/// for each side of a seam round it differently.
 const SAME: f64 = 1e-3;
+
+/// The ends of an edge are joined if it is no longer than this share of the longest edges at both: it is there by rounding
+/// alone, as at the pole of a sphere. A small part of a mesh has no longer edges.
+const SHORT: f64 = 1e-4;
 
 /// Open edges whose ends differ by no more than this share are reported.
 const NEAR: f64 = 0.05;
@@ -44,10 +47,17 @@ impl Polygons {
         if !size.is_finite() {
             return Seams::default();
         }
+        let mut longest: HashMap<u32, f64> = HashMap::new();
+        for (edge, _) in &edges {
+            for site in edge {
+                longest.entry(*site).and_modify(|longest| *longest = longest.max(length(edge))).or_insert(length(edge));
+            }
+        }
         let mut reach: BTreeMap<u32, f64> = BTreeMap::new();
         for (edge, faces) in &edges {
+            let short = SHORT * longest[&edge[0]].min(longest[&edge[1]]);
             let most = match length(edge) {
-                length if length <= SAME * size => SAME * size,
+                length if length <= short => short,
                 length if *faces == 1 => SAME * length.min(size),
                 _ => continue,
             };
