@@ -496,7 +496,11 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let mut smooth = |own: &[f64]| {
         let reaches = reaches(own, size[0]);
         let reach = |level: f64| reaches[level as usize];
-        skipping = skipping.max(own.iter().filter(|level| reach(**level) != [0.5; 2]).count());
+        // What is finer than 8 bits is no posterization, but a slow ramp.
+        let skips = |level: &&f64| match reach(**level) {
+            [below, above] => below + above > 1.0 && levels.encoded(below + above) > 1.001 / 255.0,
+        };
+        skipping = skipping.max(own.iter().filter(skips).count());
         unrounded(own, size, reach)
     };
     let first = channel(0);
