@@ -7,6 +7,8 @@
 
 // The weight of the neighboring points, relative to the curvature. They decide near silhouettes.
 const RING = 0.07;
+// The cosine between the normal and the direction to the eye below which the curvature counts less.
+const FACING = 0.05;
 // The smallest sine of the angle between an edge and the direction across it.
 const MIN_SINE = 0.1;
 // The smallest change of the normal across a face, in radians, that counts as a bend.
@@ -402,7 +404,7 @@ export function coefficients(
     }
     const weight = sum[0] + sum[2] > 0 ? RING / (sum[0] + sum[2]) : 0;
     for (let i = 0; i < 9; i++) sum[i] *= weight;
-    // Two steps on the surface: across the line of sight, and away from the eye if the point faces it.
+    // Two steps on the surface: across the line of sight, and away from the eye.
     for (let i = 0; i < 3; i++) toward[i] = isParallel ? (i === 2 ? 1 : 0) : -eyes[at + i];
     normalize(toward, 0);
     // A direction across the line of sight gives the scale.
@@ -410,8 +412,9 @@ export function coefficients(
     moved(cx, cy, cw, across[0], across[1], across[2]);
     const pixels = Math.sqrt(move[0] * move[0] + move[1] * move[1]);
     tangent(turns, at, toward, 0, across);
-    const isFacing = turns[at] * toward[0] + turns[at + 1] * toward[1] + turns[at + 2] * toward[2] > 0;
-    for (let k = 0; k < (isFacing ? 2 : 1); k++) {
+    const cosine = turns[at] * toward[0] + turns[at + 1] * toward[1] + turns[at + 2] * toward[2];
+    const facing = Math.min(Math.max(cosine / FACING, 0), 1);
+    for (let k = 0; k < 2; k++) {
       for (let i = 0; i < 3; i++) {
         const [j, l] = [(i + 1) % 3, (i + 2) % 3];
         step[i] = k === 0 ? across[i] : turns[at + j] * across[l] - turns[at + l] * across[j];
@@ -422,7 +425,7 @@ export function coefficients(
       const [x, y, z] = [bent(0), bent(3), bent(6)];
       for (let i = 0; i < 3; i++) change[i] = ((m[i] * x + m[4 + i] * y + m[8 + i] * z) * back) / pixels;
       moved(cx, cy, cw, step[0], step[1], step[2]);
-      observe(move[0] / pixels, move[1] / pixels, 1);
+      observe(move[0] / pixels, move[1] / pixels, facing);
     }
     // The slope is zero in a direction that nothing determines.
     const [xx, xy, yy] = [sum[0], sum[1], sum[2]], determinant = xx * yy - xy * xy, trace = xx + yy;

@@ -29,6 +29,10 @@ pub type Coefficients = [V; 12];
 /// values from 0 to 0.5, this one gave the smallest errors on spheres, tori and bumpy surfaces that were traced pixel by
 /// pixel; 0.05 and 0.1 are within a few percent of it.
 pub const RING: f64 = 0.07;
+/// The cosine between the normal and the direction to the eye below which the curvature counts less. Where the normal of
+/// a corner faces away, as on a coarse bevel, its tangent plane is not what is seen of the triangle. Less abruptly than
+/// at 0, so that nothing jumps while the mesh turns.
+const FACING: f64 = 0.05;
 /// The smallest sine of the angle between an edge and the direction across it.
 const MIN_SINE: f64 = 0.1;
 /// The smallest change of the normal across a face, in radians, that counts as a bend.
@@ -309,15 +313,14 @@ pub trait Screen {
     fn toward(&self, eye: V) -> V;
 }
 
-/// Returns up to two unit steps on the surface, across the line of sight and away from the eye if the vertex faces it;
-/// with each, its movement on the screen in units of a step seen face on, and that unit in pixels.
-pub fn steps(screen: &impl Screen, eye: V, normal: V) -> impl Iterator<Item = (V, [f64; 2], f64)> + '_ {
+/// Returns the weight of the curvature at a vertex, and two unit steps on the surface: across the line of sight and away
+/// from the eye; with each, its movement on the screen in units of a step seen face on, and that unit in pixels.
+pub fn steps(screen: &impl Screen, eye: V, normal: V) -> (f64, [(V, [f64; 2], f64); 2]) {
     let toward = screen.toward(eye);
-    let [across, away] = tangents(normal, toward);
     let [x, y] = screen.moved(eye, tangents(toward, normal)[0]);
     let unit = x.hypot(y);
-    let steps = [Some(across), (dot(normal, toward) > 0.0).then_some(away)].into_iter().flatten();
-    steps.map(move |step| (step, screen.moved(eye, step).map(|s| s / unit), unit))
+    let step = |step| (step, screen.moved(eye, step).map(|s| s / unit), unit);
+    ((dot(normal, toward) / FACING).clamp(0.0, 1.0), tangents(normal, toward).map(step))
 }
 
 /// Returns two unit vectors perpendicular to `normal`; the first is also perpendicular to `other`.
@@ -608,8 +611,9 @@ pub fn coefficients(surface: &Surface, camera: &Camera) -> Vec<[[f32; 3]; 12]> {
             }
         }
         sum.weigh(RING);
-        for (step, offset, pixels) in steps(camera, eyes[v], normals[v]) {
-            sum.add(offset, scale(camera.bent(&surface.curvature[v], step), 1.0 / pixels), 1.0);
+        let (weight, steps) = steps(camera, eyes[v], normals[v]);
+        for (step, offset, pixels) in steps {
+            sum.add(offset, scale(camera.bent(&surface.curvature[v], step), 1.0 / pixels), weight);
         }
         sum.solve()
     };

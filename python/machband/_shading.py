@@ -79,7 +79,7 @@ def mesh(name_or_path: Shape | str | PathLike[str] = "blob", *, n_vertices: int 
     n_vertices
         Number of vertices of a shape; exact for a blob, approximate for other round shapes.
     crease
-        Angle in degrees above which the edge between two faces of a file is a crease.
+        Angle in degrees above which the edge between two faces of a file without normals is a crease.
 
     Examples
     --------
@@ -160,7 +160,7 @@ def shade(
         how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999), ``cubic``, or ``best`` of a mean and the
         cubic; ``given`` takes those of a file.
     crease
-        Angle in degrees above which the edge between two faces of a file is a crease.
+        Angle in degrees above which the edge between two faces of a file without normals is a crease.
     depth
         Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     boundary

@@ -209,21 +209,20 @@ Slope slope_of(uint v_5) {
     vec3 _e93 = across_both(_e90, _e2);
     vec2 _e94 = moved(_e1, _e93);
     float pixels = length(_e94);
-    Equations _e96 = sum_3;
-    vec2 _e97 = moved(_e1, _e91);
-    vec3 _e100 = bent(v_5, _e91);
-    Equations _e104 = observed(_e96, (_e97 / vec2(pixels)), (_e100 / vec3(pixels)), 1.0);
-    sum_3 = _e104;
-    if ((dot(_e2, _e90) > 0.0)) {
-        Equations _e108 = sum_3;
-        vec2 _e109 = moved(_e1, away);
-        vec3 _e112 = bent(v_5, away);
-        Equations _e116 = observed(_e108, (_e109 / vec2(pixels)), (_e112 / vec3(pixels)), 1.0);
-        sum_3 = _e116;
-    }
-    Equations _e117 = sum_3;
-    Slope _e118 = solved(_e117);
-    return _e118;
+    float facing = clamp((dot(_e2, _e90) / 0.05), 0.0, 1.0);
+    Equations _e102 = sum_3;
+    vec2 _e103 = moved(_e1, _e91);
+    vec3 _e106 = bent(v_5, _e91);
+    Equations _e109 = observed(_e102, (_e103 / vec2(pixels)), (_e106 / vec3(pixels)), facing);
+    sum_3 = _e109;
+    Equations _e110 = sum_3;
+    vec2 _e111 = moved(_e1, away);
+    vec3 _e114 = bent(v_5, away);
+    Equations _e117 = observed(_e110, (_e111 / vec2(pixels)), (_e114 / vec3(pixels)), facing);
+    sum_3 = _e117;
+    Equations _e118 = sum_3;
+    Slope _e119 = solved(_e118);
+    return _e119;
 }
 
 uint index_of(vec4 place_1) {

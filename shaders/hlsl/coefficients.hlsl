@@ -294,21 +294,20 @@ Slope slope_of(uint v_5)
     const float3 _e93 = across_both(_e90, _e2);
     const float2 _e94 = moved(_e1, _e93);
     float pixels = length(_e94);
-    Equations _e96 = sum_3;
-    const float2 _e97 = moved(_e1, _e91);
-    const float3 _e100 = bent(v_5, _e91);
-    const Equations _e104 = observed(_e96, (_e97 / (pixels).xx), (_e100 / (pixels).xxx), 1.0);
-    sum_3 = _e104;
-    if ((dot(_e2, _e90) > 0.0)) {
-        Equations _e108 = sum_3;
-        const float2 _e109 = moved(_e1, away);
-        const float3 _e112 = bent(v_5, away);
-        const Equations _e116 = observed(_e108, (_e109 / (pixels).xx), (_e112 / (pixels).xxx), 1.0);
-        sum_3 = _e116;
-    }
-    Equations _e117 = sum_3;
-    const Slope _e118 = solved(_e117);
-    const Slope slope_2 = _e118;
+    float facing = clamp((dot(_e2, _e90) / 0.05), 0.0, 1.0);
+    Equations _e102 = sum_3;
+    const float2 _e103 = moved(_e1, _e91);
+    const float3 _e106 = bent(v_5, _e91);
+    const Equations _e109 = observed(_e102, (_e103 / (pixels).xx), (_e106 / (pixels).xxx), facing);
+    sum_3 = _e109;
+    Equations _e110 = sum_3;
+    const float2 _e111 = moved(_e1, away);
+    const float3 _e114 = bent(v_5, away);
+    const Equations _e117 = observed(_e110, (_e111 / (pixels).xx), (_e114 / (pixels).xxx), facing);
+    sum_3 = _e117;
+    Equations _e118 = sum_3;
+    const Slope _e119 = solved(_e118);
+    const Slope slope_2 = _e119;
     return slope_2;
 }
 

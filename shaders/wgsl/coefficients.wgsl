@@ -36,6 +36,8 @@ struct Camera {
 
 // The weight of the neighboring vertices, relative to the curvature. They decide near silhouettes.
 const RING = 0.07;
+// The cosine between the normal and the direction to the eye below which the curvature counts less.
+const FACING = 0.05;
 // The smallest sine of the angle between an edge and the direction across it.
 const MIN_SINE = 0.1;
 // A matrix with a smaller determinant, relative to its squared trace, has only one direction.
@@ -153,15 +155,14 @@ fn slope_of(v: u32) -> Slope {
     let trace = sum.matrix.x + sum.matrix.z;
     let weight = select(0.0, RING / trace, trace > 0.0);
     sum = Equations(sum.matrix * weight, sum.right * weight, sum.up * weight);
-    // Two steps on the surface: across the line of sight, and away from the eye if the vertex faces it.
+    // Two steps on the surface: across the line of sight, and away from the eye.
     let toward = toward_eye(eye);
     let across = across_both(normal, toward);
     let away = cross(normal, across);
     let pixels = length(moved(eye, across_both(toward, normal)));
-    sum = observed(sum, moved(eye, across) / pixels, bent(v, across) / pixels, 1.0);
-    if dot(normal, toward) > 0.0 {
-        sum = observed(sum, moved(eye, away) / pixels, bent(v, away) / pixels, 1.0);
-    }
+    let facing = clamp(dot(normal, toward) / FACING, 0.0, 1.0);
+    sum = observed(sum, moved(eye, across) / pixels, bent(v, across) / pixels, facing);
+    sum = observed(sum, moved(eye, away) / pixels, bent(v, away) / pixels, facing);
     return solved(sum);
 }
 

@@ -110,7 +110,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
                 if let Some(max) = request.max.filter(|max| times > max) {
                     is_within = false;
                     let name = printable(&case.name);
-                    message("error", &format!("{name}: {times:.3} times threshold; expected at most {max}"));
+                    message("error", &format!("{name}: {}", too_much(*times, max)));
                 }
             }
             Err(error) => {
@@ -172,6 +172,13 @@ impl Case {
     }
 }
 
+/// Says that a difference is above the maximum, with as many decimals as it takes to see that.
+fn too_much(times: f64, max: f64) -> String {
+    let number = (3..=17).map(|decimals| format!("{times:.decimals$}"));
+    let number = number.into_iter().find(|number| number.parse::<f64>().is_ok_and(|shown| shown > max));
+    format!("{} times threshold; expected at most {max}", number.unwrap_or_else(|| times.to_string()))
+}
+
 /// Says how pictures are seen, and what their codes mean.
 fn seen([window_deg, white, black]: [f64; 3], light: &str) -> String {
     format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
@@ -193,7 +200,7 @@ fn document(cases: &[Case], max: Option<f64>) -> String {
                 @for case in cases {
                     testcase classname="machband.compare" name=(plain(&case.name)) {
                         @match &case.times {
-                            Ok(times) if is_above(*times) => failure message=(format!("{times:.3} times threshold; expected at most {}", max.unwrap_or_default())) {},
+                            Ok(times) if is_above(*times) => failure message=(too_much(*times, max.unwrap_or_default())) {},
                             Ok(_) => {},
                             Err(error) => error message=(plain(error)) {},
                         }

@@ -73,6 +73,43 @@ impl Levels {
     }
 }
 
+/// How many distances between levels are looked at on either side of one, ...
+const NEAR: usize = 3;
+/// ... and how many of them must be alike, so that it counts as a step. Colors that are only few are not evenly spaced.
+const ALIKE: usize = 3;
+
+/// Returns, for each level of a channel, how far the values that were rounded to it reach below and above it: half the
+/// distance to the next level that occurs, if levels are skipped evenly there, as after posterizing or stretching the
+/// contrast, and otherwise half a level. Flat areas of a few colors are no steps: where they meet, levels mostly change by
+/// more than one.
+#[must_use]
+pub fn reaches(channel: &[f64], width: usize) -> Vec<[f64; 2]> {
+    let mut reaches = vec![[0.5; 2]; 1 << 16];
+    let levels = distinct(channel.iter().map(|level| *level as u32));
+    let mut ranks = vec![0_usize; 1 << 16];
+    levels.iter().enumerate().for_each(|(rank, level)| ranks[*level as usize] = rank);
+    let beside = [1, width].into_iter().flat_map(|by| channel.iter().zip(channel.iter().skip(by)));
+    let changes = beside.map(|(a, b)| ranks[*a as usize].abs_diff(ranks[*b as usize])).filter(|change| *change > 0);
+    let (by_one, all) = changes.fold((0, 0), |(by_one, all), change| (by_one + usize::from(change == 1), all + 1));
+    if 2 * by_one < all {
+        return reaches;
+    }
+    let apart: Vec<u32> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let half = |i: usize| {
+        let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
+        // It is like itself.
+        let alike = near.iter().filter(|other| other.abs_diff(apart[i]) <= 1).count() - 1;
+        0.5 * f64::from(if alike >= ALIKE { apart[i] } else { 1 })
+    };
+    for (i, level) in levels.iter().enumerate() {
+        let [below, above] = [i.checked_sub(1), (i < apart.len()).then_some(i)].map(|gap| gap.map(half));
+        // The lowest and the highest level reach as far to either side.
+        let [lowest, highest] = [below.or(above), above.or(below)];
+        reaches[*level as usize] = [lowest.unwrap_or(0.5), highest.unwrap_or(0.5)];
+    }
+    reaches
+}
+
 /// Returns the highest code of so many bits.
 fn full(bits: u32) -> f64 {
     f64::from((1 << bits) - 1)

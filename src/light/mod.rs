@@ -22,6 +22,6 @@ pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Threshold
 pub use halftone::Halftone;
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::{Depth, DepthError, Interpolation};
-pub use levels::Levels;
+pub use levels::{Levels, reaches};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
 pub use transfer::{Gog, Transfer, TransferError, TransferTable, Transfers};

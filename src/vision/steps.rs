@@ -10,9 +10,10 @@ const ROUNDS: usize = 8;
 const FINEST: f64 = 0.5;
 
 /// Returns the smoothest values that round to the codes of one channel, row by row. Values diffuse from place to place,
-/// from the scale of the whole picture down to that of a pixel, and each stays within half a code of its own.
+/// from the scale of the whole picture down to that of a pixel, and each stays within what `reach` gives for its own code:
+/// how far values below and above it were rounded to it.
 #[must_use]
-pub fn unrounded(codes: &[f64], size: [usize; 2]) -> Vec<f64> {
+pub fn unrounded(codes: &[f64], size: [usize; 2], reach: impl Fn(f64) -> [f64; 2] + Sync) -> Vec<f64> {
     let mut values = codes.to_vec();
     let mut sigma = 0.25 * size[0].max(size[1]) as f64;
     while sigma >= FINEST {
@@ -21,7 +22,10 @@ pub fn unrounded(codes: &[f64], size: [usize; 2]) -> Vec<f64> {
         for _ in 0..ROUNDS {
             values = Cosines::of(values, size).at(size, None, |x, y| across[x] * down[y]);
             let kept = values.par_iter_mut().zip(codes);
-            kept.for_each(|(value, code)| *value = value.clamp(code - 0.5, code + 0.5));
+            kept.for_each(|(value, code)| {
+                let [below, above] = reach(*code);
+                *value = value.clamp(code - below, code + above);
+            });
         }
         sigma *= 0.5;
     }

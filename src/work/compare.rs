@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::{Encoded, Encoding, Luminances, RequestError, Watcher, request::paths};
 use crate::{
-    light::{Bits, CodeImage, Dither, Levels, LinearImage, Quantizer, Samples, Transfer, Transfers},
+    light::{Bits, CodeImage, Dither, Levels, LinearImage, Quantizer, Samples, Transfer, Transfers, reaches},
     report::terminal::printable,
     shading::crease,
     stimulus::ViewingConditions,
@@ -134,6 +134,9 @@ pub struct Steps {
     /// The number of bits of a code in the file.
     #[serde(skip)]
     pub file_bits: u32,
+    /// True if most pixels have a level beside which others are skipped evenly.
+    #[serde(skip)]
+    pub is_skipping: bool,
     /// The picture in 8 bits with blue-noise dither, and what its codes mean.
     #[serde(skip)]
     pub picture_dithered: CodeImage,
@@ -271,7 +274,7 @@ impl Compare {
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
         let levels = Levels::of(&picture.codes, picture.significant_bits);
-        let smooth = smooth(&picture, levels);
+        let (smooth, is_skipping) = smooth(&picture, levels);
         let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
@@ -300,6 +303,7 @@ impl Compare {
             light: said(&picture),
             bits: levels.bits,
             file_bits: picture.bits,
+            is_skipping,
             is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
             picture: name,
             picture_dithered: dithered,
@@ -443,7 +447,11 @@ impl Steps {
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let Self { bits, file_bits, .. } = self;
-        (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"))
+        let bits =
+            (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"));
+        let skips = "its codes skip values evenly, as after posterizing: the steps between those that occur are judged";
+        let notes: Vec<String> = bits.into_iter().chain(self.is_skipping.then(|| skips.to_owned())).collect();
+        (!notes.is_empty()).then(|| notes.join("; "))
     }
 }
 
@@ -473,8 +481,9 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the light of the smoothest picture that has the codes of this one.
-fn smooth(picture: &Picture, levels: Levels) -> LinearImage {
+/// Returns the light of the smoothest picture that has the codes of this one, and whether most of its levels stand beside
+/// others that are skipped evenly.
+fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
     let level = |code: u32| f64::from(levels.level(code));
@@ -483,18 +492,29 @@ fn smooth(picture: &Picture, levels: Levels) -> LinearImage {
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
+    let mut skipping = 0;
+    let mut smooth = |own: &[f64]| {
+        let reaches = reaches(own, size[0]);
+        let reach = |level: f64| reaches[level as usize];
+        // What is finer than 8 bits is no posterization, but a slow ramp.
+        let skips = |level: &&f64| match reach(**level) {
+            [below, above] => below + above > 1.0 && levels.encoded(below + above) > 1.001 / 255.0,
+        };
+        skipping = skipping.max(own.iter().filter(skips).count());
+        unrounded(own, size, reach)
+    };
     let first = channel(0);
-    let smooth_first = unrounded(&first, size);
+    let smooth_first = smooth(&first);
     let others = [1, 2].map(|k| {
         let own = channel(k);
-        if own == first { smooth_first.clone() } else { unrounded(&own, size) }
+        if own == first { smooth_first.clone() } else { smooth(&own) }
     });
     let transfers: &[Transfer; 3] = picture.transfers.channels();
     let light = |k: usize, value: f64| transfers[k].linear_from_encoded(levels.encoded(value).clamp(0.0, 1.0)) as f32;
     let data = (0..first.len())
         .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
         .collect();
-    LinearImage { width: *width, height: *height, data }
+    (LinearImage { width: *width, height: *height, data }, 2 * skipping > first.len())
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

@@ -61,7 +61,7 @@ pub struct OneMesh {
     /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313, value_parser = whole(1..=usize::MAX))]
     pub vertices: usize,
-    /// Angle in degrees above which the edge between two faces of a file is a crease.
+    /// Angle in degrees above which the edge between two faces of a file without normals is a crease.
     #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
     pub crease: f64,
     /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's

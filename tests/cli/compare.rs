@@ -68,6 +68,12 @@ fn the_difference_decides_about_the_exit_status() {
     let status = |words: &str| machband(folder.path(), &split(words)).status.code();
     assert_eq!(status("compare large.png truth.png --window 4 --max 0.5"), Some(1));
     assert_eq!(status(&format!("compare large.png truth.png --window 4 --max {}", times(&large) + 0.01)), Some(0));
+    // Where three decimals would say that the difference is the maximum, there are more.
+    let just_below = times(&large) - 1e-7;
+    let above = machband(folder.path(), &split(&format!("compare large.png truth.png --window 4 --max {just_below}")));
+    let error = text(&above.stderr);
+    let shown: f64 = error.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!(shown > just_below && just_below > times(&large) - 1e-6, "{just_below}: {error}");
     // What a mask leaves out does not count.
     let mask: Vec<u8> = (0..128 * 128).map(|i| if i % 128 < 20 { 255 } else { 0 }).collect();
     png(&at("mask.png"), [128; 2], png::ColorType::Grayscale, &mask, |_| {});
@@ -116,7 +122,7 @@ fn folders_are_compared_in_pairs() {
     let mixed = machband(folder.path(), &split("compare new old --window 3"));
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
-    assert!(errors.contains("old/d.png: is not a complete PNG"), "{errors}");
+    assert!(errors.contains("old/d.png: is not a PNG; expected a PNG"), "{errors}");
     // What is left out is named.
     fs::create_dir(folder.path().join("new/more")).unwrap();
     fs::write(folder.path().join("new/e.jpg"), b"\xff\xd8\xff").unwrap();
@@ -274,6 +280,65 @@ fn steps_are_those_of_the_bits_that_codes_have() {
     assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
 }
 
+/// Codes that are skipped evenly, as after posterizing or stretching the contrast, are steps as large as they are; colors
+/// that are only few are none.
+#[test]
+fn steps_are_those_between_the_codes_that_occur() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let ramp = |i: u32| 12.0 + 225.0 * f64::from(i % 512) / 512.0;
+    let gray = |name: &str, code: &dyn Fn(u32) -> f64| {
+        let codes: Vec<u8> = (0..512 * 64).map(|i| code(i).clamp(0.0, 255.0) as u8).collect();
+        png(&at(name), [512, 64], png::ColorType::Grayscale, &codes, |_| {});
+    };
+    let run = |line: &str| -> (Value, String) {
+        let output = machband(folder.path(), &split(line));
+        (serde_json::from_slice(&output.stdout).unwrap(), text(&output.stderr))
+    };
+    // What is rounded, what the codes become, and what they stand for.
+    type Code = Box<dyn Fn(f64) -> f64>;
+    let mut cases: Vec<(String, Code, Code)> = [2.0, 3.0, 5.0, 10.0, 16.0, 32.0]
+        .map(|by: f64| -> (String, Code, Code) {
+            let code = move |value: f64| (value / by).floor() * by + ((by - 1.0) / 2.0).floor();
+            (format!("by{by}"), Box::new(code), Box::new(move |value| value - by / 2.0 + ((by - 1.0) / 2.0).floor()))
+        })
+        .into();
+    let stretched = |value: f64| ((value.floor() - 60.0) * 1.7).round();
+    cases.push(("stretched".to_owned(), Box::new(stretched), Box::new(|value| (value - 60.5) * 1.7)));
+    for (name, code, truth) in &cases {
+        gray(&format!("{name}.png"), &|i| code(ramp(i)));
+        let fine = |i: u32| ((truth(ramp(i)).clamp(0.0, 255.0) * 257.0).round() as u16).to_be_bytes();
+        let codes: Vec<u8> = (0..512 * 64).flat_map(fine).collect();
+        png(&at("fine.png"), [512, 64], png::ColorType::Grayscale, &codes, |info| {
+            info.bit_depth = png::BitDepth::Sixteen;
+        });
+        let (found, said) = run(&format!("compare {name}.png --steps --window 30 --json"));
+        let (truth, _) = run(&format!("compare {name}.png fine.png --window 30 --json"));
+        let [steps, truth] = [&found["steps"], &truth["times_threshold"]].map(|of| of.as_f64().unwrap());
+        assert!((steps / truth - 1.0).abs() < 0.3, "{name}: {steps}, expected {truth}");
+        assert!(
+            said.contains("its codes skip values") || said.contains("hold codes of") || name == "stretched",
+            "{name}: {said}"
+        );
+    }
+    let colors = [17.0, 30.0, 96.0, 133.0, 150.0, 201.0, 222.0, 255.0];
+    gray("flat.png", &|i| colors[(i % 512 / 64 * 5 % 8) as usize]);
+    // Letters of two codes with soft edges.
+    gray("text.png", &|i| match (i % 512 + i / 512) % 16 {
+        0 => 30.0,
+        1 => 90.0 + f64::from(i / 512 % 3) * 41.0,
+        _ => 240.0,
+    });
+    let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 24) / 64.0;
+    gray("noisy.png", &|i| 110.0 + 20.0 * f64::from(i % 512) / 512.0 + noise(i));
+    // The web's colors are evenly spaced, but are no steps of a ramp.
+    gray("web.png", &|i| (noise(i % 512 / 32 + i / 512 / 16 * 16) * 64.0 % 6.0) * 51.0);
+    for (name, most) in [("flat", 1.0), ("text", 1.0), ("noisy", 3.0), ("web", 20.0)] {
+        let (found, said) = run(&format!("compare {name}.png --steps --window 30 --json"));
+        assert!(found["steps"].as_f64().unwrap() < most && !said.contains("skip"), "{name}: {found} {said}");
+    }
+}
+
 #[test]
 fn impossible_comparisons_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -298,7 +363,7 @@ fn impossible_comparisons_are_refused() {
         ("compare alpha.png gray.png --window 2", 1, "transparent pixels"),
         ("compare profile.png gray.png --window 2", 1, "has a color profile that is damaged"),
         ("compare palette.png gray.png --window 2", 1, "has a pixel of color 3, but its palette has 2"),
-        ("compare text.png gray.png --window 2", 1, "text.png: is not a complete PNG"),
+        ("compare text.png gray.png --window 2", 1, "text.png: is not a PNG; expected a PNG"),
         ("compare photo.png gray.png --window 2", 1, "photo.png: is a JPEG; expected a PNG"),
         ("compare gray.png gray.png --window 2 --mask black.png", 2, "black.png selects no pixel"),
         ("compare gray.png gray.png --window 2 --mask colored.png", 2, "colored.png has colors"),

@@ -275,9 +275,12 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
     for (from, to, words) in [
         ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
-        ("4 0 1 2 3", "", "expected a PLY file"),
+        ("4 0 1 2 3", "", "it:18:1: vertex_indices is \"\"; expected a number of the type uchar"),
+        ("4 0 1 2 3", "4 0 1 2.5 3", "it:18:7: vertex_indices is \"2.5\"; expected a number of the type int"),
+        ("-1 -1 0 255", "-1 -1 0 256", "it:14:9: red is \"256\"; expected a number of the type uchar"),
         ("-1 -1 0", "-1 1e300 0", "vertex 0 has a position that is not finite"),
-        ("-1 -1 0", "-1 one 0", "it:14:1: "),
+        ("-1 -1 0", "-1 one 0", "it:14:4: y is \"one\"; expected a number of the type float"),
+        ("list uchar int", "list uchar float", "it:18:1: vertex_indices has another type; expected a list of whole"),
         ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
         ("property uchar red", "property int red", "it:8:1: the color red has the type int; expected uchar"),
         ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),
@@ -285,6 +288,9 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         let message = message(ascii.replace(from, to).as_bytes());
         assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
     }
+    // Numbers as C reads and writes them, between tabs and spaces.
+    let as_written = ascii.replace("-1 -1 0", " -1.\t-.1e1  +.0").replace("4 0 1", "4\t0 1");
+    assert_eq!(parsed(as_written.as_bytes()), parsed(ascii.as_bytes()));
 }
 
 /// Faces that go around the other way are reversed, whichever they are; a Möbius strip stays as it is.
@@ -482,8 +488,8 @@ fn with_seam(gap: f64) -> String {
 fn seams_are_joined_or_told() {
     for (gap, joined, told) in [
         (0.0, true, ""),
-        (1e-7, true, "2 vertices on open edges were joined"),
-        (7e-4, true, "2 vertices on open edges were joined"),
+        (1e-7, true, "2 vertices were joined"),
+        (7e-4, true, "2 vertices were joined"),
         (0.01, false, "2 open edges run beside others"),
         (0.2, false, ""),
     ] {
@@ -501,6 +507,38 @@ fn seams_are_joined_or_told() {
         parsed(faces.as_bytes()).notes,
         ["1 vertex lies on an open edge that it does not divide, so that a line may show there"]
     );
+}
+
+/// A sphere whose vertices at a pole differ by rounding alone, as sin 180° is not quite 0, is the sphere with one vertex
+/// at each pole.
+#[test]
+fn edges_without_a_length_have_one_vertex() {
+    let sphere = |rounding: f64| {
+        let (mut obj, count) = (String::new(), 12);
+        for row in 0..=6 {
+            for column in 0..count {
+                let (sin, cos) = (f64::from(column) * std::f64::consts::TAU / f64::from(count)).sin_cos();
+                let (across, up) = (f64::from(row) * std::f64::consts::PI / 6.0).sin_cos();
+                let across = if row % 6 == 0 { rounding } else { across };
+                obj += &format!("v {} {} {up}\n", across * cos, across * sin);
+            }
+        }
+        for row in 0..6 {
+            for column in 0..count {
+                let next = (column + 1) % count;
+                let [a, b] = [column, next].map(|column| row * count + column + 1);
+                obj += &format!("f {a} {} {} {b}\n", a + count, b + count);
+            }
+        }
+        parsed(obj.as_bytes())
+    };
+    let (exact, rounded) = (sphere(0.0), sphere(1.2e-16));
+    // A small part has small edges.
+    let small = "v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nv 1 1 0\nv 2 1 0\nv 1 2 0\nv 2 2 0\nf 1 2 3\nf 4 5 7 6\n";
+    assert_eq!(parsed(small.as_bytes()).mesh.vertices.len(), 7);
+    assert_eq!((rounded.mesh.vertices.len(), rounded.mesh.triangles.len()), (62, 120));
+    assert_eq!((exact.mesh.triangles, exact.notes), (rounded.mesh.triangles, Vec::new()));
+    assert_eq!(rounded.notes, ["22 vertices were joined with others within a thousandth of an edge"]);
 }
 
 /// The open edges of a small disk are near each other only on the scale of a large sheet beside it.
@@ -554,11 +592,21 @@ fn extensions_of_glb_files_are_read_or_named() {
         assert!(message(&required(name)).contains(words), "{}", message(&required(name)));
     }
     let old = br#"{"asset": {"version": "1.0"}, "meshes": {"box": {}}}"#;
+    let number = br#"{"asset": {"version": 1}, "meshes": {"box": {}}}"#;
+    assert!(message(number).contains("is glTF 1.0; expected glTF 2.0"), "{}", message(number));
     for content in [&old[..], b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0"] {
         assert!(message(content).contains("is glTF 1"), "{}", message(content));
     }
     let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
     assert_eq!(parsed(&used).notes, ["extensions were ignored: KHR_materials_ior"]);
+    let left_out = glb(|json| {
+        json["scenes"] = json!([{ "nodes": [] }, { "nodes": [0] }]);
+        json["scene"] = json!(1);
+        let lines = json!({ "attributes": { "POSITION": 0 }, "mode": 1 });
+        json["meshes"][0]["primitives"].as_array_mut().unwrap().push(lines);
+    });
+    let notes = ["points and lines were ignored", "scenes other than the default one were ignored"];
+    assert_eq!(parsed(&left_out).notes, notes);
     // A quarter turn of the texture: u becomes v.
     let place = json!({ "KHR_texture_transform": { "rotation": std::f64::consts::FRAC_PI_2, "offset": [0.25, 0], "scale": [2, 2] } });
     let turned = glb(move |json| {
@@ -590,6 +638,47 @@ fn a_glb_file_without_normals_is_flat() {
     assert_eq!(flat.mesh.vertices.len(), 6);
     let smooth = mesh::read(&path, 180.0, Normals::Averaged).unwrap();
     assert!(smooth.notes.is_empty() && smooth.mesh.vertices.len() == 4);
+}
+
+/// Flat faces face outward whichever way they go around: their normals follow from the winding once it is right.
+#[test]
+fn flat_faces_of_a_glb_file_are_turned_like_others() {
+    let corners: Vec<f32> = (0..8).flat_map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|side| side as f32)).collect();
+    let faces = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let cube: Vec<[u16; 3]> = faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    for (reversed, note) in [
+        (0..0, ""),
+        (3..4, "1 face was reversed, because the neighbors go around the other way"),
+        (0..12, "12 faces were reversed, because the surface was inside out"),
+    ] {
+        let mut indices = cube.clone();
+        indices[reversed].iter_mut().for_each(|triangle| triangle.reverse());
+        let mut bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+        bytes.extend(indices.as_flattened().iter().flat_map(|i| i.to_le_bytes()));
+        let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+        let text = json!({
+            "asset": { "version": "2.0" },
+            "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+            "buffers": [{ "uri": uri, "byteLength": bytes.len() }],
+            "bufferViews": [
+                { "buffer": 0, "byteLength": 96 }, { "buffer": 0, "byteOffset": 96, "byteLength": 72 }
+            ],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1] },
+                { "bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR" },
+            ],
+        });
+        let found = parsed(text.to_string().as_bytes());
+        assert_eq!(found.notes.iter().skip(1).map(String::as_str).collect::<String>(), note);
+        assert_eq!((found.mesh.triangles.len(), found.mesh.vertices.len()), (12, 24));
+        for (t, corners) in found.mesh.triangles.iter().enumerate() {
+            let [a, b, c] = found.mesh.corners(t);
+            let normal = (b - a).cross(c - a).normalize();
+            assert!(normal.dot((a + b + c) / 3.0 - 0.5) > 0.0, "{note}: triangle {t}");
+            assert!(corners.iter().all(|v| found.mesh.vertices[*v as usize].normal.distance(normal) < 1e-12));
+        }
+    }
 }
 
 /// Given normals decide to which side a surface faces, and a face that repeats another one is left out: both are said.

@@ -114,6 +114,24 @@ fn normals_from_the_file_take_precedence() {
     }
 }
 
+/// What has no effect on the mesh is said: smoothing groups, and a crease angle beside normals.
+#[test]
+fn smoothing_groups_and_crease_angles_without_effect_are_told() {
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    let notes =
+        |faces: &str, crease: f64| obj::parse("it.obj", format!("{corners}{faces}").as_bytes(), crease).unwrap().notes;
+    let ignored = ["smoothing groups were ignored; a crease angle makes edges"];
+    for faces in ["s off\nf 1 2 3\n", "s 1\nf 1 2 3\ns 2\nf 1 4 2\n", "f 1 2 3\ns 0\nf 1 4 2\n"] {
+        assert_eq!(notes(faces, 180.0), ignored, "{faces}");
+    }
+    for faces in ["s 1\nf 1 2 3\ns 1\nf 1 4 2\n", "vn 0 0 1\ns off\nf 1//1 2//1 3//1\n", "f 1 2 3\ns off\n"] {
+        assert!(notes(faces, 180.0).is_empty(), "{faces}");
+    }
+    let creased = "the crease angle has no effect, because every corner has a normal";
+    assert_eq!(notes("vn 0 0 1\nf 1//1 2//1 3//1\n", 40.0), [creased]);
+    assert!(notes("vn 0 0 1\nf 1//1 2//1 3\n", 40.0).is_empty() && notes("f 1 2 3\n", 40.0).is_empty());
+}
+
 #[test]
 fn errors_are_reported_with_their_position() {
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";

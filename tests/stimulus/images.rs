@@ -108,9 +108,10 @@ fn a_changed_image_is_detected() {
     let message = image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string();
     assert!(message.contains("pixels that differ from the recipe: 1,") && message.contains("(3, 3)"), "{message}");
 
-    for (content, expected) in
-        [(&b"no image at all"[..], "not a complete PNG"), (&std::fs::read(&path).unwrap()[..200], "complete PNG")]
-    {
+    for (content, expected) in [
+        (&b"no image at all"[..], "is not a PNG; expected a PNG"),
+        (&std::fs::read(&path).unwrap()[..200], "complete PNG"),
+    ] {
         std::fs::write(&path, content).unwrap();
         let message = image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string();
         assert!(message.contains(expected), "{message}");

@@ -262,7 +262,7 @@ fn the_smooth_picture_behind_codes_is_found() {
     let size = [256, 64];
     let smooth: Vec<f64> = (0..256 * 64).map(|i| 100.0 + 8.0 * f64::from(i % 256) / 256.0).collect();
     let codes: Vec<f64> = smooth.iter().map(|value| value.round()).collect();
-    let found = unrounded(&codes, size);
+    let found = unrounded(&codes, size, |_| [0.5; 2]);
     assert!(found.iter().zip(&codes).all(|(value, code)| (value - code).abs() <= 0.5));
     let inside = found.iter().zip(&smooth).enumerate().filter(|(i, _)| (32..224).contains(&(i % 256)));
     let worst = inside.map(|(_, (found, smooth))| (found - smooth).abs()).fold(0.0, f64::max);

@@ -84,14 +84,15 @@ fn of_curvature(fan: usize, ring: &Ring<'_>) -> Gradient {
     if is_on_surface(ring, vertex) {
         slope.weigh(cubic::RING);
         let curvature = ring.frame.fans[fan].curvature;
-        for (step, offset, pixels) in cubic::steps(&ring.frame.view, vertex.eye.to_array(), vertex.normal.to_array()) {
+        let (weight, steps) = cubic::steps(&ring.frame.view, vertex.eye.to_array(), vertex.normal.to_array());
+        for (step, offset, pixels) in steps {
             let step = DVec3::from_array(step) * STEP;
             let moved = |step: DVec3| {
                 let normal = (vertex.normal + curvature * step).normalize_or(vertex.normal);
                 ring.field.on_surface(ring.frame, vertex.eye + step, normal)
             };
             let change = (moved(step) - moved(-step)) / (2.0 * STEP * pixels);
-            slope.add(offset, change.to_array(), 1.0);
+            slope.add(offset, change.to_array(), weight);
         }
     }
     slope.solve()

@@ -89,12 +89,32 @@ impl Polygons {
         self.normals.iter().any(Option::is_some)
     }
 
+    /// True if every corner was given a normal.
+    #[must_use]
+    pub fn has_all_normals(&self) -> bool {
+        self.has_normals() && self.normals.iter().all(Option::is_some)
+    }
+
     /// Adds a polygon with paint and the index of its coat. Either all polygons are painted or none.
     pub fn push_painted(&mut self, corners: impl IntoIterator<Item = (u32, Option<DVec3>, PaintedCorner)>, coat: u32) {
         let (corners, paint): (Vec<_>, Vec<_>) = corners.into_iter().map(|(s, n, paint)| ((s, n), paint)).unzip();
         self.push(corners);
         self.paint.extend(paint);
         self.of_polygons.push(coat);
+    }
+
+    /// Makes polygons flat that were given no normal.
+    pub fn flatten(&mut self, positions: &[DVec3]) {
+        self.normals.resize(self.sites.len(), None);
+        let mut start = 0;
+        for end in &self.ends {
+            let (sites, normals) = (&self.sites[start..*end], &mut self.normals[start..*end]);
+            if normals.iter().all(Option::is_none) {
+                let corners: Vec<DVec3> = sites.iter().map(|site| positions[*site as usize]).collect();
+                normals.fill(normals::newell(&corners).try_normalize());
+            }
+            start = *end;
+        }
     }
 
     /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.
@@ -114,17 +134,32 @@ impl Polygons {
         kept.sort_unstable();
         let repeated = faces.len() - kept.len();
         if repeated > 0 {
-            let mut left = Polygons { coats: std::mem::take(&mut self.coats), ..Polygons::default() };
-            for face in &kept {
-                left.sites.extend(&self.sites[corners(face)]);
-                left.normals.extend(self.normals.get(corners(face)).into_iter().flatten());
-                left.paint.extend(self.paint.get(corners(face)).into_iter().flatten());
-                left.of_polygons.extend(self.of_polygons.get(*face as usize));
-                left.ends.push(left.sites.len());
-            }
-            *self = left;
+            *self = self.only(kept.iter().map(|face| (*face as usize, corners(face))));
         }
         repeated
+    }
+
+    /// Leaves out corners at the site of the next one, and polygons that have fewer than three others.
+    pub(super) fn drop_collapsed(&mut self) {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        let others = starts.zip(&self.ends).map(|(start, end)| {
+            let next = |at: usize| if at + 1 < *end { at + 1 } else { start };
+            (start..*end).filter(|at| self.sites[*at] != self.sites[next(*at)]).collect::<Vec<usize>>()
+        });
+        *self = self.only(others.enumerate().filter(|(_, others)| others.len() >= 3));
+    }
+
+    /// Returns only these polygons, each with only these corners.
+    fn only(&self, kept: impl Iterator<Item = (usize, impl IntoIterator<Item = usize> + Clone)>) -> Polygons {
+        let mut left = Polygons { coats: self.coats.clone(), ..Polygons::default() };
+        for (face, corners) in kept {
+            left.sites.extend(corners.clone().into_iter().map(|at| self.sites[at]));
+            left.normals.extend(corners.clone().into_iter().filter_map(|at| self.normals.get(at)));
+            left.paint.extend(corners.into_iter().filter_map(|at| self.paint.get(at)));
+            left.of_polygons.extend(self.of_polygons.get(face));
+            left.ends.push(left.sites.len());
+        }
+        left
     }
 
     /// Returns the sites of each polygon, and its normals if any polygon has normals.

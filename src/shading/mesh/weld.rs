@@ -7,9 +7,13 @@ use glam::DVec3;
 use super::build::Polygons;
 
 /// A position on an open edge is joined with the nearest one that is kept, if they differ by no more than this share of the
-/// shortest open edge at them, or of the median one if that is shorter. Programs that compute a position once for each
-/// side of a seam round it differently.
+/// shortest open edge at them, or of the median edge of the mesh if that is shorter. Programs that compute a position once
+/// for each side of a seam round it differently.
 const SAME: f64 = 1e-3;
+
+/// The ends of an edge are joined if it is no longer than this share of the longest edges at both: it is there by rounding
+/// alone, as at the pole of a sphere. A small part of a mesh has no longer edges.
+const SHORT: f64 = 1e-4;
 
 /// Open edges whose ends differ by no more than this share are reported.
 const NEAR: f64 = 0.05;
@@ -29,12 +33,12 @@ pub struct Seams {
 }
 
 impl Polygons {
-    /// Joins positions on open edges that are almost the same, and counts open edges that run beside others, and
-    /// vertices that lie on them.
+    /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Counts
+    /// open edges that run beside others, and vertices that lie on them.
     pub fn weld(&mut self, positions: &[DVec3]) -> Seams {
-        let open = self.open_edges();
+        let edges = self.edges();
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
-        let mut lengths: Vec<f64> = open.iter().map(length).filter(|length| *length > 0.0).collect();
+        let mut lengths: Vec<f64> = edges.iter().map(|(edge, _)| length(edge)).filter(|length| *length > 0.0).collect();
         if lengths.is_empty() {
             return Seams::default();
         }
@@ -43,9 +47,20 @@ impl Polygons {
         if !size.is_finite() {
             return Seams::default();
         }
+        let mut longest: HashMap<u32, f64> = HashMap::new();
+        for (edge, _) in &edges {
+            for site in edge {
+                longest.entry(*site).and_modify(|longest| *longest = longest.max(length(edge))).or_insert(length(edge));
+            }
+        }
         let mut reach: BTreeMap<u32, f64> = BTreeMap::new();
-        for edge in &open {
-            let most = SAME * length(edge).min(size);
+        for (edge, faces) in &edges {
+            let short = SHORT * longest[&edge[0]].min(longest[&edge[1]]);
+            let most = match length(edge) {
+                length if length <= short => short,
+                length if *faces == 1 => SAME * length.min(size),
+                _ => continue,
+            };
             for site in edge {
                 reach.entry(*site).and_modify(|reach| *reach = reach.min(most)).or_insert(most);
             }
@@ -64,7 +79,13 @@ impl Polygons {
         for site in &mut self.sites {
             *site = *joined.get(site).unwrap_or(site);
         }
-        let open: Vec<[u32; 2]> = if joined.is_empty() { open } else { self.open_edges() }.into_iter().collect();
+        let edges = if joined.is_empty() {
+            edges
+        } else {
+            self.drop_collapsed();
+            self.edges()
+        };
+        let open: Vec<[u32; 2]> = edges.into_iter().filter(|(_, faces)| *faces == 1).map(|(edge, _)| edge).collect();
         let ends = |edge: &[u32; 2]| edge.map(|site| positions[site as usize]);
         let place = |edge: &[u32; 2]| 0.5 * ends(edge)[0] + 0.5 * ends(edge)[1];
         let reach = |edge: &[u32; 2]| NEAR * length(edge).min(size);
@@ -98,8 +119,8 @@ impl Polygons {
         Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count(), between: between.len() }
     }
 
-    /// Returns the edges of only one face, each with its lower site first.
-    fn open_edges(&self) -> BTreeSet<[u32; 2]> {
+    /// Returns the edges in order, each with its lower site first, and the number of faces at each.
+    fn edges(&self) -> Vec<([u32; 2], usize)> {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.sites.len());
         let mut start = 0;
         for end in &self.ends {
@@ -109,7 +130,7 @@ impl Polygons {
             start = *end;
         }
         edges.sort_unstable();
-        edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+        edges.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
     }
 }
 

@@ -44,6 +44,9 @@ pub(super) fn decode(
     if content.starts_with(b"\xff\xd8\xff") {
         return Err(fail("is a JPEG; expected a PNG".to_owned()));
     }
+    if !content.starts_with(b"\x89PNG\r\n\x1a\n") {
+        return Err(fail("is not a PNG; expected a PNG".to_owned()));
+    }
     let broken = |error: DecodingError| {
         // What follows is the crate's own name of the chunk.
         let error = error.to_string();

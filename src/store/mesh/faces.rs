@@ -33,6 +33,8 @@ pub(super) struct Faces {
     pub polygons: Polygons,
     /// What the reader ignored or assumed, as sentences without their ends.
     pub notes: Vec<String>,
+    /// True if faces without normals are flat.
+    pub is_flat: bool,
     /// True if faces without an area were left out.
     is_degenerate: bool,
 }
@@ -62,11 +64,6 @@ impl Faces {
         }
     }
 
-    /// Returns the position of a site.
-    pub fn position(&self, site: u32) -> DVec3 {
-        self.positions[site as usize]
-    }
-
     /// Returns the mesh, with edges joined that lie in the same place, and with faces reversed so that neighbors have the
     /// same winding. `expected` says what a file with faces has, and `normals` which normals will be used.
     ///
@@ -83,8 +80,17 @@ impl Faces {
         let in_range = |position: &DVec3| position.abs().max_element() <= MAX_COORDINATE;
         let seams =
             if self.positions.iter().all(in_range) { self.polygons.weld(&self.positions) } else { Seams::default() };
+        // The faces between vertices that were joined have no area.
+        self.is_degenerate |= seams.joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
+        if self.is_flat {
+            // Not before the winding is right, which decides to which side they face.
+            self.polygons.flatten(&self.positions);
+        }
         let has_normals = self.polygons.has_normals();
+        if crease_deg != 180.0 && self.polygons.has_all_normals() {
+            self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
+        }
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {
                 MeshError::NoTriangles if !self.is_degenerate => format!("has no faces; expected {expected}"),
@@ -124,8 +130,8 @@ impl Faces {
         let within = "within a thousandth of an edge";
         found(
             seams.joined,
-            &format!("vertex on an open edge was joined with another {within}"),
-            &format!("vertices on open edges were joined with others {within}"),
+            &format!("vertex was joined with another {within}"),
+            &format!("vertices were joined with others {within}"),
         );
         let drawn = "and is not joined with it, so that a line may show there";
         found(

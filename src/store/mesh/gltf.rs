@@ -2,11 +2,11 @@
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
 //! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates. Morph
-//! targets have their default weights. Skins and other extensions are ignored and named; animations, lamps, cameras and
-//! everything else about materials are ignored. Textures are interpolated.
+//! targets have their default weights. Skins, points, lines, other scenes and other extensions are ignored and named;
+//! animations, lamps, cameras and everything else about materials are ignored. Textures are interpolated.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Component, Path},
     sync::Arc,
 };
@@ -31,10 +31,7 @@ use super::{
 };
 use crate::{
     light::Transfer,
-    shading::{
-        Coat, PaintedCorner, Texture, Wrap,
-        mesh::{MAX_COORDINATE, newell},
-    },
+    shading::{Coat, PaintedCorner, Texture, Wrap, mesh::MAX_COORDINATE},
     store::{FileErrors, file::read_bytes, table::shortened},
 };
 
@@ -99,25 +96,12 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         textures: HashMap::new(),
         texels: MAX_TEXELS,
         triangles: 0,
-        is_flat,
-        without_normals: 0,
-        is_skinned: false,
-        is_nearest: false,
+        notes: BTreeSet::new(),
     };
+    reader.faces.is_flat = is_flat;
     reader.document(&document)?;
-    let Reader { mut faces, without_normals, is_skinned, is_nearest, .. } = reader;
-    if is_skinned {
-        faces.notes.push("skins were ignored".to_owned());
-    }
-    if is_nearest {
-        faces.notes.push("textures are interpolated, although the file asks for the nearest texel".to_owned());
-    }
-    if without_normals > 0 {
-        faces.notes.push(
-            "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth"
-                .to_owned(),
-        );
-    }
+    let Reader { mut faces, notes, .. } = reader;
+    faces.notes.extend(notes.into_iter().map(str::to_owned));
     if !ignored.is_empty() {
         faces.notes.push(format!("extensions were ignored: {}", ignored.join(", ")));
     }
@@ -130,7 +114,12 @@ fn version(content: &[u8]) -> Option<String> {
         return Some(version.to_string());
     }
     let json: Value = serde_json::from_slice(content).ok()?;
-    Some(json["asset"]["version"].as_str()?.to_owned())
+    match &json["asset"]["version"] {
+        Value::String(version) => Some(version.clone()),
+        // Old exporters write a number.
+        Value::Number(version) => Some(format!("{:?}", version.as_f64()?)),
+        _ => None,
+    }
 }
 
 fn compressed_with(name: &str) -> String {
@@ -356,19 +345,16 @@ struct Reader<'a> {
     /// The number of texels that textures may still have.
     texels: usize,
     triangles: usize,
-    /// True if faces without normals are flat.
-    is_flat: bool,
-    /// The number of primitives without normals, if they are flat.
-    without_normals: usize,
-    /// True if a skin would move vertices.
-    is_skinned: bool,
-    /// True if a texture should not be interpolated.
-    is_nearest: bool,
+    /// What was ignored or assumed.
+    notes: BTreeSet<&'static str>,
 }
 
 impl Reader<'_> {
     fn document(&mut self, document: &Document) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
+        if document.scenes().len() > 1 {
+            self.notes.insert("scenes other than the default one were ignored");
+        }
         let roots: Vec<_> = match scene {
             Some(scene) => scene.nodes().collect(),
             None => document.nodes().collect(),
@@ -383,7 +369,9 @@ impl Reader<'_> {
             let placed = above * DMat4::from_cols_array_2d(&columns);
             if let Some(mesh) = node.mesh() {
                 let weights = node.weights().or(mesh.weights()).unwrap_or_default();
-                self.is_skinned |= node.skin().is_some();
+                if node.skin().is_some() {
+                    self.notes.insert("skins were ignored");
+                }
                 for primitive in mesh.primitives() {
                     let (index, part) = (mesh.index(), primitive.index());
                     self.primitive(&primitive, placed, weights)
@@ -398,6 +386,7 @@ impl Reader<'_> {
     fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4, weights: &[f32]) -> Result<(), String> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.notes.insert("points and lines were ignored");
             return Ok(());
         }
         let (positions, normals) = self.morphed(primitive, weights)?;
@@ -420,23 +409,21 @@ impl Reader<'_> {
             }
             vertices.push((self.faces.site(position), None, PaintedCorner::default()));
         }
-        let is_flat = self.is_flat && normals.is_none();
         if let Some(normals) = normals {
             as_many(count, normals.len(), "normals")?;
             for (vertex, normal) in vertices.iter_mut().zip(normals) {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
             }
+        } else if self.faces.is_flat {
+            self.notes.insert(
+                "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth",
+            );
         }
         self.paint(primitive, linear, &mut vertices)?;
         let coat = self.coat(&primitive.material())?;
-        self.without_normals += usize::from(is_flat);
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
-            let mut corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
-            if is_flat {
-                let normal = newell(&corners.map(|(site, ..)| self.faces.position(site))).try_normalize();
-                corners.iter_mut().for_each(|corner| corner.1 = normal);
-            }
+            let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
             self.faces.add(corners.to_vec(), Some(coat));
         }
         Ok(())
@@ -535,8 +522,10 @@ impl Reader<'_> {
         };
         let mut coat = Coat::default();
         let used = material.pbr_metallic_roughness().base_color_texture().map(|base| base.texture());
-        let used = used.into_iter().chain(material.normal_texture().map(|normals| normals.texture()));
-        self.is_nearest |= used.into_iter().any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest));
+        let mut used = used.into_iter().chain(material.normal_texture().map(|normals| normals.texture()));
+        if used.any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest)) {
+            self.notes.insert("textures are interpolated, although the file asks for the nearest texel");
+        }
         if let Some(base) = material.pbr_metallic_roughness().base_color_texture() {
             let linear: Vec<f32> =
                 (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();

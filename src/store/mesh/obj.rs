@@ -5,7 +5,7 @@
 //! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
 //! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
-use std::borrow::Cow;
+use std::{borrow::Cow, collections::BTreeSet};
 
 use glam::DVec3;
 
@@ -86,6 +86,10 @@ struct Reader {
     corners: Vec<(usize, Option<usize>)>,
     /// Where each face ends in `corners`.
     ends: Vec<usize>,
+    /// The smoothing group that faces belong to, if the file says so.
+    group: Option<Vec<u8>>,
+    /// The smoothing groups of all faces.
+    groups: BTreeSet<Option<Vec<u8>>>,
     /// What was ignored.
     notes: Vec<String>,
 }
@@ -95,6 +99,10 @@ impl Reader {
         let keyword = keyword(line);
         if matches!(keyword, b"usemtl") && self.notes.is_empty() {
             self.notes.push("materials in the file were ignored".to_owned());
+        }
+        if keyword == b"s" {
+            let group = line.trim_ascii_start()[1..].trim_ascii();
+            self.group = Some(if group == b"off" { b"0" } else { group }.to_vec());
         }
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
@@ -148,6 +156,9 @@ impl Reader {
             self.corners.push((vertex, normal));
         }
         self.ends.push(self.corners.len());
+        if !self.groups.contains(&self.group) {
+            self.groups.insert(self.group.clone());
+        }
         Ok(())
     }
 
@@ -172,6 +183,10 @@ impl Reader {
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
         faces.notes.extend(self.notes);
+        let has_edges = self.groups.len() > 1 || self.groups.contains(&Some(b"0".to_vec()));
+        if has_edges && self.corners.iter().all(|(_, normal)| normal.is_none()) {
+            faces.notes.push("smoothing groups were ignored; a crease angle makes edges".to_owned());
+        }
         // Some programs write the codes of 8 bits.
         let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
         let scale = if most > 1.0 {

@@ -6,13 +6,13 @@
 use glam::DVec3;
 use ply_rs_bw::{
     parser::{ParseError, Parser, Reader},
-    ply::{Encoding, Property, PropertyAccess, PropertyAccessResult},
+    ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType},
 };
 
 use super::faces::{Faces, MAX_CORNERS, linear};
 use crate::{
     shading::{Coat, PaintedCorner, mesh::MAX_COORDINATE},
-    store::{FileError, FileErrors},
+    store::{FileError, FileErrors, table::shortened},
 };
 
 /// An element of any kind: the numbers that a vertex may have, and the list that a face may have.
@@ -82,6 +82,66 @@ impl PropertyAccess for Element {
     }
 }
 
+/// Reads an element from its line, in which space stands between the numbers: the crate's own reader refuses `.5` and
+/// `5.`.
+///
+/// # Errors
+/// Says what is wrong, and in which column.
+fn of_line(line: &str, definition: &ElementDef) -> Result<Element, (usize, String)> {
+    let mut words = line.split_ascii_whitespace();
+    let mut next = |name: &str, kind: &ScalarType| {
+        let range = match kind {
+            ScalarType::Char => f64::from(i8::MIN)..=f64::from(i8::MAX),
+            ScalarType::UChar => 0.0..=f64::from(u8::MAX),
+            ScalarType::Short => f64::from(i16::MIN)..=f64::from(i16::MAX),
+            ScalarType::UShort => 0.0..=f64::from(u16::MAX),
+            ScalarType::Int => f64::from(i32::MIN)..=f64::from(i32::MAX),
+            ScalarType::UInt => 0.0..=f64::from(u32::MAX),
+            ScalarType::Float | ScalarType::Double => f64::NEG_INFINITY..=f64::INFINITY,
+        };
+        let is_real = matches!(kind, ScalarType::Float | ScalarType::Double);
+        let word = words.next().unwrap_or_default();
+        match word.parse::<f64>() {
+            Ok(number) if is_real || range.contains(&number) && number.fract() == 0.0 => Ok(number),
+            _ => {
+                let end = line.trim_ascii_end().len();
+                let before = if word.is_empty() { end } else { word.as_ptr() as usize - line.as_ptr() as usize };
+                let kind = format!("{kind:?}").to_lowercase();
+                let message = format!("{name} is {:?}; expected a number of the type {kind}", shortened(word));
+                Err((line[..before].chars().count() + 1, message))
+            }
+        }
+    };
+    let mut element = Element::new();
+    for (name, property) in &definition.properties {
+        let property = match &property.data_type {
+            PropertyType::Scalar(kind) => {
+                let number = next(name, kind)?;
+                match kind {
+                    ScalarType::UChar => Property::UChar(number as u8),
+                    ScalarType::UShort => Property::UShort(number as u16),
+                    ScalarType::Float => Property::Float(number as f32),
+                    _ => Property::Double(number),
+                }
+            }
+            PropertyType::List(count, kind) => {
+                let count = next(name, count)? as usize;
+                let list = (0..count).map(|_| next(name, kind)).collect::<Result<Vec<f64>, _>>()?;
+                match kind {
+                    ScalarType::Float | ScalarType::Double => Property::ListDouble(list),
+                    ScalarType::UInt => Property::ListUInt(list.into_iter().map(|number| number as u32).collect()),
+                    _ => Property::ListInt(list.into_iter().map(|number| number as i32).collect()),
+                }
+            }
+        };
+        if matches!(element.set_property(name, property), PropertyAccessResult::UnsupportedType) {
+            let expected = if place(name).is_some() { "a number" } else { "a list of whole numbers" };
+            return Err((1, format!("{name} has another type; expected {expected}")));
+        }
+    }
+    Ok(element)
+}
+
 /// Reads the content of a PLY file; `file` identifies it in messages.
 ///
 /// # Errors
@@ -124,8 +184,8 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
                     let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
                     let (own, after) = rest.split_at(end);
                     rest = after;
-                    let element = parser.read_ascii_element(&String::from_utf8_lossy(own), definition);
-                    let element = element.map_err(|error| at(Some(line), error))?;
+                    let element = of_line(&String::from_utf8_lossy(own), definition)
+                        .map_err(|(column, message)| FileErrors(vec![FileError::at(file, (line, column), message)]))?;
                     line += 1;
                     element
                 }
