@@ -232,7 +232,7 @@ def test_a_scale_is_that_of_the_data_or_named():
 
 
 def test_codes_and_columns_that_are_levels():
-    frame = pandas.DataFrame({"id": [*"abcd"] * 6, "near": [1, 2, 3, 4] * 6, "far": [2, 3, 99, 2] * 6})
+    frame = pandas.DataFrame({"id": [f"p{i}" for i in range(24)], "near": [1, 2, 3, 4] * 6, "far": [2, 3, 99, 2] * 6})
     with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing=99"):
         machband.analyze(frame, subject="id", wide="near,far", draws=99)
     with pytest.warns(UserWarning, match="6 of 48 rows have no response"):

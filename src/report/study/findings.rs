@@ -630,6 +630,45 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
     Some(text)
 }
 
+/// Returns a factor at each level of another one at which it varies, with the means that the tests are of.
+fn strata(
+    results: &Results,
+    of: &FactorResults,
+    at: &FactorResults,
+    comparisons: Option<&[Comparison]>,
+) -> Vec<(usize, FactorResults)> {
+    let counts = &results.measured.counts;
+    let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
+        return Vec::new();
+    };
+    let stratum = |(place, group): (usize, &Group)| {
+        let level = counts.factors[other].levels.iter().position(|level| *level == group.names[0]);
+        let level = level.map(|level| level as u32);
+        let stratum = factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own);
+        let margin = |level: &str| match comparisons {
+            Some(_) => compared(comparisons, of, at, place).find_map(|own| own.expected_at(level)),
+            None => {
+                let own = stratum.matched.levels.iter().position(|own| own == level)?;
+                Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
+            }
+        };
+        (stratum.levels.len() > 1).then(|| (place, stratum.with_margins(margin)))
+    };
+    at.levels.iter().enumerate().filter_map(stratum).collect()
+}
+
+/// Returns the comparisons of a factor's levels at a level of another one.
+fn compared<'a>(
+    comparisons: Option<&'a [Comparison]>,
+    of: &'a FactorResults,
+    at: &'a FactorResults,
+    place: usize,
+) -> impl Iterator<Item = &'a Comparison> {
+    let is_here = move |(factor, level): &(String, String)| *factor == at.name && *level == at.levels[place].names[0];
+    let is_own = move |c: &&Comparison| c.factor == of.name && c.at.as_ref().is_some_and(is_here);
+    comparisons.unwrap_or_default().iter().filter(is_own)
+}
+
 /// Describes the effect of a factor at each level of another one, or at some of them if there are many, with the p of the
 /// model's comparisons or, if the model has no such effects, of Friedman's tests.
 fn simple_effects(
@@ -639,40 +678,14 @@ fn simple_effects(
     comparisons: Option<&[Comparison]>,
 ) -> String {
     const MAX_SHOWN: usize = 4;
-    let counts = &results.measured.counts;
-    let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
+    let strata = strata(results, of, at, comparisons);
+    if strata.is_empty() {
         return String::new();
-    };
-    let strata: Vec<(usize, FactorResults)> = (0..at.levels.len())
-        .map(|place| {
-            let level = counts.factors[other].levels.iter().position(|level| *level == at.levels[place].names[0]);
-            let level = level.map(|level| level as u32);
-            (place, factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own))
-        })
-        .filter(|(_, stratum)| stratum.levels.len() > 1)
-        .collect();
-    let compared = |place: usize| {
-        let is_here =
-            move |(factor, level): &(String, String)| *factor == at.name && *level == at.levels[place].names[0];
-        let is_own = move |c: &&Comparison| c.factor == of.name && c.at.as_ref().is_some_and(is_here);
-        comparisons.unwrap_or_default().iter().filter(is_own)
-    };
-    let strata: Vec<(usize, FactorResults)> = (strata.into_iter())
-        .map(|(place, stratum)| {
-            let margin = |level: &str| match comparisons {
-                Some(_) => compared(place).find_map(|own| own.expected_at(level)),
-                // The tests are of these means.
-                None => {
-                    let own = stratum.matched.levels.iter().position(|own| own == level)?;
-                    Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
-                }
-            };
-            (place, stratum.with_margins(margin))
-        })
-        .collect();
+    }
     let own = |(place, stratum): &(usize, FactorResults)| {
         let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
-        compared(*place).find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
+        let mut compared = compared(comparisons, of, at, *place);
+        compared.find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
     };
     let corrected: Vec<Option<f64>> = match comparisons {
         Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
