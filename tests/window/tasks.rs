@@ -223,11 +223,14 @@ fn pictures_reach_the_screen_with_their_codes() {
                 harness.press("space");
                 pressed = Instant::now();
             }
-            // The field is gray here; the pictures are yellow.
-            pixel(&screen, [0, -40])[2] == 0 && pixel(&screen, [-390, -290]) == [188; 3]
+            // The field is gray here; the pictures are yellow. A row is on disk before its picture has left the screen.
+            let is_shown = |screen: &[u8]| pixel(screen, [0, -40])[2] == 0 && pixel(screen, [-390, -290]) == [188; 3];
+            is_shown(&screen) && {
+                std::thread::sleep(Duration::from_millis(60));
+                screen = harness.screen();
+                is_shown(&screen)
+            }
         });
-        std::thread::sleep(Duration::from_millis(60));
-        screen = harness.screen();
         let row = answer(&mut harness, &csv, &["2"]);
         let width = if row["picture"] == "pictures/a.png" { "0.2" } else { "0.7" };
         assert_eq!(differing(&harness, &screen, &[("width", width)], 0, 150), 0, "{row:?}");
