@@ -130,12 +130,14 @@ fn a_report_says_which_p_is_simulated() {
     let mut builder = MeasuredBuilder::new(&["group", "light"]).with_categories(&["0", "1", "2", "3"]);
     for person in 0..42 {
         for (place, light) in ["on", "off"].into_iter().enumerate() {
-            for repetition in 0..3 {
+            for repetition in 0..4 {
                 let (group, rating) = (["x", "y"][person % 2], (person * 7 + repetition * 5 + place) % 4);
                 builder.add_counts(&format!("P{person}"), &[group, light], &rating.to_string(), 1).unwrap();
             }
         }
     }
+    // One slip changes nothing.
+    builder.add_counts("P0", &["y", "on"], "1", 1).unwrap();
     let results = analyze(builder.finish(), &options(None));
     let draws: Vec<bool> = results.model.as_ref().unwrap().terms.iter().map(|test| test.draws.is_some()).collect();
     assert_eq!(draws, [true, false]);

@@ -207,7 +207,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
     let [of_terms, odds] = [&report.terms, &report.proportional_odds]
         .map(|tests| tests.iter().filter(is_uncertain).cloned().collect::<Vec<TermTest>>());
     let what = Statistics {
-        terms: named(&of_terms).into_iter().filter(|term| needs_simulation(full, term)).collect(),
+        terms: named(&of_terms).into_iter().filter(|term| needs_simulation(&full.frame, term)).collect(),
         nominal: named(&odds),
     };
     if what.terms.is_empty() && what.nominal.is_empty() {
@@ -256,11 +256,7 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     let thresholds = (frame.categories.len() - 1) as f64;
     let of_terms: Vec<f64> = coefficients(frame, &spec.terms).into_iter().map(|own| own as f64).collect();
     let parameters = thresholds + of_terms.iter().sum::<f64>();
-    let is_between = |term: &Term| {
-        let mut found = term.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
-        found.any(|(factor, _)| !frame.counts.is_within(factor))
-    };
-    let simulated = |term: &&Term| !spec.terms.is_marginal(term) && is_simulated(people, || is_between(term));
+    let simulated = |term: &&Term| !spec.terms.is_marginal(term) && needs_simulation(frame, term);
     let mixed = if people < 2 || spec.random == Random::None { 0 } else { spec.terms.iter().filter(simulated).count() };
     let models = if mixed == 0 { 0 } else { 1 + mixed };
     let mixed_s = MIXED_S * parameters * (models * rows) as f64;
@@ -271,13 +267,13 @@ fn minutes(frame: &Frame, spec: &ModelSpec, draws: u32) -> u64 {
     (f64::from(draws.min(USUAL_DRAWS)) * (mixed_s + odds_s) / 60.0) as u64
 }
 
-/// Returns whether the ratio of a term does not have a χ² distribution with this number of participants.
-fn needs_simulation(full: &Fitted, term: &Term) -> bool {
-    is_simulated(full.frame.subjects.len(), || full.is_between(term))
-}
-
-fn is_simulated(people: usize, is_between: impl Fn() -> bool) -> bool {
-    people < FEW_FOR_LIKELIHOOD_RATIOS || (people < FEW_BETWEEN && is_between())
+/// Returns whether the ratio of a term does not have a χ² distribution with this number of participants. A few who rated
+/// several levels of a factor do not make it one that varies within participants.
+fn needs_simulation(frame: &Frame, term: &Term) -> bool {
+    let mut factors = term.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
+    let people = frame.subjects.len();
+    people < FEW_FOR_LIKELIHOOD_RATIOS
+        || (people < FEW_BETWEEN && factors.any(|(factor, _)| !frame.counts.is_within(factor)))
 }
 
 /// Corrects the probabilities of several tests of the same kind by Holm's method.

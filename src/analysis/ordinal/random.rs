@@ -117,8 +117,13 @@ impl RandomPart {
                 continue;
             }
             let component = independent(frame, &part)?;
+            // The deviation of someone who rated one level is no effect besides the intercept.
+            let factors = part.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
+            let crossing: BTreeSet<u32> =
+                factors.flat_map(|(factor, _)| crossing(frame.counts, &frame.rows, factor)).collect();
+            let rows = frame.rows.iter().filter(|row| crossing.contains(&row.subject));
             let of_subjects: BTreeSet<(u32, usize)> =
-                frame.rows.iter().map(|row| (row.subject, component.groups[row.condition as usize])).collect();
+                rows.map(|row| (row.subject, component.groups[row.condition as usize])).collect();
             own.push((of_subjects.len() as u64, component));
         }
         // The order of the terms must not decide which of them has a slope: those with the fewest effects come first, and of

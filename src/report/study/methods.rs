@@ -24,12 +24,6 @@ use crate::{
     store::ratings::Source,
 };
 
-/// Returns the names of the terms of those tests whose p does not come from simulated studies.
-pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
-    let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
-    others.map(|test| names::term(results, &test.term)).collect()
-}
-
 /// One publication per line, sorted by name: its citation, a tab, and its entry in the list of references.
 const PUBLICATIONS: &str = include_str!("references.txt");
 
@@ -170,6 +164,12 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         text += " All inference is about repeated trials of this participant.";
     }
     Some(text)
+}
+
+/// Returns the names of the terms of those tests whose p does not come from simulated studies.
+pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
+    let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
+    others.map(|test| names::term(results, &test.term)).collect()
 }
 
 /// Says how the terms of the model were tested.
