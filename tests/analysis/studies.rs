@@ -124,6 +124,29 @@ fn people_who_cross_are_few_people() {
     assert!(!page(&source(&["c"]), &results).contains("Each participant rated only one level"));
 }
 
+/// One rating that was filed under the other group neither withholds the test of the groups nor makes a group of two large
+/// enough for one.
+#[test]
+fn a_slip_changes_no_group() {
+    let tested = |people: usize, in_b: usize| {
+        let mut builder = MeasuredBuilder::new(&["group"]).with_categories(&["0", "1", "2", "3"]);
+        for person in 0..people {
+            let group = person < in_b;
+            for place in 0..2 {
+                let of = if (person, place) == (people - 1, 1) { !group } else { group };
+                let rating = (person * 5 + place) % 3 + usize::from(group);
+                let level = ["a", "b"][usize::from(of)];
+                builder.add_counts(&format!("P{person}"), &[level], &rating.to_string(), 1).unwrap();
+            }
+        }
+        analyze(builder.finish(), &options(None)).model.unwrap().terms.remove(0)
+    };
+    let groups = tested(24, 12);
+    assert!(groups.p.is_some_and(|p| p < 0.1) && groups.withheld.is_none(), "{groups:?}");
+    let few = tested(12, 2);
+    assert!(few.p.is_none() && few.withheld.is_some_and(|reason| reason.to_string().contains("fewer than")), "{few:?}");
+}
+
 /// Up to 100 people, p of a factor between them comes from simulated studies, and that of a factor within them, from 41 on,
 /// from the χ² distribution. The report says which.
 #[test]

@@ -744,7 +744,7 @@ mod elsewhere {
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
-        let levels = ["2", "2.0", "NA", "nan"].into_iter().cycle();
+        let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
         let read = study(
             &file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")),
@@ -755,7 +755,7 @@ mod elsewhere {
         let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
         assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 13));
-        let expected = "the levels 2, 2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
+        let expected = "the levels -2, -2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
         assert_eq!(found[1], expected);
     }
 
@@ -820,6 +820,10 @@ mod discovery {
         fs::remove_file(b.join("S2_data.csv")).unwrap();
         fs::remove_file(b.join("S10_data.csv")).unwrap();
         assert_eq!(subjects(&[&b]), "d");
+        // An analysis that was written into the folder counts nothing again, but can be read by its name.
+        file(&folder, "b/analysis/cells.csv", row("z"));
+        let counts = file(&folder, "b/analysis/counts.csv", row("z"));
+        assert_eq!((subjects(&[&b]).as_str(), subjects(&[&counts]).as_str()), ("d", "z"));
     }
 
     #[test]
