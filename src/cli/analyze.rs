@@ -1,5 +1,7 @@
 //! `machband analyze`
 
+use std::path::{Path, PathBuf};
+
 use serde::Serialize;
 
 use super::{Bar, OutPath};
@@ -72,9 +74,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     if let Some(predicted) = &prediction {
         super::print_line(&prediction_line(predicted))?;
     }
-    let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
-    let place = report.map_or(&*arguments.out, |report| report);
-    super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
+    report_written(&files, &arguments.out)?;
     super::ratings::problems(&study.source)
 }
 
@@ -94,9 +94,16 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::print_line(&line)?;
     }
-    super::print_line(&format!("{} files written; see {}", files.len(), arguments.out.join("report.html").display()))?;
+    let (files, _): (Vec<PathBuf>, Vec<_>) = files.into_iter().unzip();
+    report_written(&files, &arguments.out)?;
     study.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
     FileErrors::none(study.errors.clone()).map_err(Into::into)
+}
+
+/// Says how many files were written into a folder, and which to open.
+fn report_written(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
+    let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
+    super::print_line(&format!("{} files written; see {}", files.len(), report.map_or(out, |report| report).display()))
 }
 
 /// Summarizes the vision model's prediction in one line.

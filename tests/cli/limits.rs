@@ -207,6 +207,42 @@ fn obj(points: usize, faces: usize, corners: usize) -> String {
     text
 }
 
+/// A workbook in which the cells of a row share a text of a megabyte.
+fn workbook(cells: usize) -> Vec<u8> {
+    const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
+    let links = |links: &[(&str, &str)]| {
+        let link = |(kind, to): &(&str, &str)| {
+            format!("<Relationship Id=\"{kind}\" Type=\"{OFFICE}/{kind}\" Target=\"{to}\"/>")
+        };
+        let links: String = links.iter().map(link).collect();
+        format!(
+            "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">{links}</Relationships>"
+        )
+    };
+    let cells = "<c t=\"s\"><v>0</v></c>".repeat(cells);
+    let mut packed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, text) in [
+        ("_rels/.rels", links(&[("officeDocument", "xl/workbook.xml")])),
+        (
+            "xl/_rels/workbook.xml.rels",
+            links(&[("worksheet", "worksheets/s.xml"), ("sharedStrings", "sharedStrings.xml")]),
+        ),
+        (
+            "xl/workbook.xml",
+            format!(
+                "<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets><sheet name=\"s\" sheetId=\"1\" r:id=\"worksheet\"/></sheets></workbook>"
+            ),
+        ),
+        ("xl/worksheets/s.xml", format!("<worksheet {MAIN}><sheetData><row>{cells}</row></sheetData></worksheet>")),
+        ("xl/sharedStrings.xml", format!("<sst {MAIN}><si><t>{}</t></si></sst>", "x".repeat(1 << 20))),
+    ] {
+        packed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
+    }
+    packed.finish().unwrap().into_inner()
+}
+
 /// What a command says about an input: a part of its first message; empty if it must succeed, or `*` if it may succeed
 /// or fail.
 type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
@@ -280,6 +316,11 @@ fn cases(full: bool) -> Vec<Case> {
             "quotes.csv",
             format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
             vec![(analyze, "*"), ("check {}", "*")],
+        ),
+        (
+            "texts.xlsx",
+            workbook(8000),
+            vec![("counts {} --out {}.csv", "the sheet has more than 67108864 bytes as CSV; expected fewer")],
         ),
         (
             "readings.csv",

@@ -631,6 +631,8 @@ mod elsewhere {
             + &[cell("A2", "A"), cell("B2", "x, y"), cell("C2", "0.5"), cell("D2", "1")].concat()
             + "</row><row r=\"4\">"
             + &[cell("A4", "B"), cell("C4", "2"), cell("D4", "2"), "<c r=\"F4\" s=\"0\"/>".to_owned()].concat()
+            // The value of this formula is an empty text.
+            + "<c r=\"G4\" t=\"str\"><f>IF(TRUE,\"\")</f><v></v></c>"
             + "</row>";
         let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
         let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
@@ -676,6 +678,9 @@ mod elsewhere {
             .collect();
         let short = gzip(text.as_bytes());
         let formula = sheet.replace("<c r=\"D4\"><v>2</v></c>", "<c r=\"D4\"><f>1+1</f></c>");
+        let row = |place: &str| format!("<row><c r=\"{place}\"><f>1</f></c></row>");
+        let mut document = ZipWriter::new(Cursor::new(Vec::new()));
+        document.start_file("mimetype", SimpleFileOptions::default()).unwrap();
         for (name, bytes, expected) in [
             ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
             ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
@@ -687,6 +692,22 @@ mod elsewhere {
                 "formula.xlsx",
                 workbook(&[("One", &formula)]),
                 "has no value of 1 of its formulas, such as that in D4; expected values",
+            ),
+            // A rectangle around these cells would have 17 billion.
+            (
+                "corners.xlsx",
+                workbook(&[("One", &(row("A1") + &row("XFD1048576")))]),
+                "has no value of 2 of its formulas, such as that in A1; expected values",
+            ),
+            (
+                "column.xlsx",
+                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")]),
+                "is not an Excel workbook (.xlsx): its cells are not in order, or one has no place in a sheet",
+            ),
+            (
+                "table.ods",
+                document.finish().unwrap().into_inner(),
+                "is an OpenDocument file; expected an Excel workbook",
             ),
             ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
         ] {
@@ -743,7 +764,10 @@ mod elsewhere {
     #[test]
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
+        let ids = [
+            " MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0", "+1",
+            "1e0",
+        ];
         let levels = ["2", "2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
         let read = study(
@@ -752,9 +776,9 @@ mod elsewhere {
             "cond",
             ReadOptions::default(),
         );
-        let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
+        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
-        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 13));
+        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 15));
         let expected = "the levels 2, 2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
         assert_eq!(found[1], expected);
     }

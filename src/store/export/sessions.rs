@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
-pub(super) const DESCRIBING: [&str; 8] = [
+pub(super) const DESCRIBING: [&str; 9] = [
     dataset::DESCRIPTION,
     "README.md",
     "CHANGES.md",
@@ -30,6 +30,7 @@ pub(super) const DESCRIBING: [&str; 8] = [
     ".psychdsignore",
     "LICENSE",
     "LICENSE.md",
+    "LICENSE.txt",
     "CITATION.cff",
 ];
 

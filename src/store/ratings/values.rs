@@ -16,7 +16,7 @@ const MAX_UNIQUE: usize = 20;
 
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
-pub(in crate::store) fn is_missing(text: &str, among_numbers: bool) -> bool {
+pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
     matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "N/A" | "n/a")
         || (among_numbers && matches!(text, "." | "None" | "null"))
 }
@@ -53,6 +53,10 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
+    // A number with more digits would be rounded.
+    if let Some(number) = number(id).filter(|_| id.len() <= 15) {
+        return number.to_string();
+    }
     let mut form = String::new();
     let lower = id.to_lowercase();
     let mut rest = lower.chars().peekable();
@@ -62,8 +66,7 @@ fn common_form(id: &str) -> String {
             form.push(char);
         }
     }
-    let is_number = form.contains('.') && form.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    if is_number { form.trim_end_matches('0').trim_end_matches('.').to_owned() } else { form }
+    form
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
