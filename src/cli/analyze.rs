@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{Bar, OutPath};
+use super::{
+    Bar, OutPath,
+    ratings::{problems, sentence},
+};
 use crate::{
     report::{
         AnalysisOutput, Predicted, Provenance, check_folder,
@@ -15,7 +18,7 @@ use crate::{
         tasks::{self, TaskResults, TaskStudy},
         write_all,
     },
-    store::{FileErrors, Writer},
+    store::Writer,
     system::now,
     work::{Analyze, Watcher as _, words},
 };
@@ -55,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let AnalysisOutput { files, prediction } =
         write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.clear();
-    super::print_line(&super::ratings::sentence(&study.source, &results.measured))?;
+    super::print_line(&sentence(&study.source, &results.measured))?;
     let document = document(&study.source, &results, Parts::default());
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::print_line(&line)?;
@@ -75,7 +78,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         super::print_line(&prediction_line(predicted))?;
     }
     report_written(&files, &arguments.out)?;
-    super::ratings::problems(&study.source)
+    problems(&study.source.warnings, &study.source.errors)
 }
 
 /// Analyzes the answers to a task other than a rating.
@@ -96,8 +99,7 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
     }
     let (files, _): (Vec<PathBuf>, Vec<_>) = files.into_iter().unzip();
     report_written(&files, &arguments.out)?;
-    study.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
-    FileErrors::none(study.errors.clone()).map_err(Into::into)
+    problems(&study.warnings, &study.errors)
 }
 
 /// Says how many files were written into a folder, and which to open.
