@@ -637,7 +637,7 @@ mod elsewhere {
         let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
         let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
         for (name, bytes) in
-            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("u.xlsx", workbook(&[("One", &sheet)]))]
+            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)]))]
         {
             let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
             let path = file(&folder, name, bytes);
@@ -649,8 +649,10 @@ mod elsewhere {
             assert_eq!(warnings(&read), [note; 1][..usize::from(name == "t.xlsx")], "{name}");
         }
         // In a folder, too.
-        let inside = study(&folder.path().join("d"), "y", "c", ReadOptions::default());
-        assert_eq!(inside.measured, plain.measured);
+        file(&folder, "e/~$u.xlsx", "the name of who opened it");
+        for inside in ["d", "e"].map(|name| study(&folder.path().join(name), "y", "c", ReadOptions::default())) {
+            assert_eq!((&inside.measured, inside.source.errors), (&plain.measured, vec![]));
+        }
         // The lines of a workbook are its rows.
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
@@ -854,7 +856,7 @@ mod discovery {
         let said =
             errors(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].starts_with("void: contains no CSV files; expected "), "{said:?}");
+        assert!(said[0].starts_with("void: contains no tables; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: does not exist; expected "), "{said:?}");
         assert!(try_read(&[], &ReadOptions::default()).is_err());
     }
