@@ -125,7 +125,8 @@ impl Selection {
         let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
         // A table from elsewhere may have any scale.
         let is_ours = protocol.is_some() || first.is_results() || !first.in_memory();
-        let own_scale = (is_ours && options.own_scale()).then(|| highest(protocol.as_ref()));
+        let own_scale = (is_ours && options.own_scale())
+            .then(|| protocol.as_ref().map_or(MAX_RATING, |all| all.response.highest()));
         let shape = shape(&inputs, (first, own_scale), protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
         let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
@@ -196,17 +197,8 @@ impl Columns {
     pub fn texts(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        all.extend(
-            (self
-                .factors
-                .iter()
-                .copied()
-                .chain(self.count)
-                .chain(self.session)
-                .chain(self.repetition)
-                .chain(self.order))
-            .chain(self.simulated),
-        );
+        let single = [self.count, self.session, self.repetition, self.order, self.simulated];
+        all.extend(self.factors.iter().copied().chain(single.into_iter().flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial, own.attempt]);
             all.extend(own.experiment.into_iter().chain(own.dropped));
@@ -567,11 +559,6 @@ fn shape(
         guessed,
         time_limits: options.time_limits,
     }
-}
-
-/// Returns the highest rating of an experiment; of our own scale if it is not known.
-fn highest(protocol: Option<&Protocol>) -> u8 {
-    protocol.map_or(MAX_RATING, |protocol| protocol.response.highest())
 }
 
 /// Returns the indices of the columns in a file.
