@@ -185,6 +185,7 @@ fn the_descriptions_of_two_labs_are_not_mixed_up() {
             let error = exported(format).unwrap_err();
             let expected = format!("{}: is missing, but there is {}", a.display(), b.display());
             assert!(error.starts_with(&expected), "{format:?} {name}: {error}");
+            fs::write(&a, of_a).unwrap();
             [&a, &b].iter().for_each(|path| {
                 before.as_ref().map_or_else(|| fs::remove_file(path), |text| fs::write(path, text)).unwrap()
             });
