@@ -1,8 +1,13 @@
 //! `machband analyze`
 
+use std::path::{Path, PathBuf};
+
 use serde::Serialize;
 
-use super::{Bar, OutPath};
+use super::{
+    Bar, OutPath,
+    ratings::{problems, sentence},
+};
 use crate::{
     report::{
         AnalysisOutput, Predicted, Provenance, check_folder,
@@ -13,7 +18,7 @@ use crate::{
         tasks::{self, TaskResults, TaskStudy},
         write_all,
     },
-    store::{FileErrors, Writer},
+    store::Writer,
     system::now,
     work::{Analyze, Watcher as _, words},
 };
@@ -53,7 +58,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let AnalysisOutput { files, prediction } =
         write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.clear();
-    super::print_line(&super::ratings::sentence(&study.source, &results.measured))?;
+    super::print_line(&sentence(&study.source, &results.measured))?;
     let document = document(&study.source, &results, Parts::default());
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::print_line(&line)?;
@@ -72,10 +77,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     if let Some(predicted) = &prediction {
         super::print_line(&prediction_line(predicted))?;
     }
-    let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
-    let place = report.map_or(&*arguments.out, |report| report);
-    super::print_line(&format!("{} files written; see {}", files.len(), place.display()))?;
-    super::ratings::problems(&study.source)
+    report_written(&files, &arguments.out)?;
+    problems(&study.source.warnings, &study.source.errors)
 }
 
 /// Analyzes the answers to a task other than a rating.
@@ -94,9 +97,15 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
     for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
         super::print_line(&line)?;
     }
-    super::print_line(&format!("{} files written; see {}", files.len(), arguments.out.join("report.html").display()))?;
-    study.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
-    FileErrors::none(study.errors.clone()).map_err(Into::into)
+    let (files, _): (Vec<PathBuf>, Vec<_>) = files.into_iter().unzip();
+    report_written(&files, &arguments.out)?;
+    problems(&study.warnings, &study.errors)
+}
+
+/// Says how many files were written into a folder, and which to open.
+fn report_written(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
+    let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
+    super::print_line(&format!("{} files written; see {}", files.len(), report.map_or(out, |report| report).display()))
 }
 
 /// Summarizes the vision model's prediction in one line.

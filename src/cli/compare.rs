@@ -24,7 +24,6 @@ use crate::{
 /// The exit status is 1 if the difference is larger than --max. Folders are compared in pairs by name.
 #[derive(clap::Args)]
 #[command(
-    allow_negative_numbers = true,
     after_help = "Examples: machband compare render.png truth.png --window 20 --max 1 --map difference.png\n          machband compare new/ approved/ --window 20 --max 1 --junit compare.xml\n          machband compare sky.png --steps --window 30 --dither-out dithered.png"
 )]
 pub(super) struct Arguments {

@@ -16,9 +16,10 @@ const FIT: &str = "fit";
 /// Name of the option that allows a command to replace existing files.
 const FORCE: &str = "force";
 
-/// Adds `--force` to every command that has an [`OutPath`].
+/// Adds `--force` to every command that has an [`OutPath`]. In every command, a negative number is a value.
 pub(super) fn with_force(command: Command) -> Command {
     command.mut_subcommands(|command| {
+        let command = command.allow_negative_numbers(true);
         if !command.get_arguments().any(is_of::<OutPath>) {
             return command;
         }

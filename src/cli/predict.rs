@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     } else {
         print_comparison(&found, &source)?;
     }
-    super::ratings::problems(&source)
+    super::ratings::problems(&source.warnings, &source.errors)
 }
 
 fn all(table: &Table, json: bool) -> anyhow::Result<Vec<u8>> {

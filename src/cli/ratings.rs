@@ -5,7 +5,7 @@ use crate::{
     analysis::counts::{Excluded, Measured},
     report::{document::numbers::count, tables},
     store::{
-        Writer,
+        FileError, FileErrors, Writer,
         ratings::{FileRead, Reason, Source},
     },
     work::{Ratings, explained},
@@ -51,13 +51,9 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
 }
 
 /// Prints all warnings about the input, and fails with all errors in it, if there are any.
-pub(super) fn problems(source: &Source) -> anyhow::Result<()> {
-    source.warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
-    if source.errors.is_empty() {
-        return Ok(());
-    }
-    let lines: Vec<String> = source.errors.iter().map(ToString::to_string).collect();
-    Err(anyhow::anyhow!(lines.join("\n")))
+pub(super) fn problems(warnings: &[FileError], errors: &[FileError]) -> anyhow::Result<()> {
+    warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
+    Ok(FileErrors::none(errors.to_vec())?)
 }
 
 /// Reduce ratings to counts, the sufficient statistic: one row per participant, condition and rating.
@@ -84,5 +80,5 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     progress.clear();
     super::print_line(&sentence(&study.source, &study.measured))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
-    problems(&study.source)
+    problems(&study.source.warnings, &study.source.errors)
 }

@@ -18,7 +18,6 @@ use crate::{
 /// regardless of --size.
 #[derive(clap::Args)]
 #[command(
-    allow_negative_numbers = true,
     after_help = "Example: machband shade --mesh blob --vertices 313 --shader fixed --depth 3 --boundary 0.2 --out fixed.png --metrics fixed.json"
 )]
 pub(super) struct Arguments {

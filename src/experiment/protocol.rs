@@ -16,7 +16,10 @@ use super::{
     scale::CATEGORIES,
     task::{Given, Layout, Method, Settings, Turn, at_level},
 };
-use crate::stimulus::{ParameterValue, Stimulus};
+use crate::{
+    stimulus::{ParameterValue, Stimulus},
+    text::names::expected_one_of,
+};
 
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
@@ -304,12 +307,11 @@ impl Definition {
             && !self.lacks_pictures()
         {
             let known: Vec<_> = self.factors.iter().map(|f| f.name.as_str()).collect();
-            let expected = if known.is_empty() {
-                "random, because there are none"
-            } else {
-                &format!("one of {}", known.join(", "))
+            let expected = match known[..] {
+                [] => "expected random, because there are none".to_owned(),
+                _ => expected_one_of(name, &known),
             };
-            errors.add("design.order", format!("order {} does not name a factor; expected {expected}", design.order));
+            errors.add("design.order", format!("order {} does not name a factor; {expected}", design.order));
         }
     }
 

@@ -3,7 +3,7 @@
 //! | contents | module |
 //! |---|---|
 //! | writes, resumes, reads and verifies a session: its data set, rows, frames and sidecar | [`session`] |
-//! | reads any table of ratings | [`ratings`] |
+//! | reads any table of ratings, or of answers at levels | [`ratings`], [`answers`] |
 //! | exports recorded sessions as BIDS or Psych-DS | [`mod@export`] |
 //! | PNG images, and folders of images | [`image`], [`manifest`] |
 //! | OBJ meshes | [`mesh`] |
@@ -16,7 +16,6 @@
 //! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers
 //! of tables and TOML that keep track of locations.
 
-pub mod answers;
 mod calibrations;
 pub mod check;
 mod columns;
@@ -46,4 +45,5 @@ mod toml;
 pub use columns::Columns;
 pub use error::{FileError, FileErrors, StoreError};
 pub use output::Writer;
+pub use ratings::answers;
 pub use session::{dataset, frames, participants, recorded, results, sidecar, sitting, verify};

@@ -59,15 +59,12 @@ impl<'a> Content<'a> {
         }
     }
 
-    /// Reads at most [`MAX_ROW`] bytes of this range; empty if they cannot be read.
-    fn slice(self, from: u64, to: u64) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        if let Ok(mut reader) = self.open()
-            && reader.seek(SeekFrom::Start(from)).is_ok()
-        {
-            let _ = reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes);
-        }
-        bytes
+    /// Reads at most [`MAX_ROW`] bytes of this range.
+    fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
+        let (mut reader, mut bytes) = (self.open()?, Vec::new());
+        reader.seek(SeekFrom::Start(from))?;
+        reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes)?;
+        Ok(bytes)
     }
 }
 
@@ -82,6 +79,8 @@ pub(super) struct Row<'a> {
     end: u64,
     /// True if nothing follows this row.
     pub last: bool,
+    /// The error because of which bytes of the row could not be read again, if there was one.
+    failed: &'a Cell<Option<io::Error>>,
 }
 
 impl<'a> Row<'a> {
@@ -102,7 +101,15 @@ impl<'a> Row<'a> {
     /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
     /// which is acceptable because errors are rare.
     pub fn raw(&self) -> Vec<u8> {
-        self.content.slice(self.start.byte(), self.end)
+        self.slice(self.start.byte())
+    }
+
+    /// Reads the bytes from here to the end of the row again. If that fails, so does the reading of the table.
+    fn slice(&self, from: u64) -> Vec<u8> {
+        self.content.slice(from, self.end).unwrap_or_else(|error| {
+            self.failed.set(Some(error));
+            Vec::new()
+        })
     }
 
     /// Returns the position of the row, from which it can be read again.
@@ -135,7 +142,7 @@ impl<'a> Row<'a> {
     pub fn is_open(&self) -> bool {
         self.last
             && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
-            && !self.content.slice(self.end.saturating_sub(4), self.end).trim_ascii_end().ends_with(b"\"")
+            && !self.slice(self.end.saturating_sub(4)).trim_ascii_end().ends_with(b"\"")
     }
 
     /// Returns the position of the next line.
@@ -241,23 +248,25 @@ pub(super) fn rows_from(
         reader.seek(from.clone())?;
         left.set(most);
     }
-    let (mut record, start) = (ByteRecord::new(), Position::new());
+    let (mut record, start, failed) = (ByteRecord::new(), Position::new(), Cell::new(None));
     while reader.read_byte_record(&mut record)? {
         let is_cut = left.replace(most) == 0 && reader.position().byte() < size;
         let end = reader.position().byte();
         let start = record.position().unwrap_or(&start);
-        let row = Row { record: &record, content, separator, start, end, last: end >= size || is_cut };
-        if is_cut && !row.is_open() {
+        let last = end >= size || is_cut;
+        let row = Row { record: &record, content, separator, start, end, last, failed: &failed };
+        let is_open = row.is_open();
+        if is_cut && !is_open {
             let line = start.line();
             return Err(io::Error::other(format!("line {line} has more than {MAX_ROW} bytes")));
         }
-        if !take(&row) {
+        let goes_on = take(&row);
+        let next = is_open.then(|| row.next_line());
+        failed.take().map_or(Ok(()), Err)?;
+        if !goes_on {
             break;
         }
-        if row.is_open() {
-            let next = row.next_line();
-            reader.seek(next)?;
-        }
+        next.map_or(Ok(()), |next| reader.seek(next))?;
     }
     Ok(())
 }

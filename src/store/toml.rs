@@ -221,7 +221,7 @@ fn explained(path: &str, error: &str) -> String {
         "u32" => "a whole number from 0 to 4294967295",
         "a string" => "text in quotes",
         "a sequence" => "a list in brackets",
-        other if other.starts_with("struct ") => "a table",
+        other if other == "a map" || other.starts_with("struct ") => "a table",
         other => &other.replace("an array", "a list"),
     };
     let Some(found) = wrong.strip_prefix("invalid type: ").or(wrong.strip_prefix("invalid value: ")) else {

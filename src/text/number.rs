@@ -25,7 +25,9 @@ fn in_range<T: FromStr + PartialOrd + Display>(text: &str, range: &RangeInclusiv
     let (least, most) = (range.start(), range.end());
     match text.parse() {
         Ok(number) if range.contains(&number) => Ok(number),
-        Ok(_) => Err(format!("outside {least}…{most}; expected a {kind} in this range")),
-        Err(_) => Err(format!("not a {kind}; expected one from {least} to {most}")),
+        found if found.is_ok() || text.parse::<i128>().is_ok() => {
+            Err(format!("outside {least}…{most}; expected a {kind} in this range"))
+        }
+        _ => Err(format!("not a {kind}; expected one from {least} to {most}")),
     }
 }

@@ -238,7 +238,7 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let AnswersRead { mut rows, missing, note } = read(&columns)?;
+        let AnswersRead { mut rows, missing, notes } = read(&columns)?;
         let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
@@ -280,7 +280,7 @@ impl Analyze {
         let factors = factors.into_iter().map(order).collect();
         let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
         study.excluded = exclude;
-        study.warnings.extend(note);
+        study.warnings.extend(notes);
         if missing > 0 {
             let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
             let message = format!("{missing} of {all} rows {have} no level or no answer, and {were} left out");

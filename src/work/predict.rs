@@ -131,9 +131,7 @@ impl Predict {
         }
         let encoded = self.encoding.read(watcher)?;
         let protocol = definition::open(experiment)?;
-        if let Some(message) = protocol.chosen_later() {
-            return Err(RequestError::whole(message).into());
-        }
+        protocol.chosen_later().map_or(Ok(()), |message| Err(RequestError::whole(message)))?;
         let conditions = protocol.conditions();
         self.check_number(&protocol, conditions.len())?;
         conditions.iter().try_for_each(|condition| self.size_of(&condition.stimulus).map(drop))?;

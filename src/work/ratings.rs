@@ -143,6 +143,7 @@ fn categories(text: &str) -> Result<List, String> {
                  the lowest plus the highest category minus the rating in a new column)"
                 .to_owned())
         }
+        None if names.len() < 2 => Err("expected two or more categories, lowest first".to_owned()),
         None => Ok(List(names)),
     }
 }

@@ -93,9 +93,7 @@ impl RenderAll {
             let message = format!("{} shows pictures that are files already; expected stimuli to draw", protocol.name);
             return Err(RequestError::whole(message).into());
         }
-        if let Some(message) = protocol.chosen_later() {
-            return Err(RequestError::whole(message).into());
-        }
+        protocol.chosen_later().map_or(Ok(()), |message| Err(RequestError::whole(message)))?;
         let conditions = protocol.conditions();
         let like = self.image.recipe(protocol.stimulus.clone(), watcher)?;
         let of = |condition: &Condition| Recipe { stimulus: condition.stimulus.clone(), ..like.clone() };

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::common::{
     attacks::{FILES, HANGS, PANICS, withstood},
-    command, split, succeeds,
+    command, split, succeeds, text,
 };
 
 /// Maximum time in seconds for an input below 1 MB.
@@ -207,6 +207,42 @@ fn obj(points: usize, faces: usize, corners: usize) -> String {
     text
 }
 
+/// A workbook in which the cells of a row share a text of a megabyte.
+fn workbook(cells: usize) -> Vec<u8> {
+    const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
+    let links = |links: &[(&str, &str)]| {
+        let link = |(kind, to): &(&str, &str)| {
+            format!("<Relationship Id=\"{kind}\" Type=\"{OFFICE}/{kind}\" Target=\"{to}\"/>")
+        };
+        let links: String = links.iter().map(link).collect();
+        format!(
+            "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">{links}</Relationships>"
+        )
+    };
+    let cells = "<c t=\"s\"><v>0</v></c>".repeat(cells);
+    let mut packed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, text) in [
+        ("_rels/.rels", links(&[("officeDocument", "xl/workbook.xml")])),
+        (
+            "xl/_rels/workbook.xml.rels",
+            links(&[("worksheet", "worksheets/s.xml"), ("sharedStrings", "sharedStrings.xml")]),
+        ),
+        (
+            "xl/workbook.xml",
+            format!(
+                "<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets><sheet name=\"s\" sheetId=\"1\" r:id=\"worksheet\"/></sheets></workbook>"
+            ),
+        ),
+        ("xl/worksheets/s.xml", format!("<worksheet {MAIN}><sheetData><row>{cells}</row></sheetData></worksheet>")),
+        ("xl/sharedStrings.xml", format!("<sst {MAIN}><si><t>{}</t></si></sst>", "x".repeat(1 << 20))),
+    ] {
+        packed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
+    }
+    packed.finish().unwrap().into_inner()
+}
+
 /// What a command says about an input: a part of its first message; empty if it must succeed, or `*` if it may succeed
 /// or fail.
 type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
@@ -280,6 +316,11 @@ fn cases(full: bool) -> Vec<Case> {
             "quotes.csv",
             format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
             vec![(analyze, "*"), ("check {}", "*")],
+        ),
+        (
+            "texts.xlsx",
+            workbook(8000),
+            vec![("counts {} --out {}.csv", "the sheet has more than 67108864 bytes as CSV; expected fewer")],
         ),
         (
             "readings.csv",
@@ -412,6 +453,23 @@ fn small_inputs_cost_little() {
         }
     }
     withstood("small files that ask for much work", runs, &[PANICS, HANGS]);
+}
+
+/// A table whose last cell has a line break is read again at its end; if that fails, it is said.
+#[test]
+fn with_few_files_open_a_command_reads_all_or_says_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "A,a,1,\nA,b,2,\nB,a,1,\nB,b,2,\"x\ny\"\n";
+    fs::write(folder.path().join("t.csv"), format!("id,c,y,note\n{rows}")).unwrap();
+    for most in 4..10 {
+        let machband = env!("CARGO_BIN_EXE_machband");
+        let counts = format!("{machband} counts t.csv --subject id --response y --factors c --out {most}.csv");
+        let line = format!("ulimit -n {most}; exec timeout 20 {counts}");
+        let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap();
+        let (status, said) = (output.status.code(), text(&output.stderr));
+        let is_failed = status == Some(1) && said.contains("Too many open files");
+        assert!(is_failed || status == Some(0) && said.is_empty(), "{most}: {status:?}: {said}");
+    }
 }
 
 /// A data file may claim to be huge without taking any space.

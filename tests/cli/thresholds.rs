@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{fails, golden_path, succeeds, table};
+use crate::common::{command, fails, golden_path, succeeds, table, text};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -61,13 +61,34 @@ fn tables_of_other_programs_are_read() {
     fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
     let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
     let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:3:5: is \"12\"; expected no more right answers than trials"), "{told}");
-    assert!(told.contains("wrong.csv:4:1: is \"high\"; expected a level, which is a number"), "{told}");
+    assert!(told.contains("wrong.csv:3:5: right is \"12\"; expected no more right answers than trials"), "{told}");
+    assert!(told.contains("wrong.csv:4:1: x is \"high\"; expected a level, which is a number"), "{told}");
     let told = fails(folder.path(), &[&columns[..], &["--log"]].concat(), 1);
     assert!(told.contains("wrong.csv:3:5"), "{told}");
     let told = fails(folder.path(), &[&columns[..], &["--link=probit"]].concat(), 2);
     assert!(told.contains("--link: does not apply to answers at levels"), "{told}");
+    // What is said of ratings is said of answers, too.
+    fs::write(path("wrong.csv"), "x,right,n,who,x\n0.1,5,10,NA,9\n").unwrap();
+    let told = fails(folder.path(), &columns, 1);
+    assert!(told.contains("wrong.csv:1:15: the column x appears twice; expected it once"), "{told}");
+    fs::write(path("wrong.csv"), "x,right,n,participant\n0.1,5,10,NA\n").unwrap();
+    let told = fails(folder.path(), &columns, 1);
+    assert!(told.contains("wrong.csv:2:10: participant is \"NA\"; expected a participant"), "{told}");
     assert!(!path("wrong").exists());
+    let rows: String = ["J\u{f6}rg", "S1", "s1"]
+        .iter()
+        .flat_map(|who| [1, 2, 4, 8].map(|level| format!("0,{level}\t{}\t10\t{who}\n", 5 + level / 2)))
+        .collect();
+    let all = format!("x\tright\tn\tparticipant\n{rows}{rows}");
+    fs::write(path("wrong.csv"), all.chars().map(|c| c as u8).collect::<Vec<_>>()).unwrap();
+    let output = command(folder.path(), &[&columns[..], &["--tables-only"]].concat()).output().unwrap();
+    assert!(text(&output.stdout).ends_with("files written; see wrong\n"), "{}", text(&output.stdout));
+    let told = text(&output.stderr);
+    for part in
+        ["was read as Windows-1252", "the IDs S1, s1 differ only in capitals", "its second half repeats the first"]
+    {
+        assert!(told.contains(part), "{part}: {told}");
+    }
 }
 
 /// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people

@@ -180,6 +180,12 @@ fn the_descriptions_of_two_labs_are_not_mixed_up() {
             let error = exported(format).unwrap_err();
             let expected = format!("{}: differs from {}", b.display(), a.display());
             assert!(error.starts_with(&expected), "{format:?} {name}: {error}");
+            // What one lab says, such as its license, does not hold for the data of the other.
+            fs::remove_file(&a).unwrap();
+            let error = exported(format).unwrap_err();
+            let expected = format!("{}: is missing, but there is {}", a.display(), b.display());
+            assert!(error.starts_with(&expected), "{format:?} {name}: {error}");
+            fs::write(&a, of_a).unwrap();
             [&a, &b].iter().for_each(|path| {
                 before.as_ref().map_or_else(|| fs::remove_file(path), |text| fs::write(path, text)).unwrap()
             });

@@ -631,11 +631,13 @@ mod elsewhere {
             + &[cell("A2", "A"), cell("B2", "x, y"), cell("C2", "0.5"), cell("D2", "1")].concat()
             + "</row><row r=\"4\">"
             + &[cell("A4", "B"), cell("C4", "2"), cell("D4", "2"), "<c r=\"F4\" s=\"0\"/>".to_owned()].concat()
+            // The value of this formula is an empty text.
+            + "<c r=\"G4\" t=\"str\"><f>IF(TRUE,\"\")</f><v></v></c>"
             + "</row>";
         let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
         let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
         for (name, bytes) in
-            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("u.xlsx", workbook(&[("One", &sheet)]))]
+            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)]))]
         {
             let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
             let path = file(&folder, name, bytes);
@@ -647,8 +649,10 @@ mod elsewhere {
             assert_eq!(warnings(&read), [note; 1][..usize::from(name == "t.xlsx")], "{name}");
         }
         // In a folder, too.
-        let inside = study(&folder.path().join("d"), "y", "c", ReadOptions::default());
-        assert_eq!(inside.measured, plain.measured);
+        file(&folder, "e/~$u.xlsx", "the name of who opened it");
+        for inside in ["d", "e"].map(|name| study(&folder.path().join(name), "y", "c", ReadOptions::default())) {
+            assert_eq!((&inside.measured, inside.source.errors), (&plain.measured, vec![]));
+        }
         // The lines of a workbook are its rows.
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
@@ -676,6 +680,9 @@ mod elsewhere {
             .collect();
         let short = gzip(text.as_bytes());
         let formula = sheet.replace("<c r=\"D4\"><v>2</v></c>", "<c r=\"D4\"><f>1+1</f></c>");
+        let row = |place: &str| format!("<row><c r=\"{place}\"><f>1</f></c></row>");
+        let mut document = ZipWriter::new(Cursor::new(Vec::new()));
+        document.start_file("mimetype", SimpleFileOptions::default()).unwrap();
         for (name, bytes, expected) in [
             ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
             ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
@@ -687,6 +694,22 @@ mod elsewhere {
                 "formula.xlsx",
                 workbook(&[("One", &formula)]),
                 "has no value of 1 of its formulas, such as that in D4; expected values",
+            ),
+            // A rectangle around these cells would have 17 billion.
+            (
+                "corners.xlsx",
+                workbook(&[("One", &(row("A1") + &row("XFD1048576")))]),
+                "has no value of 2 of its formulas, such as that in A1; expected values",
+            ),
+            (
+                "column.xlsx",
+                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")]),
+                "is not an Excel workbook (.xlsx): its cells are not in order, or one has no place in a sheet",
+            ),
+            (
+                "table.ods",
+                document.finish().unwrap().into_inner(),
+                "is an OpenDocument file; expected an Excel workbook",
             ),
             ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
         ] {
@@ -743,7 +766,10 @@ mod elsewhere {
     #[test]
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let ids = [" MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0"];
+        let ids = [
+            " MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0", "+1",
+            "1e0",
+        ];
         let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
         let read = study(
@@ -752,9 +778,9 @@ mod elsewhere {
             "cond",
             ReadOptions::default(),
         );
-        let expected = "the IDs 01, 1, 1.0, 001; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
+        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0; MAR1, mar1; S1, S01 differ only in capitals or in the form of a number, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
-        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 13));
+        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 15));
         let expected = "the levels -2, -2.0 of cond differ only in capitals or in the form of a number, and are different levels; expected one form of each level";
         assert_eq!(found[1], expected);
     }
@@ -834,7 +860,7 @@ mod discovery {
         let said =
             errors(&[&folder.path().join("void"), &folder.path().join("lost.csv"), &good], &ReadOptions::default());
         assert_eq!(said.len(), 2, "{said:?}");
-        assert!(said[0].starts_with("void: contains no CSV files; expected "), "{said:?}");
+        assert!(said[0].starts_with("void: contains no tables; expected "), "{said:?}");
         assert!(said[1].starts_with("lost.csv: does not exist; expected "), "{said:?}");
         assert!(try_read(&[], &ReadOptions::default()).is_err());
     }

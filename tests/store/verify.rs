@@ -76,9 +76,10 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
     fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
+    fs::write(data.join("subject-S002_session-1_task-quick_data.csv.gz"), "").unwrap();
     fs::write(data.join(".DS_Store"), "").unwrap();
     let left = dataset::unexpected_files(data.parent().unwrap());
-    assert_eq!(left.len(), 2, "{left:?}");
+    assert_eq!(left.len(), 3, "{left:?}");
     // An analysis and an export say so, because rows may be missing.
     let folder = data.ancestors().nth(3).unwrap();
     let analyzed = machband(folder, &["counts", "results", "--out", "counts.csv"]);
@@ -87,6 +88,7 @@ fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     for stray in [
         "subject-S009_session-1_task-quick_data.json: has no data file next to it",
         "(conflicted copy).csv: is not named like",
+        "_data.csv.gz: is not named like",
     ] {
         for said in [text(&analyzed.stderr), text(&exported.stderr)] {
             assert!(said.contains(stray), "{said}");

@@ -112,12 +112,16 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
 /// Returns a file that describes the data sets of an experiment, with its content; `None` if they have no such file.
 ///
 /// # Errors
-/// Two data sets have different files, because each may belong to another author with another license; I/O errors.
+/// Two data sets have different files, or only one has the file, because each may belong to another author with another
+/// license; I/O errors.
 pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(PathBuf, Vec<u8>)>, StoreError> {
-    let mut known: Option<(PathBuf, Vec<u8>)> = None;
+    let (mut known, mut without): (Option<(PathBuf, Vec<u8>)>, _) = (None, None);
     for dataset in experiment.datasets()?.keys() {
         let path = dataset.join(name);
-        let Some(content) = read_existing(&path, MAX_DESCRIPTION)? else { continue };
+        let Some(content) = read_existing(&path, MAX_DESCRIPTION)? else {
+            without = Some(path);
+            continue;
+        };
         if name == DESCRIPTION {
             parse_json::<Map<String, Value>>(&path, &content, "the description of a data set")?;
         }
@@ -125,17 +129,19 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
             None => (path, content),
             Some((first, other)) => match joined(&other, &content) {
                 Some(all) => (first, all),
-                None => {
-                    let message = format!(
-                        "differs from {}, and an export has only one such file; expected the same content, or one export for each folder",
-                        first.display()
-                    );
-                    return Err(FileErrors::whole(path, message).into());
-                }
+                None => return Err(different(&path, "differs from", &first).into()),
             },
         });
     }
-    Ok(known)
+    match known.as_ref().zip(without) {
+        Some(((first, _), path)) => Err(different(&path, "is missing, but there is", first).into()),
+        None => Ok(known),
+    }
+}
+
+fn different(path: &Path, how: &str, other: &Path) -> FileErrors {
+    let expected = "and an export has only one such file; expected the same content, or one export for each folder";
+    FileErrors::whole(path, format!("{how} {}, {expected}", other.display()))
 }
 
 /// Joins two files that say the same about their data sets; `None` if they do not. Each description may list columns that

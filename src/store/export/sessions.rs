@@ -11,7 +11,7 @@ use crate::{
     experiment::{columns, name_error},
     store::{
         FileError, FileErrors, StoreError,
-        dataset::{self, DATA_FILE, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
+        dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
         error::io,
         frames,
         recorded::Recorded,
@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
-pub(super) const DESCRIBING: [&str; 8] = [
+pub(super) const DESCRIBING: [&str; 9] = [
     dataset::DESCRIPTION,
     "README.md",
     "CHANGES.md",
@@ -30,6 +30,7 @@ pub(super) const DESCRIBING: [&str; 8] = [
     ".psychdsignore",
     "LICENSE",
     "LICENSE.md",
+    "LICENSE.txt",
     "CITATION.cff",
 ];
 
@@ -84,9 +85,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
-        let name = csv.file_name().unwrap_or_default().to_string_lossy();
-        let stem = name.strip_suffix(DATA_FILE).unwrap_or(&name);
-        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| csv.with_file_name(format!("{stem}{suffix}"))));
+        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| seal::beside(csv, suffix)));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));

@@ -30,7 +30,7 @@ const ANALYSES: [[&str; 2]; 2] = [["cells.csv", "counts.csv"], ["answers.csv", "
 /// paths. What is beside the sessions of a folder and belongs to none is an error, because rows may be missing.
 ///
 /// # Errors
-/// A file or folder does not exist or cannot be read; a folder contains no CSV files.
+/// A file or folder does not exist or cannot be read; a folder contains no tables.
 pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
     let (mut all, mut errors) = (Listed::default(), Vec::new());
     for path in paths {
@@ -38,7 +38,7 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
             Ok(Some(metadata)) if metadata.is_dir() => {
                 let listed = Listed::of(path);
                 if listed.files.is_empty() && listed.errors.is_empty() {
-                    errors.push(FileError::whole(path, "contains no CSV files; expected a folder of result files"));
+                    errors.push(FileError::whole(path, "contains no tables; expected a folder of CSV files"));
                 }
                 all.errors.extend(listed.unexpected(&[]));
                 errors.extend(listed.errors);
@@ -102,7 +102,7 @@ pub fn with_files(mut paths: Vec<PathBuf>) -> Result<Vec<PathBuf>, StoreError> {
 /// What was found in a folder and its subfolders.
 #[derive(Debug, Default)]
 pub struct Listed {
-    /// The data files of all sessions, in natural order of their paths; if there are none, all CSV files.
+    /// The data files of all sessions, in natural order of their paths; if there are none, all tables.
     pub files: Vec<PathBuf>,
     /// The folders that have the description of a data set.
     pub datasets: Vec<PathBuf>,
@@ -198,8 +198,8 @@ impl Listed {
                 self.datasets.push(folder.to_owned());
             }
             // Hidden files belong to other programs; for example, a Mac adds a file `._name.csv` for each file that it
-            // writes to a disk with a foreign file system.
-            if name.to_string_lossy().starts_with('.') {
+            // writes to a disk with a foreign file system, and Excel a file `~$name.xlsx` for each one that is open.
+            if name.to_string_lossy().starts_with(['.', '~']) {
                 let described = match found(&path.join(DESCRIPTION)) {
                     Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => None,
                     described => described?,
@@ -221,7 +221,7 @@ impl Listed {
                     self.errors.push(FileError::whole(&path, message));
                 }
                 Ok(Some(metadata)) if metadata.is_dir() => folders.push(path),
-                Ok(_) if [".csv", ".csv.gz"].iter().any(|suffix| has_suffix(&path, suffix)) => {
+                Ok(_) if [".csv", ".tsv", ".csv.gz", ".xlsx"].iter().any(|suffix| has_suffix(&path, suffix)) => {
                     self.files.push(path);
                 }
                 Ok(_) => {}
@@ -266,7 +266,7 @@ const MAX_HEAD: u64 = 1 << 16;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
-pub(in crate::store) struct Header {
+pub(super) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
     /// The separator: a comma, a semicolon, a tab, or what the first line says.

@@ -1,10 +1,11 @@
 //! Reads ratings from files: machband's own result files and tables of counts, folders of these, or any CSV file in
-//! long format if its columns are specified.
+//! long format if its columns are specified. [`answers`] are read from such files, too.
 //!
 //! Each file is read once, into columns in which equal texts are stored once. What a column means is decided when all rows
 //! are in memory. Practice rows of a result file are excluded, only the last attempt at each trial counts, and the ratings
 //! of an unfinished session count by default. [`Source`] reports all of this.
 
+pub mod answers;
 mod cells;
 mod converted;
 mod files;
@@ -16,11 +17,6 @@ mod trials;
 mod values;
 mod workbook;
 
-pub(super) use files::Header;
 pub use files::{Listed, column_names, files, with_files};
-pub(super) use reader::is_mark;
 pub use reader::{read, read_columns};
-pub(super) use rows::checked;
-pub(super) use selection::has_session_rows;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
-pub(super) use values::is_missing;

@@ -10,9 +10,9 @@ use rayon::{iter::Either, prelude::*};
 
 use super::{
     cells::{AreNumbers, Known, add_rows, texts},
-    files,
+    files::{self, Header},
     rows::{MAX_ROWS, RowError, Rows, Status},
-    selection::{Definitions, Input, RecordColumns, Selection},
+    selection::{Definitions, Input, RecordColumns, Selection, layout},
     source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values, workbook,
@@ -20,7 +20,9 @@ use super::{
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError, dataset,
+        Columns, FileError, FileErrors, StoreError,
+        columns::Texts,
+        dataset,
         error::{RowErrors, io},
         file,
         table::Content,
@@ -75,7 +77,9 @@ pub fn read_columns<T>(
     add: impl FnMut(&mut T, &RatingRow<'_>) -> Result<(), String>,
 ) -> Result<(Source, T), FileErrors> {
     columns.check(name)?;
-    let input = Input::of(name, columns, options);
+    let header = Header::of(columns);
+    let layout = layout(&header, options, false);
+    let input = Input::plain(name.into(), header, layout);
     read_inputs((vec![input], &[PathBuf::from(name)]), Vec::new(), options, new, add)
 }
 
@@ -120,15 +124,12 @@ fn read_inputs<T>(
         if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
             let sha256 = file::sha256(&bytes);
             // A packed file may have the content of another one.
-            let (text, of_text) = match &input.header.converted {
-                Some(converted) => (&converted.bytes, file::sha256(&converted.bytes)),
-                None => (&bytes, sha256.clone()),
+            let of_text = match &input.header.converted {
+                Some(converted) => file::sha256(&converted.bytes),
+                None => sha256.clone(),
             };
             read.sha256 = Some(sha256);
-            if input.layout == Layout::Long && is_doubled(text) {
-                let message = "its second half repeats the first one, as if it had been appended to itself; expected each rating once";
-                notes.push(FileError::whole(&input.name, message));
-            }
+            notes.extend(doubled(input, &bytes));
             let is_repeated = input.layout != Layout::Results;
             if let Some(other) = is_repeated.then(|| contents.insert(of_text, &input.name)).flatten() {
                 let message = format!("has the same content as {other}; expected each rating once");
@@ -170,30 +171,31 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
     let files = texts(tables);
-    let ids = selection.texts(&files, |columns| columns.subject);
-    let mut columns = vec![("IDs", String::new(), "participants", "ID for each participant", ids)];
+    notes.extend(alike(&first.name, None, &selection.texts(&files, |columns| columns.subject)));
     // Levels are those of the definition, if there is one.
     let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
-    columns.extend(factors.filter(|_| selection.protocol.is_none()).map(|(index, name)| {
-        let levels = selection.texts(&files, |columns| columns.factors[index]);
-        ("levels", format!(" of {name}"), "levels", "form of each level", levels)
+    notes.extend(factors.filter(|_| selection.protocol.is_none()).filter_map(|(index, name)| {
+        alike(&first.name, Some(name), &selection.texts(&files, |columns| columns.factors[index]))
     }));
-    for (names, of, different, expected, column) in columns {
-        let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
-        let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
-        if alike.is_empty() {
-            continue;
-        }
-        let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
-        let others = if alike.len() > groups.len() { " and others" } else { "" };
-        let message = format!(
-            "the {names} {}{others}{of} differ only in capitals or in the form of a number, and are different {different}; \
-             expected one {expected}",
-            groups.join("; ")
-        );
-        notes.push(FileError::whole(&first.name, message));
-    }
     notes
+}
+
+/// Says which IDs of participants, or levels of a factor, look alike in a column of all files.
+pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Option<FileError> {
+    let (names, of, different, expected) = match factor {
+        None => ("IDs", String::new(), "participants", "ID for each participant"),
+        Some(name) => ("levels", format!(" of {name}"), "levels", "form of each level"),
+    };
+    let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
+    let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
+    let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
+    let others = if alike.len() > groups.len() { " and others" } else { "" };
+    let message = format!(
+        "the {names} {}{others}{of} differ only in capitals or in the form of a number, and are different {different}; \
+         expected one {expected}",
+        groups.join("; ")
+    );
+    (!groups.is_empty()).then(|| FileError::whole(file, message))
 }
 
 /// Returns a warning for each kind of missing value.
@@ -239,7 +241,7 @@ fn without_time(selection: &Selection, reports: &[FileRead]) -> Option<FileError
 }
 
 /// Says how a file was read if it is not plain text in UTF-8.
-fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
+pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
     let sheet = input.header.converted.as_ref().and_then(|converted| converted.note.clone());
     let foreign = rows.foreign.map(|place| {
         let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
@@ -349,7 +351,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
 }
 
 /// True if a cell of the column `simulated` says that a program answered.
-pub(in crate::store) fn is_mark(text: &str) -> bool {
+pub(super) fn is_mark(text: &str) -> bool {
     text == "1" || text.eq_ignore_ascii_case("true")
 }
 
@@ -414,7 +416,7 @@ fn read_attempts<'a>(
 }
 
 /// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
-fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
+pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
     let other = |status: &Status| match status {
         Status::Repeated(file) => Some(&inputs[*file as usize].name).filter(|name| **name != input.name),
         _ => None,
@@ -443,18 +445,21 @@ fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError
 }
 
 /// Returns the content of a file, unless it is large.
-fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
+pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
     Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
 }
 
-/// Returns whether the second half of the lines below the header repeats the first half.
-fn is_doubled(bytes: &[u8]) -> bool {
+/// Says that the second half of the lines below the header repeats the first half.
+pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
+    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
     let header = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1);
     let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
-    one.ends_with(b"\n") && one == other
+    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
+    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
+    is_doubled.then(|| FileError::whole(&input.name, message))
 }
 
 /// Returns the error that no row counts, with the reasons.

@@ -125,7 +125,8 @@ impl Selection {
         let protocol = inputs.iter().find_map(|file| file.protocol.clone()).map(Arc::unwrap_or_clone);
         // A table from elsewhere may have any scale.
         let is_ours = protocol.is_some() || first.is_results() || !first.in_memory();
-        let own_scale = (is_ours && options.own_scale()).then(|| highest(protocol.as_ref()));
+        let own_scale = (is_ours && options.own_scale())
+            .then(|| protocol.as_ref().map_or(MAX_RATING, |all| all.response.highest()));
         let shape = shape(&inputs, (first, own_scale), protocol.as_ref(), options);
         let experiment = inputs.iter().find_map(|file| file.experiment().map(str::to_owned));
         let definition_sha256 = inputs.iter().find_map(|file| Some(file.sidecar.as_ref()?.definition_sha256.clone()));
@@ -196,17 +197,8 @@ impl Columns {
     pub fn texts(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        all.extend(
-            (self
-                .factors
-                .iter()
-                .copied()
-                .chain(self.count)
-                .chain(self.session)
-                .chain(self.repetition)
-                .chain(self.order))
-            .chain(self.simulated),
-        );
+        let single = [self.count, self.session, self.repetition, self.order, self.simulated];
+        all.extend(self.factors.iter().copied().chain(single.into_iter().flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial, own.attempt]);
             all.extend(own.experiment.into_iter().chain(own.dropped));
@@ -284,18 +276,16 @@ impl Input {
             }
         }
         let sidecar = sidecar.map(Arc::new);
-        let (name, columns, kind) = (path.display().to_string(), Columns::default(), String::new());
-        let path = path.to_owned();
-        Ok((Self { path, name, header, layout, columns, has_sidecar, sidecar, protocol, changed, kind }, errors))
+        let plain = Self::plain(path.to_owned(), header, layout);
+        Ok((Self { has_sidecar, sidecar, protocol, changed, ..plain }, errors))
     }
 
-    /// Inspects a table in memory.
-    pub fn of(name: &str, columns: crate::store::Columns, options: &ReadOptions) -> Self {
-        let header = Header::of(columns);
+    /// Describes a table without a sidecar.
+    pub fn plain(path: PathBuf, header: Header, layout: Layout) -> Self {
         Self {
-            path: PathBuf::from(name),
-            name: name.to_owned(),
-            layout: layout(&header, options, false),
+            name: path.display().to_string(),
+            path,
+            layout,
             header,
             columns: Columns::default(),
             has_sidecar: false,
@@ -324,6 +314,28 @@ impl Input {
     /// True for a table in memory.
     pub fn in_memory(&self) -> bool {
         self.header.columns.is_some()
+    }
+
+    /// Returns the index of a column.
+    ///
+    /// # Errors
+    /// It is missing or appears twice.
+    pub fn place(&self, name: &str) -> Result<usize, FileError> {
+        let header = &self.header;
+        let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
+        match places[..] {
+            [] => {
+                let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
+                let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
+                let sheet = sheet.map_or_else(String::new, |note| format!(" ({note})"));
+                let expected = expected_one_of(name, &known);
+                Err(self.error(1, format!("the column {name} is missing; {expected}{sheet}")))
+            }
+            [place] => Ok(place),
+            [_, second, ..] => {
+                Err(self.error(header.column(second), format!("the column {name} appears twice; expected it once")))
+            }
+        }
     }
 
     /// Creates an error in the header.
@@ -374,13 +386,13 @@ impl Input {
 }
 
 /// True if a table has the columns of a session's file.
-pub(in crate::store) fn has_session_rows(header: &Header) -> bool {
+pub(super) fn has_session_rows(header: &Header) -> bool {
     KEYS.into_iter().chain([SUBJECT]).all(|name| header.position(name).is_some())
 }
 
 /// Determines the layout of a file with this header. A file that lacks only one column of a result file is still
 /// treated as a result file if it has a sidecar or a `row_id` column, or if the options give no other way to read it.
-fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
+pub(super) fn layout(header: &Header, options: &ReadOptions, sidecar: bool) -> Layout {
     let has = |name: &str| header.position(name).is_some();
     if options.count.as_deref().is_some_and(has) {
         return Layout::Counts;
@@ -549,11 +561,6 @@ fn shape(
     }
 }
 
-/// Returns the highest rating of an experiment; of our own scale if it is not known.
-fn highest(protocol: Option<&Protocol>) -> u8 {
-    protocol.map_or(MAX_RATING, |protocol| protocol.response.highest())
-}
-
 /// Returns the indices of the columns in a file.
 ///
 /// # Errors
@@ -562,20 +569,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
     let header = &file.header;
     let mut errors = Vec::new();
     let mut needed = |name: &str| {
-        let known: Vec<&str> = header.names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
-        let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
-        match places[..] {
-            [] => {
-                let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
-                let sheet = sheet.map_or_else(String::new, |note| format!(" ({note})"));
-                let expected = expected_one_of(name, &known);
-                errors.push(file.error(1, format!("the column {name} is missing; {expected}{sheet}")));
-            }
-            [_] => {}
-            [_, second, ..] => errors
-                .push(file.error(header.column(second), format!("the column {name} appears twice; expected it once"))),
-        }
-        places.first().copied().unwrap_or(0)
+        file.place(name).unwrap_or_else(|error| {
+            errors.push(error);
+            0
+        })
     };
     let is_results = file.is_results();
     let details = options.details && file.layout != Layout::Counts;

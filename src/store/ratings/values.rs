@@ -16,7 +16,7 @@ const MAX_UNIQUE: usize = 20;
 
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
-pub(in crate::store) fn is_missing(text: &str, among_numbers: bool) -> bool {
+pub(super) fn is_missing(text: &str, among_numbers: bool) -> bool {
     matches!(text, "" | "NA" | "NaN" | "nan" | "NULL" | "#N/A" | "N/A" | "n/a")
         || (among_numbers && matches!(text, "." | "None" | "null"))
 }
@@ -53,8 +53,8 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
-    // Larger whole numbers may be rounded, so that different ones would look the same.
-    if let Some(number) = number(id).filter(|number| number.abs() < 1e15) {
+    // A number with more digits would be rounded.
+    if let Some(number) = number(id).filter(|_| id.len() <= 15) {
         return (number + 0.0).to_string();
     }
     let mut form = String::new();

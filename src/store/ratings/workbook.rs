@@ -1,14 +1,17 @@
 //! Excel workbooks (`.xlsx`).
 
-use std::{collections::BTreeSet, io::Cursor, ops::Range};
+use std::{io::Cursor, ops::Range};
 
-use calamine::{Data, Reader as _, Xlsx};
+use calamine::{Data, DataRef, Reader as _, Xlsx};
 use zip::ZipArchive;
 
 use crate::store::{
     open::{MAX_UNPACKED, unpacked},
     table::line,
 };
+
+/// Number of columns of a sheet in Excel.
+const MAX_COLUMNS: u32 = 16_384;
 
 /// The rows of a sheet as CSV, and what a user should know about how it was read.
 type Sheet = (Vec<u8>, Option<String>);
@@ -31,12 +34,13 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
     let names = workbook.sheet_names();
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
-    let formulas = workbook.worksheet_formula(name).map_err(|error| unreadable(&error))?;
-    let (first_row, first_column) = formulas.start().unwrap_or_default();
-    let place = |(row, column, _): (usize, usize, &String)| (first_row + row as u32, first_column + column as u32);
-    let mut without_value: BTreeSet<(u32, u32)> = formulas.used_cells().map(place).collect();
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
+    let (mut characters, mut without_value) = (0, Vec::new());
+    let limited = |size: usize| match size as u64 > MAX_UNPACKED {
+        true => Err(format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer")),
+        false => Ok(()),
+    };
     let mut end_row = |row: &mut Vec<String>| {
         width = if width == 0 { row.len() } else { width };
         if row.is_empty() {
@@ -45,18 +49,22 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
             row.resize(row.len().max(width), String::new());
             bytes.extend(line(row.drain(..)));
         }
-        let too_large = || format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer");
-        if bytes.len() as u64 > MAX_UNPACKED { Err(too_large()) } else { Ok(()) }
+        limited(bytes.len())
     };
-    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
-        let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
+    // The formulas are not asked for as a range, which has a place for every cell between the first and the last one.
+    while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(|error| unreadable(&error))? {
+        let ((found, column), text) = (cell.pos, text(&cell.value.clone().into()));
         if text.is_empty() {
+            // The value of a formula may be an empty text.
+            without_value.extend((cell.formula.is_some() && cell.value == DataRef::Empty).then_some(cell.pos));
             continue;
         }
-        without_value.remove(&(found, column));
-        if found < at || found == at && (column as usize) < row.len() {
-            return Err(unreadable(&"its cells are not in order"));
+        if found < at || found == at && (column as usize) < row.len() || column >= MAX_COLUMNS {
+            return Err(unreadable(&"its cells are not in order, or one has no place in a sheet"));
         }
+        // Many cells can share one long text.
+        characters += text.len();
+        limited(characters)?;
         (at..found).try_for_each(|_| end_row(&mut row))?;
         at = found;
         row.resize(column as usize, String::new());
@@ -117,6 +125,9 @@ fn text(cell: &Data) -> String {
 fn check_size(file: &[u8]) -> Result<(), String> {
     let broken = |error| format!("cannot be unpacked: {error}; expected an Excel workbook (.xlsx), or CSV");
     let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    if archive.index_for_name("mimetype").is_some() {
+        return Err("is an OpenDocument file; expected an Excel workbook (.xlsx), or CSV: save it as one".to_owned());
+    }
     let mut left = MAX_UNPACKED;
     for index in 0..archive.len() {
         left -= unpacked(archive.by_index(index).map_err(broken)?, left)?.len() as u64;

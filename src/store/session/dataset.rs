@@ -185,7 +185,7 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 }
 
 /// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
-/// frames without rows, and files with other names, such as the conflicted copies of a cloud service.
+/// frames without rows, and files with other names, such as packed files and the conflicted copies of a cloud service.
 /// A folder that exists but cannot be read is an error too.
 #[must_use]
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
@@ -197,7 +197,8 @@ pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let files: BTreeSet<PathBuf> = listed.into_iter().collect();
     let error = |path: &PathBuf| {
         let name = path.file_name()?.to_string_lossy().into_owned();
-        let is_text = [".csv", ".json"].iter().any(|extension| name.to_ascii_lowercase().ends_with(extension));
+        let unpacked = name.to_ascii_lowercase().trim_end_matches(".gz").to_owned();
+        let is_text = [".csv", ".json"].iter().any(|extension| unpacked.ends_with(extension));
         if name.starts_with('.') || !is_text {
             return None;
         }

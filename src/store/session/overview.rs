@@ -51,7 +51,7 @@ impl SessionState {
     /// # Errors
     /// The sidecar cannot be read.
     pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
-        let (path, sidecar, protocol) = self.protocol()?;
+        let (path, sidecar, protocol) = described(&self.csv)?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
@@ -61,19 +61,13 @@ impl SessionState {
         Ok((protocol, distance_cm))
     }
 
-    fn protocol(&self) -> Result<(PathBuf, Sidecar, Protocol), StoreError> {
-        let (path, sidecar) = Sidecar::of(&self.csv)?;
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
-        Ok((path, sidecar, protocol))
-    }
-
     /// Removes the files of a session in which nothing was rated. What the participant answered stays in the table of
     /// participants.
     ///
     /// # Errors
     /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
-        let (_, sidecar, protocol) = self.protocol()?;
+        let (_, sidecar, protocol) = described(&self.csv)?;
         let refuse = |what: &str| Err(StoreError::Protected { path: self.csv.clone(), what: what.to_owned() });
         if lock::is_held(&self.csv)? {
             return Err(StoreError::InUse(self.csv.clone()));
@@ -102,8 +96,7 @@ impl SessionState {
 
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
-        let (path, sidecar) = Sidecar::of(&csv)?;
-        let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+        let (_, sidecar, protocol) = described(&csv)?;
         let planned = protocol.main_trials() + protocol.design.practice as usize;
         // A complete session was rated to the end, so its rows need not be read unless some are missing.
         let complete = sidecar.is_complete();
@@ -135,6 +128,13 @@ impl SessionState {
             answers,
         })
     }
+}
+
+/// Returns the sidecar of a session, with its path, and the definition in it.
+fn described(csv: &Path) -> Result<(PathBuf, Sidecar, Protocol), StoreError> {
+    let (path, sidecar) = Sidecar::of(csv)?;
+    let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
+    Ok((path, sidecar, protocol))
 }
 
 /// The sessions in a results folder.

@@ -147,7 +147,7 @@ impl Hashes {
 }
 
 /// Returns the path of another file of the same session.
-fn beside(csv: &Path, suffix: &str) -> PathBuf {
+pub(in crate::store) fn beside(csv: &Path, suffix: &str) -> PathBuf {
     let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
     csv.with_file_name(format!("{}{suffix}", name.strip_suffix(DATA_FILE).unwrap_or(&name)))
 }
