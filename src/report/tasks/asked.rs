@@ -77,7 +77,7 @@ impl Asked {
     #[must_use]
     pub fn axis(&self, name: &str, log: bool) -> String {
         match log {
-            true => format!("{} (decadic logarithm)", names::heading(self.known(), name)),
+            true => format!("{} (base-10 logarithm)", names::heading(self.known(), name)),
             false => names::axis(self.known(), name),
         }
     }
