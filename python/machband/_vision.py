@@ -83,7 +83,7 @@ def predict(
 
     Notes
     -----
-    ``docs/models.md`` of the project describes the model and what it was held against.
+    ``docs/models.md`` of the project describes the model and the data with which it was compared.
 
     Examples
     --------
@@ -119,7 +119,7 @@ class Comparison:
     light
         What the codes of the pictures mean, and where that is said.
     mean_ratio
-        Mean luminance of the picture over that of the reference, which is no part of the difference; a warning says if
+        Mean luminance of the picture over that of the reference, which is not part of the difference; a warning says if
         it is far from 1.
     color_ignored
         True, with a warning, if the pictures differ in color at equal luminance, which is not judged; `None`, with a
