@@ -58,7 +58,7 @@ pub struct Person {
     /// The standard deviation of t_i given the same.
     pub se: f64,
     /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
-    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is no estimate of
+    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is not an estimate of
     /// the person's threshold where people have unequal numbers of trials.
     pub contribution: f64,
 }
