@@ -260,11 +260,11 @@ def analyze(
     seed
         Seed of the simulated studies.
     correct
-        Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
+        Column with the number of correct answers, or of yes answers; 1 or 0 if each row is one trial.
     total
         Column with the number of trials [default: each row is one trial].
     guess
-        Probability of a right answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes
+        Probability of a correct answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes
         answers.
     function
         Shape of the psychometric function [default: normal].

@@ -1,4 +1,4 @@
-//! Reads answers at levels from a table of any program: level, number of right answers, number of trials.
+//! Reads answers at levels from a table of any program: level, number of correct answers, number of trials.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ use crate::{experiment::SIMULATED, text::names::expected_one_of};
 pub struct AnswerColumns {
     /// The level.
     pub level: String,
-    /// The number of right answers, or of yes answers.
+    /// The number of correct answers, or of yes answers.
     pub correct: String,
     /// The number of trials; without it, each row is one trial.
     pub total: Option<String>,
@@ -197,12 +197,12 @@ impl Places {
             Some(text(cell)).filter(|name| !name.is_empty()).ok_or_else(|| wrong(cell, expected))
         };
         let (total, expected) = match self.total {
-            Some(cell) => (count(cell, "a number of trials")?, "a number of right answers"),
-            None => (1, "1 for a right answer, or 0"),
+            Some(cell) => (count(cell, "a number of trials")?, "a number of correct answers"),
+            None => (1, "1 for a correct answer, or 0"),
         };
         let correct = count(self.correct, expected)?;
         if correct > total {
-            let expected = if self.total.is_some() { "no more right answers than trials" } else { expected };
+            let expected = if self.total.is_some() { "no more correct answers than trials" } else { expected };
             return Err(wrong(self.correct, expected));
         }
         let level = point(self.level).parse().ok().filter(|level: &f64| level.is_finite());

@@ -74,13 +74,13 @@ pub struct AnswersAtLevels {
     /// Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     #[arg(long, value_name = "COL", requires_all = ["correct", "guess"])]
     pub level: Option<String>,
-    /// Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
+    /// Column with the number of correct answers, or of yes answers; 1 or 0 if each row is one trial.
     #[arg(long, value_name = "COL", requires = "level")]
     pub correct: Option<String>,
     /// Column with the number of trials [default: each row is one trial].
     #[arg(long, value_name = "COL", requires = "level")]
     pub total: Option<String>,
-    /// Probability of a right answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes answers.
+    /// Probability of a correct answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes answers.
     #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<GuessRate>,
     /// Shape of the psychometric function [default: normal].
@@ -94,7 +94,7 @@ pub struct AnswersAtLevels {
     pub log: bool,
 }
 
-/// The probability of a right answer by guessing.
+/// The probability of a correct answer by guessing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuessRate(Guess);
 

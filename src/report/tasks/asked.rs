@@ -31,7 +31,7 @@ pub struct Asked {
     pub levels: Option<Levels>,
     /// The value that participants set.
     pub dial: Option<Dial>,
-    /// The probability of a right answer without seeing anything.
+    /// The probability of a correct answer without seeing anything.
     pub guess: Option<f64>,
     /// The definition; `None` for a table.
     pub protocol: Option<Protocol>,
