@@ -117,7 +117,7 @@ class Comparison:
     places
         Up to ten places where it is most visible, the most visible first.
     light
-        What the codes of the pictures mean, and where that is said.
+        What the codes of the pictures mean, and what says so.
     mean_ratio
         Mean luminance of the picture over that of the reference, which is not part of the difference; a warning says if
         it is far from 1.
@@ -211,7 +211,7 @@ class Steps:
     dithered
         The same with blue-noise dither, whose grain is a visible difference too.
     light
-        What the codes of the picture mean, and where that is said.
+        What the codes of the picture mean, and what says so.
     picture
         The dithered picture, shape (height, width, 3), uint8. A picture of 8 bits is smoothed first.
     """

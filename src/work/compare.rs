@@ -103,7 +103,7 @@ pub struct Compared {
     /// True if the pictures differ in color at equal luminance, which is not judged; `None` if their primaries differ, so
     /// that nothing is known about it.
     pub color_ignored: Option<bool>,
-    /// What the codes mean, and where that is said.
+    /// What the codes mean, and what says so.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
     #[serde(skip)]
@@ -127,7 +127,7 @@ pub struct Steps {
     pub window_deg: f64,
     pub white_cd_m2: f64,
     pub black_cd_m2: f64,
-    /// What the codes mean, and where that is said.
+    /// What the codes mean, and what says so.
     pub light: String,
     /// The number of bits of the codes that are judged.
     pub bits: u32,

@@ -1,5 +1,5 @@
 //! The text of a preregistration, from a definition and a plan: what will be measured, how many people, how it will be
-//! analyzed, and what each result would mean. What only its author knows stands in square brackets.
+//! analyzed, and what each result would mean. What only its author knows is in square brackets.
 
 use std::fmt::Write;
 

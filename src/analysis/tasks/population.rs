@@ -31,7 +31,7 @@ pub struct Population {
     /// μ, the mean threshold, on the scale of x.
     pub mean: f64,
     /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people; `None` if all people's
-    /// functions rise between the same two levels, so that no answers tell where in between.
+    /// functions rise between the same two levels, so that no answers show where in between.
     pub interval: Option<Interval>,
     /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
     pub sd: f64,
