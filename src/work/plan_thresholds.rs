@@ -7,7 +7,7 @@ use super::{
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
-    report::{names, tasks::task},
+    report::{names, study::shell_command, tasks::task},
     stimulus::Stimulus,
     store::definition,
     text::{Cell, Column, Table, names::expected_one_of},
@@ -60,15 +60,17 @@ impl Plan {
             return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
         }
         if !protocol.task.is_default() {
+            let name = &protocol.name;
+            let mut simulate = vec!["simulate".to_owned(), self.experiment.display().to_string()];
+            // The model of vision does not say what people see in pictures.
+            let observer = matches!(protocol.stimulus, Stimulus::Image(_)).then_some(["--observer", "random"]);
+            simulate.extend(observer.into_iter().flatten().chain(["--participants", "8"]).map(str::to_owned));
             let message = format!(
                 "{name} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
                  expected a rating on a scale of categories, or a task with [adaptive]. To see the intervals that simulated \
-                 people give, run machband simulate {}{} --participants 8 and machband analyze results/{name} --out analysis",
+                 people give, run {} and machband analyze results/{name} --out analysis",
                 task(&protocol.task),
-                self.experiment.display(),
-                // The model of vision does not say what people see in pictures.
-                if matches!(protocol.stimulus, Stimulus::Image(_)) { " --observer random" } else { "" },
-                name = protocol.name
+                shell_command(simulate),
             );
             return Err(RequestError::whole(message).into());
         }

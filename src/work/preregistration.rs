@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Resampling, Slopes,
+        FEW_FOR_LIKELIHOOD_RATIOS, LEAST_FOR_SIGNS, Resampling, Slopes,
         power::{Effect, Hypothesis, Power, Precision, Quantity, Sampling, Test},
         tasks::psychometric::Model,
     },
@@ -197,9 +197,9 @@ impl Planned {
              the level {}{}. With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p comes from a parametric bootstrap with up to \
              {} simulated studies.{} The p values of different terms are not corrected for their number. Levels of a factor are \
              compared in the same model, corrected with Holm’s method.\n\n\
-             Interactions of two factors that are not in the model are tested with score tests or, with fewer than six participants, \
-             with likelihood ratios in simulated studies; p is corrected for their number. If p of one is below {}, the effect of one \
-             factor is described at each level of the other, and no main effect is described alone. \
+             Interactions of two factors that are not in the model are tested from its residuals (with fewer than \
+             {LEAST_FOR_SIGNS} participants, by likelihood ratios in simulated studies), corrected for their number. If p of one \
+             is below {}, the effect of one factor is described at each level of the other, and no main effect is described alone. \
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
              analysis. Everything else is exploratory and will be called so.{}",
             if is_one { "" } else { "mixed " },

@@ -118,7 +118,8 @@ fn people_who_cross_are_few_people() {
     assert!(model.model.random.as_ref().is_some_and(|random| random.slopes.len() == 1), "{:?}", model.model.random);
     assert!(model.terms[0].p.is_some_and(|p| p > 0.05), "{:?}", model.terms);
     let Summary { cautions, .. } = said(&results);
-    let expected = "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others one level each: was this the design?";
+    let expected =
+        "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others at most one: was this the design?";
     assert!(cautions.iter().any(|text| text == expected), "{cautions:?}");
     assert!(!page(&source(&["c"]), &results).contains("Each participant rated only one level"));
 }
@@ -261,7 +262,7 @@ fn missing_levels_and_two_categories_have_sections_of_their_own() {
     }
     let html = page(&source(&["a", "b"]), &results);
     assert!(html.contains("they have 40 to 48 ratings each."), "{html}");
-    assert!(html.contains("48 ratings have no level of some factor, and belong to none of them."), "{html}");
+    assert!(html.contains("48 ratings lack a level of a factor and belong to no condition."), "{html}");
     assert!(!html.contains("Is one coefficient per effect enough?") && html.contains("Does each term matter?"));
 }
 

@@ -230,11 +230,13 @@ impl MeasuredBuilder {
                 // Which form of a number came first must not matter.
                 let (names, category_of) = levels::rank(&ratings);
                 let plain = levels::numbers_of(&names);
-                (plain.map_or(names, |numbers| numbers.iter().map(f64::to_string).collect()), category_of)
+                (
+                    plain.map_or(names, |numbers| numbers.iter().map(|number| (number + 0.0).to_string()).collect()),
+                    category_of,
+                )
             }
         };
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
-        // Two spellings of a level, such as 0.4 and 0.40, are two cells here but one condition.
         let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
         let mut sessions: Vec<(&Box<str>, u32)> = self.sessions.iter().map(|(name, number)| (name, *number)).collect();
         sessions.sort_by(|l, r| levels::compare_mixed(l.0, r.0));

@@ -10,7 +10,7 @@ use super::{
     design::{Column, Design, Standard, check_size},
     link::Link,
     model::{ModelError, ModelSpec, Note, Random, Slopes},
-    random::{Loadings, RandomPart, is_within, within_part},
+    random::{Loadings, RandomPart, within_part},
     search::{self, MixedFit, MixedFitEnd, Task},
     terms::{Term, Variable},
 };
@@ -316,11 +316,11 @@ impl Fitted<'_> {
         self.mixed.as_ref().map_or(self.clm.loglik, |mixed| mixed.loglik)
     }
 
-    /// Returns whether a variable of a term does not vary within participants.
+    /// Returns whether a variable of a term does not vary within most participants.
     pub fn is_between(&self, term: &Term) -> bool {
-        let between = |variable: &Variable| {
-            find_factor(self.frame.counts, variable).is_ok_and(|(factor, _)| !is_within(&self.frame, factor))
-        };
+        let counts = self.frame.counts;
+        let between =
+            |variable: &Variable| find_factor(counts, variable).is_ok_and(|(factor, _)| !counts.is_within(factor));
         term.variables.iter().any(between)
     }
 
@@ -372,6 +372,9 @@ impl Fitted<'_> {
         let Ok(part) = within_part(&self.frame, term) else { return false };
         let [variable] = &part.variables[..] else { return false };
         let Ok((factor, _)) = find_factor(self.frame.counts, variable) else { return false };
+        if !self.frame.counts.is_within(factor) {
+            return false;
+        }
         let has_slope = self.random.components.iter().any(|slope| slope.term == part);
         let mut ratings = HashMap::new();
         let mut are_twice = self.frame.rows.iter().map(|row| {

@@ -28,7 +28,7 @@ use super::{
 use crate::{analysis::frame::find_factor, statistics::holm};
 
 /// With five participants, no p could be below 1/16.
-pub(super) const LEAST_FOR_SIGNS: usize = 6;
+pub const LEAST_FOR_SIGNS: usize = 6;
 /// Up to this number of participants, all signs are enumerated.
 const MAX_ENUMERATED: usize = 14;
 /// Number of random signs of more participants.

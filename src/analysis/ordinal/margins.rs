@@ -14,7 +14,6 @@ use super::{
     likelihood_ratios::Withheld,
     model::Model,
     profile::{Quantity, chi_squared_limit, ratio_at_zero},
-    random::is_within,
     terms::{Term, TermPart, Variable},
 };
 use crate::{
@@ -111,7 +110,7 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
         // A number has one slope, whatever the number of its values.
         let is_factor = |term: &Term| term.variables.contains(&Variable::Factor(description.name.clone()));
         let own = if fitted.spec.terms.iter().any(is_factor) { levels.len() - 1 } else { 1 };
-        let between = usize::from(!is_within(&fitted.frame, factor)) * own;
+        let between = usize::from(!fitted.frame.counts.is_within(factor)) * own;
         let reach = reach(fitted, 1 + between);
         for (level, x) in levels {
             let (mean, gradient) = expected(model, &x, &values);

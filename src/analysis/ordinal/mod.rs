@@ -38,7 +38,7 @@ pub use calibration::{
 };
 pub use checks::{Checks, Influence, Proportion};
 pub use estimates::{Prediction, fit};
-pub use interactions::Interaction;
+pub use interactions::{Interaction, LEAST_FOR_SIGNS};
 pub use likelihood_ratios::{TermTest, Withheld};
 pub use link::Link;
 pub use margins::{Comparison, Margin};

@@ -275,7 +275,7 @@ pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError
 }
 
 /// Returns whether any participant rated at least two levels of a factor.
-pub(super) fn is_within(frame: &Frame, factor: usize) -> bool {
+fn is_within(frame: &Frame, factor: usize) -> bool {
     crossing(frame.counts, &frame.rows, factor).next().is_some()
 }
 

@@ -213,8 +213,8 @@ impl ThresholdPlan {
             let all: Option<Vec<&Population>> =
                 conditions.iter().zip(&populations).filter(has).map(|(_, population)| population.as_ref()).collect();
             // Without an interval, the contributions say nothing about how people differ.
-            let all = all.filter(|all| all.iter().all(|population| population.interval.is_some()));
-            let all = all.filter(|all| !all.is_empty())?;
+            let has_intervals = |all: &Vec<&Population>| all.iter().all(|population| population.interval.is_some());
+            let all = all.filter(|all| !all.is_empty() && has_intervals(all))?;
             let mean =
                 |person: usize| all.iter().map(|of| of.people[person].contribution).sum::<f64>() / all.len() as f64;
             Some((0..people as usize).map(mean).collect())

@@ -30,7 +30,11 @@ impl Files {
 
     /// Returns an error that says so.
     pub fn changed(&self) -> StoreError {
-        let path = self.asked.ratings.paths.first().cloned().unwrap_or_default();
+        let now = seen(&self.asked);
+        let (before, now) = (self.seen.iter().flatten(), now.iter().flatten());
+        let differing = before.zip(now).find(|(before, now)| before != now);
+        let named = self.asked.ratings.paths.first();
+        let path = differing.map(|((before, _), (now, _))| before.min(now)).or(named).cloned().unwrap_or_default();
         let what = "has changed since it was read, so it is read again; look at the new results, then export them";
         StoreError::Protected { path, what: what.to_owned() }
     }

@@ -204,7 +204,8 @@ impl Analysis {
     /// Reads the open files again if they have changed while another page or window was in use.
     fn look(&mut self, ctx: &egui::Context) {
         self.returns |= ctx.input(|input| input.events.contains(&egui::Event::WindowFocused(true)));
-        let is_open = self.open.is_some() || self.task.is_some();
+        // A form that is being filled in must stay.
+        let is_open = (self.open.is_some() || self.task.is_some()) && self.columns.is_none();
         let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
         if self.looking.is_none() && std::mem::take(&mut self.returns) {
             let files = files.clone();

@@ -79,7 +79,7 @@ impl Preflight {
         let now = ui.input(|input| input.time);
         let elapsed = now - *self.since.get_or_insert(now);
         let texts = self.request.protocol.participant_texts().map(|(_, text)| text);
-        let missing = self.fonts.find(ui.ctx(), texts).map(findings::fonts);
+        let missing = self.fonts.find(ui.ctx(), texts).map(|missing| findings::fonts(&missing));
         if missing.is_none()
             || elapsed < SETTLE_S + MEASURE_S
             || (self.frames.intervals_us().len() < MEASURE_FRAMES && elapsed < SETTLE_S + 5.0 * MEASURE_S)

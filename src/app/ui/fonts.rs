@@ -10,43 +10,39 @@ use eframe::egui::{
 use super::work::{BackgroundTask, Progress};
 use crate::system::fonts::{self, SystemFont};
 
-/// Fonts, and the characters that no font has.
-type Found = (Vec<SystemFont>, BTreeSet<char>);
-
 /// The fonts for the texts of a page. They are looked for on another thread, and only if a character needs them.
 #[derive(Default)]
 pub struct TextFonts {
     /// The characters that are looked for.
-    search: Option<(BTreeSet<char>, BackgroundTask<Found>)>,
-    /// The characters that no font has.
-    missing: BTreeSet<char>,
+    search: Option<(BTreeSet<char>, BackgroundTask<Vec<SystemFont>>)>,
+    /// The characters that were looked for. No font has those of them that are still lacking.
+    searched: BTreeSet<char>,
 }
 
 impl TextFonts {
     /// Looks for the fonts for these texts; returns the characters that no font has, once that is known.
-    pub fn find<'t>(&mut self, ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> Option<&BTreeSet<char>> {
-        match self.search.take().map(|(wanted, task)| (task.poll(), wanted, task)) {
-            None => {}
-            Some((Progress::Running, wanted, task)) => {
-                self.search = Some((wanted, task));
-                return None;
+    pub fn find<'t>(&mut self, ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> Option<BTreeSet<char>> {
+        if let Some((wanted, task)) = self.search.take() {
+            match task.poll() {
+                Progress::Running => {
+                    self.search = Some((wanted, task));
+                    return None;
+                }
+                Progress::Done(fonts) => fonts.into_iter().for_each(|font| install(ctx, font)),
+                Progress::Lost => {}
             }
-            Some((Progress::Done((fonts, missing)), ..)) => {
-                fonts.into_iter().for_each(|font| install(ctx, font));
-                self.missing.extend(missing);
-                // The new fonts are in use from the next frame on.
-                ctx.request_repaint();
-                return None;
-            }
-            Some((Progress::Lost, wanted, _)) => self.missing.extend(wanted),
+            self.searched.extend(wanted);
+            // The new fonts are in use from the next frame on.
+            ctx.request_repaint();
+            return None;
         }
-        let mut wanted = lacking(ctx, texts);
-        wanted.retain(|c| !self.missing.contains(c));
+        let lacking = lacking(ctx, texts);
+        let wanted: BTreeSet<char> = lacking.difference(&self.searched).copied().collect();
         if wanted.is_empty() {
-            return Some(&self.missing);
+            return Some(lacking);
         }
         let characters = wanted.clone();
-        self.search = Some((wanted, BackgroundTask::start(ctx, move || fonts::covering(&characters))));
+        self.search = Some((wanted, BackgroundTask::start(ctx, move || fonts::covering(&characters).0)));
         None
     }
 }

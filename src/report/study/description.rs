@@ -148,9 +148,9 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
         section.text(format!("There are ratings for {}{of}; {each}.", count(found, "condition")));
     }
     if outside > 0 {
-        let have = if outside == 1 { "has" } else { "have" };
-        section
-            .text(format!("{} {have} no level of some factor, and belong to none of them.", count(outside, "rating")));
+        let lack =
+            if outside == 1 { "lacks a level of a factor and belongs" } else { "lack a level of a factor and belong" };
+        section.text(format!("{} {lack} to no condition.", count(outside, "rating")));
     }
     if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
         && least < most

@@ -731,15 +731,18 @@ fn simple_effects(
         ),
         (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
-    let raw = if strata.iter().all(is_raw) {
-        String::new()
-    } else {
+    let at_which = match strata.iter().filter(|stratum| is_raw(stratum)).count() {
+        raw if raw == strata.len() => None,
+        0 => Some("each level"),
+        _ => Some("some levels"),
+    };
+    let raw = at_which.map_or_else(String::new, |at_which| {
         let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
         format!(
-            " The raw means by {of} at each level of {at} are not comparable: not everyone rated all levels in the same \
+            " The raw means by {of} at {at_which} of {at} are not comparable: not everyone rated all levels in the same \
              conditions."
         )
-    };
+    });
     let text = names::capitalized(&parts.join("; "));
     format!(" {text}{of_all}.{raw}{test}")
 }

@@ -291,7 +291,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         if population.interval.is_none() {
             section.warning(format!(
                 "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their \
-                 thresholds are the same.",
+                 thresholds are the same. It is not compared with others.",
                 study.at(*condition)
             ));
         }

@@ -76,7 +76,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         (
             "threshold",
             "",
-            "Level with F = 1/2; empty if the most probable one lies outside the interval, and with all that follows if no function describes the answers.",
+            "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the values up to `lapse`, if no function describes the answers.",
         ),
         ("threshold_low", "", "Lower end of its 95 % interval."),
         ("threshold_high", "", "Upper end of its 95 % interval."),

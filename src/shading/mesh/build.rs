@@ -103,18 +103,20 @@ impl Polygons {
         self.of_polygons.push(coat);
     }
 
-    /// Makes polygons flat that were given no normal.
-    pub fn flatten(&mut self, positions: &[DVec3]) {
+    /// Makes polygons flat that were given no normal; returns whether there are any.
+    pub fn flatten(&mut self, positions: &[DVec3]) -> bool {
         self.normals.resize(self.sites.len(), None);
-        let mut start = 0;
+        let (mut start, mut are_any) = (0, false);
         for end in &self.ends {
             let (sites, normals) = (&self.sites[start..*end], &mut self.normals[start..*end]);
             if normals.iter().all(Option::is_none) {
                 let corners: Vec<DVec3> = sites.iter().map(|site| positions[*site as usize]).collect();
                 normals.fill(normals::newell(&corners).try_normalize());
+                are_any = true;
             }
             start = *end;
         }
+        are_any
     }
 
     /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.

@@ -13,7 +13,7 @@ const SAME: f64 = 1e-3;
 
 /// The ends of an edge are joined if it is no longer than this share of the longest edges at both: it is there by rounding
 /// alone, as at the pole of a sphere. A small part of a mesh has no longer edges.
-const SHORT: f64 = 1e-4;
+const SHORT: f64 = 1e-6;
 
 /// Open edges whose ends differ by no more than this share are reported.
 const NEAR: f64 = 0.05;

@@ -83,13 +83,16 @@ impl Faces {
         // The faces between vertices that were joined have no area.
         self.is_degenerate |= seams.joined > 0;
         let [reversed, turned, opposed] = self.polygons.unify_winding(&self.positions);
-        if self.is_flat {
-            // Not before the winding is right, which decides to which side they face.
-            self.polygons.flatten(&self.positions);
+        let has_all_normals = self.polygons.has_all_normals();
+        // Not before the winding is right, which decides to which side they face.
+        if self.is_flat && self.polygons.flatten(&self.positions) {
+            let note = "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth";
+            self.notes.push(note.to_owned());
         }
         let has_normals = self.polygons.has_normals();
         if crease_deg != 180.0 && self.polygons.has_all_normals() {
-            self.notes.push("the crease angle has no effect, because every corner has a normal".to_owned());
+            let because = if has_all_normals { "every corner has a normal" } else { "faces without normals are flat" };
+            self.notes.push(format!("the crease angle has no effect, because {because}"));
         }
         let mesh = Mesh::from_polygons(&self.positions, &self.polygons, crease_deg).map_err(|error| {
             let message = match error {

@@ -414,10 +414,6 @@ impl Reader<'_> {
             for (vertex, normal) in vertices.iter_mut().zip(normals) {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
             }
-        } else if self.faces.is_flat {
-            self.notes.insert(
-                "faces without normals are flat, as the specification of glTF says; averaged normals would make them smooth",
-            );
         }
         self.paint(primitive, linear, &mut vertices)?;
         let coat = self.coat(&primitive.material())?;

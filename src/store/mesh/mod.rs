@@ -2,14 +2,14 @@
 //!
 //! **Vertices at the same position are merged.** Many programs repeat a position for each of its normals; without
 //! merging, every such seam would be a border without smooth shading. On open edges, positions also count as the same if
-//! they differ by no more than a thousandth of an edge, and everywhere by a ten-thousandth of the edges around. Faces that
+//! they differ by no more than a thousandth of an edge, and everywhere by a millionth of the edges around. Faces that
 //! repeat others are left out. If a file contains both sides of a sheet, or bodies that touch along an edge, the edges
 //! there belong to more than two triangles and are shaded accordingly.
 //!
 //! **Normals** come from the file if it has them. A corner whose normal is missing, zero or not a number gets the
 //! average normal of the faces around it. Normals from the file create creases where they differ; averaged normals
-//! create creases where faces meet at more than the crease angle. Faces of a glTF file without normals are flat, as its
-//! specification says, unless normals are to be estimated.
+//! create creases where faces meet at more than the crease angle. Faces of a glTF file that have no normal at any corner are
+//! flat, as its specification says, unless normals are to be estimated.
 //!
 //! **Winding** is repaired: faces whose neighbors go around the other way are reversed, the fewer in each connected part, or
 //! those that face inward in a closed part without given normals. Closed surfaces that are inside out are turned, and so

@@ -23,6 +23,9 @@ use crate::{
     text::names::natural,
 };
 
+/// The tables by which the output of an analysis is known.
+const ANALYSES: [[&str; 2]; 2] = [["cells.csv", "counts.csv"], ["answers.csv", "thresholds.csv"]];
+
 /// Lists the files to read, without duplicates and in the given order. The files of a folder are in natural order of their
 /// paths. What is beside the sessions of a folder and belongs to none is an error, because rows may be missing.
 ///
@@ -165,7 +168,7 @@ impl Listed {
         while let Some(folder) = open.pop() {
             let inside = identified(&folder).and_then(|folder_id| {
                 // Without this check, a link to a parent folder would be followed forever.
-                if entered.insert(folder_id) { listed.enter(&folder) } else { Ok(Vec::new()) }
+                if entered.insert(folder_id) { listed.enter(root, &folder) } else { Ok(Vec::new()) }
             });
             match inside {
                 Ok(folders) => open.extend(folders),
@@ -180,10 +183,16 @@ impl Listed {
         listed
     }
 
-    /// Lists what is in one folder, and returns the folders in it.
-    fn enter(&mut self, folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    /// Lists what is in one folder, and returns the folders in it. An analysis that was
+    /// written below `root` is not part of the data: its counts would count every rating again.
+    fn enter(&mut self, root: &Path, folder: &Path) -> std::io::Result<Vec<PathBuf>> {
         let mut folders = Vec::new();
-        for path in entries(folder)? {
+        let inside = entries(folder)?;
+        let has = |names: &[&str; 2]| names.iter().all(|name| inside.contains(&folder.join(name)));
+        if folder != root && ANALYSES.iter().any(has) {
+            return Ok(folders);
+        }
+        for path in inside {
             let name = path.file_name().unwrap_or_default();
             if name == DESCRIPTION {
                 self.datasets.push(folder.to_owned());

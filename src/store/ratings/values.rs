@@ -53,6 +53,10 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
+    // Larger whole numbers may be rounded, so that different ones would look the same.
+    if let Some(number) = number(id).filter(|number| number.abs() < 1e15) {
+        return (number + 0.0).to_string();
+    }
     let mut form = String::new();
     let lower = id.to_lowercase();
     let mut rest = lower.chars().peekable();
@@ -62,8 +66,7 @@ fn common_form(id: &str) -> String {
             form.push(char);
         }
     }
-    let is_number = form.contains('.') && form.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    if is_number { form.trim_end_matches('0').trim_end_matches('.').to_owned() } else { form }
+    form
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
