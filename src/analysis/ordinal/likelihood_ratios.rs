@@ -72,7 +72,7 @@ pub enum Withheld {
     #[error("differences between people in the effect or in their use of the scale would look like a violation")]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
-    #[error("with so few data, no model could be fitted to more than a tenth of the simulated studies")]
+    #[error("with so few data, more than a tenth of the simulated studies allowed no fit")]
     TooFew,
 }
 

@@ -113,7 +113,7 @@ impl Prediction {
                 ui::paragraph(ui, sentence(visible));
                 ui::paragraph(
                     ui,
-                    format!("The contrast of the whole picture is predicted at {detection:.1} times the threshold."),
+                    format!("The contrast of the whole picture is predicted to be {detection:.1} times the threshold."),
                 );
                 ui::hint(ui, format!("At 1, people just see the difference. {}", self.place.sentence(size)));
             }

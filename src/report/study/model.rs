@@ -421,7 +421,7 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     let slopes: Vec<String> = slopes.map(|slope| names::term(results, &slope.name)).collect();
     if !slopes.is_empty() {
         let own = if model.random.as_ref().is_some_and(|random| random.correlations.is_some()) {
-            "a deviation v in each of these, and these deviations and the intercept are correlated"
+            "a deviation v in each of these, and the deviations and the intercept are correlated"
         } else {
             "a deviation v at every level of a factor, or in the slope on a number, with a standard deviation for each term"
         };

@@ -67,7 +67,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             Some(_) => format!("in {}", simulated("session")),
             None => format!("for {}", simulated("participant")),
         };
-        section.warning(format!("Simulated: a program answered {place}. They are not from people."));
+        section.warning(format!("Simulated: a program answered {place}. These answers are not from people."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
