@@ -8,7 +8,7 @@ buffer. Needs Node.js for the surface (shaders/ordinates.js).
 
     pip install moderngl numpy        # and Mesa's EGL: libegl1 libgl1-mesa-dri on Debian
     python3 benches/kit_llvmpipe.py [rounds]
-    python3 benches/kit_llvmpipe.py --check PATH   # holds the picture against that of the program machband; pip install pillow
+    python3 benches/kit_llvmpipe.py --check PATH   # compares the picture with that of the program machband; pip install pillow
 """
 import json
 import os

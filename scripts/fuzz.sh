@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes every reader of files: runs each target for SECONDS (600), two at a time. A crash, an input that takes more
+# Fuzzes the readers of files: runs each target for SECONDS (600), two at a time. A crash, an input that takes more
 # than a second, or one that needs more than 512 MiB is an error. Needs nightly Rust and cargo-fuzz.
 #
 #   scripts/fuzz.sh [SECONDS] [TARGET…]

@@ -689,7 +689,7 @@ def span(values):
 
 
 class Drawing:
-    """Draws meshes of one surface in one view, and holds the pictures against the truth."""
+    """Draws meshes of one surface in one view, and compares the pictures with the truth."""
 
     def __init__(self, program, truth, p, f):
         self.program, self.truth, self.view = program, truth, truth.view

@@ -1,8 +1,8 @@
 //! machband: measure, analyze, generate and predict the visibility of Mach bands.
 //!
-//! **Scope.** Full-screen rating experiments on luminance ramps (width, continuity depth, orientation), their exact
-//! stimulus images, and their data; shaders for meshes that avoid the bands. **Not in scope**: reaction-time or
-//! threshold paradigms in general, other modalities, and anything over a network.
+//! **Scope.** Full-screen experiments on Mach bands and related stimuli (ratings, thresholds, comparisons of pairs,
+//! adjustment), their exact images, and their data; a model of vision; shaders for meshes that avoid the bands. **Not in
+//! scope**: reaction times, other modalities, and anything over a network.
 //!
 //! **Units.** Light is linear and relative to the screen's maximum, 0…1, unless a name says `encoded` or `code`. Angles
 //! are in degrees; visual angles are labeled as such. Lengths on the screen are physical pixels or cm. Times are
@@ -21,12 +21,12 @@
 //! | 1 | [`vision`] | predicts whether people can tell one picture from another |
 //! | 2 | [`stimulus`] | validated descriptions of stimuli, their images, and predictions for them |
 //! | 3 | [`experiment`] | experiment definitions, trial order, sessions, records, observers |
-//! | 4 | [`analysis`] | ordinal models and tests, computed from counts of ratings |
+//! | 4 | [`analysis`] | ordinal models and tests of counts of ratings; psychometric functions, d′ and scales |
 //! | 4 | [`store`] | every file format |
 //! | 5 | [`report`] | tables, figures and study reports |
 //! | 6 | [`work`] | what machband can do: one file per operation; a request in, a typed outcome out |
 //! | 7–12 | [`app`] | the window, whose own modules have these floors |
-//! | 12 | [`cli`] | the commands, of which `run` uses the window |
+//! | 12 | [`cli`] | the commands, of which `run` and `timing` use the window |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.

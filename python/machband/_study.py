@@ -105,12 +105,12 @@ def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], re
         return recorded
     different = np.unique(np.array(numbers, np.float64))
     finite = different[np.isfinite(different)]
-    # An infinite number is no category; the library names its row.
+    # An infinite number is not a category; the library names its row.
     return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
 
 
 def _numbers(cells: Cells) -> npt.NDArray[np.float64]:
-    """Return a column as numbers: missing ones are NaN, and texts that are no numbers infinite."""
+    """Return a column as numbers: missing ones are NaN, and texts that are not numbers are infinite."""
     if isinstance(cells, np.ndarray):
         return cells.astype(np.float64)
 
@@ -202,7 +202,7 @@ def analyze(
     data
         A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
         relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
-        result files, folders, tables of counts, or any CSV files. Answers to a task are read from their folder. Ordered
+        result files, folders, tables of counts, or any tables (CSV or Excel). Answers to a task are read from their folder. Ordered
         categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing;
         True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
         selection keeps and a merge may lose; any other table has the scale that its responses show.
@@ -240,7 +240,7 @@ def analyze(
     link
         Link function of the cumulative model.
     slopes
-        Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+        Random slopes: for each term that varies within participants, where the design supports it (independent), or
         with all their correlations (correlated).
     large
         Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
@@ -260,18 +260,18 @@ def analyze(
     seed
         Seed of the simulated studies.
     correct
-        Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
+        Column with the number of correct answers, or of yes answers; 1 or 0 if each row is one trial.
     total
         Column with the number of trials [default: each row is one trial].
     guess
-        Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of yes
+        Probability of a correct answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes
         answers.
     function
         Shape of the psychometric function [default: normal].
     easier
         The end of the levels that is easier to see [default: high].
     log
-        Fit the function to the decadic logarithms of the levels.
+        Fit the function to the base-10 logarithms of the levels.
     response
         Column with the ordered response [default: rating].
     missing

@@ -161,7 +161,7 @@ def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) ->
     known = {key(level): level for level in occurring if level.strip() not in MISSING}
     keys = [key(level) for level in texts]
     wrong = [level for level, its in zip(texts, keys, strict=True) if its not in known]
-    problems = [f"{level!r}, which is no level of it" for level in wrong]
+    problems = [f"{level!r}, which is not one of its levels" for level in wrong]
     problems += [f"{level!r} twice" for place, level in enumerate(texts) if keys[place] in keys[:place]]
     problems += [f"no {level!r}" for its, level in known.items() if is_complete and its not in keys]
     if keys and known and problems:

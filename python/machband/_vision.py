@@ -83,7 +83,7 @@ def predict(
 
     Notes
     -----
-    ``docs/models.md`` of the project describes the model and what it was held against.
+    ``docs/models.md`` of the project describes the model and the data with which it was compared.
 
     Examples
     --------
@@ -117,9 +117,9 @@ class Comparison:
     places
         Up to ten places where it is most visible, the most visible first.
     light
-        What the codes of the pictures mean, and where that is said.
+        What the codes of the pictures mean, and what says so.
     mean_ratio
-        Mean luminance of the picture over that of the reference, which is no part of the difference; a warning says if
+        Mean luminance of the picture over that of the reference, which is not part of the difference; a warning says if
         it is far from 1.
     color_ignored
         True, with a warning, if the pictures differ in color at equal luminance, which is not judged; `None`, with a
@@ -211,7 +211,7 @@ class Steps:
     dithered
         The same with blue-noise dither, whose grain is a visible difference too.
     light
-        What the codes of the picture mean, and where that is said.
+        What the codes of the picture mean, and what says so.
     picture
         The dithered picture, shape (height, width, 3), uint8. A picture of 8 bits is smoothed first.
     """

@@ -105,7 +105,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
             if name == "kind":
                 raise TypeError("kind cannot change; expected another MachBandStim")
             if name in _VIEW:
-                raise TypeError(f"{name} is no parameter here; expected size and units, which are set on their own")
+                raise TypeError(f"{name} is not a parameter here; expected size and units, which are set on their own")
         found = Stimulus(self.kind, **{**self.parameters, **parameters})
         self.__dict__["parameters"] = {name: found.parameters[name] for name in found.parameters if name not in _VIEW}
         self._transfer()

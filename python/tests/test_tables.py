@@ -141,7 +141,7 @@ def test_order_and_baseline_are_as_given(how):
 @pytest.mark.parametrize(
     ("order", "error", "words"),
     [
-        (["nnone", "a lot"], machband.Error, "'nnone', which is no level of it; expected none, a lot, .*did you mean 'none'"),
+        (["nnone", "a lot"], machband.Error, "'nnone', which is not one of its levels; expected none, a lot, .*did you mean 'none'"),
         (["none", "a lot", "none"], machband.Error, "'none' twice"), (["none"], machband.Error, "no 'a lot'"),
         ("none,a lot", TypeError, "expected a list of levels"), (None, TypeError, "factors.'dose'. is None"),
     ],
@@ -321,7 +321,7 @@ def test_answers_at_levels_keep_the_order_of_their_factors():
         for name in ["answers", "thresholds"]:
             assert [*dict.fromkeys(tables[name]["dose"])] == doses, (name, factors)
     assert machband.analyze(ordered, **given).tables["thresholds"].columns[1] == "trials"
-    with pytest.raises(machband.Error, match="is no level of it; expected"):
+    with pytest.raises(machband.Error, match="is not one of its levels; expected"):
         machband.analyze(frame, factors={"dose": [*doses, "most"]}, **given)
 
 
@@ -351,7 +351,7 @@ def test_ordered_columns_that_are_no_factors_have_no_say():
     rows["session_id"] = pandas.Categorical(rows.session_id, ordered=True)
     assert machband.analyze(rows, draws=99).files["by_width.csv"] == told
     # A dict that names what is no factor or no level is refused as before.
-    with pytest.raises(machband.Error, match="is no level of it"):
+    with pytest.raises(machband.Error, match="is not one of its levels"):
         machband.analyze(ordered, **{**given, "factors": {"cond": ["all", *conds]}})
 
 

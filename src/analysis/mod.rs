@@ -1,14 +1,15 @@
-//! Analysis: descriptive statistics, ordinal models, tests and agreement, all computed from counts of ratings.
+//! Analysis: descriptive statistics, ordinal models, tests and agreement, all computed from counts of ratings; the models
+//! of other tasks are in [`tasks`].
 //!
-//! Everything works on [`counts::Counts`], the sufficient statistic participant × condition × rating, so the cost does
+//! Ratings are kept as [`counts::Counts`], the sufficient statistic participant × condition × rating, so the cost does
 //! not grow with the number of rows. Where R's `ordinal` has a convention, this module follows it:
 //!
 //! - P(Y ≤ j) = F(θ_j − xβ − σu): a positive coefficient or a positive participant intercept means higher ratings.
 //!   `statsmodels` uses the same signs; its threshold parameters are the first threshold and the logarithms of the
 //!   differences.
-//! - Levels and categories are in natural order: numbers in ascending order with `inf` last, other strings in byte
-//!   order. The first level is the baseline of treatment contrasts. Coefficients are named as in R (`width0.05`,
-//!   `width0.05:depth2`).
+//! - Levels and categories are in natural order: numbers in ascending order with `inf` last, other strings such that S2
+//!   is before S10. The first level is the baseline of treatment contrasts. Coefficients are named as in R
+//!   (`width0.05`, `width0.05:depth2`).
 //! - Standard errors come from the observed information of the likelihood that was maximized; for a mixed model, this
 //!   is its Laplace approximation. The log-likelihood omits the constant for the order of the ratings.
 //! - A model's [`Note`]s say what the data cannot answer. A [`ModelError`] says why there is no model.

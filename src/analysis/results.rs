@@ -28,7 +28,7 @@ pub struct Options {
     pub link: Link,
     /// The random part. `None` means an intercept for each participant; a single participant has none in any case.
     pub random: Option<Random>,
-    /// Random slopes, as far as the design supports them.
+    /// Random slopes, where the design supports them.
     pub slopes: Slopes,
     /// Maximum number of coefficients of the model.
     pub max_coefficients: usize,
@@ -286,7 +286,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         },
         || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
     );
-    // What the model does not have is no term of it. The largest terms come last.
+    // What the model does not have is not a term of it. The largest terms come last.
     for note in model.iter().flat_map(|report| &report.model.notes).rev() {
         let is_dropped = |own: &&Term| own.variables.len() > 1 && *note == Note::AliasedTerm { term: own.to_string() };
         if let Some(own) = spec.terms.iter().find(is_dropped).filter(|own| !spec.terms.is_marginal(own)) {

@@ -94,7 +94,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
         let title = |zoom: &f32| format!("{:.0} %", zoom * 100.0);
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
         hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
-        ui.checkbox(&mut settings.greeting, "Explain Mach bands on the start page");
+        ui.checkbox(&mut settings.greeting, "Explain Mach bands on the page Studies");
         ui.checkbox(&mut settings.full_screen, "Run sessions full screen");
         match notice {
             Some(notice) => notice.lines().for_each(|line| super::ui::note(ui, line)),

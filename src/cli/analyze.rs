@@ -25,7 +25,7 @@ use crate::{
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
 ///
-/// Reads result files, folders of result files, tables of counts, or any CSV file with column names. If part of the
+/// Reads result files, folders of result files, tables of counts, or any table (CSV or Excel) with column names. If part of the
 /// input has errors, every error is reported, the rest is analyzed, and the exit status is 1. Files that were changed
 /// after their session ended are analyzed with a warning.
 #[derive(clap::Args, Serialize)]

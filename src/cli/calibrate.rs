@@ -24,7 +24,7 @@ use crate::{
     after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
     Models: srgb is the sRGB curve; gamma is black + range·V^γ; gog adds an offset, (gain·V + offset)^γ; table \
     interpolates the readings, for displays that no curve fits. By default, each level is left out in turn, \
-    and the simplest of the models that predict the omitted levels best is chosen."
+    and the simplest of the models that predict the left-out levels best is chosen."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]

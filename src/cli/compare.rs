@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     junit: Option<OutPath>,
 }
 
-/// One comparison: its name, the number that is held against the maximum or the error, and what else there is to say.
+/// One comparison: its name, the number that is compared with the maximum or the error, and what else there is to say.
 struct Case {
     name: String,
     times: Result<f64, String>,

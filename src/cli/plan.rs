@@ -30,9 +30,9 @@ use crate::{
     normal value, as in R's (1 | subject:factor). The more they differ, the lower the power.\n\n\
     Up to 40 participants, p values of the model come from simulated studies without the effect: as many as --studies, \
     but at least 199 and at most 999.\n\n\
-    Thresholds: of a task with [adaptive], the precision of a person's threshold, of the mean and of differences, and the \
-    power to find FACTOR:LEVEL=SHIFT, in decadic logarithms of the level if the method is logarithmic. NAME=VALUE: \
-    threshold, subject_sd, slope, lapse, false_alarms. --trials compares numbers of trials.\n\n\
+    Thresholds: for a task with [adaptive], reports the precision of a person's threshold, of the mean and of differences, \
+    and the power to find FACTOR:LEVEL=SHIFT, in base-10 logarithms of the level if the method is logarithmic. NAME=VALUE \
+    sets threshold, subject_sd, slope, lapse or false_alarms. --trials compares numbers of trials.\n\n\
     Results depend on the seed but not on the number of threads (ChaCha8, one stream per participant and study).\n\n\
     Examples:\n  machband plan orientation --participants 4,8,12 --effect oblique=0.5\n  \
     machband plan orientation --participants 12 --effect oblique=0.5 --slope orientation_deg=0.5\n  \

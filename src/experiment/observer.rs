@@ -262,7 +262,7 @@ pub struct VisionObserver {
     rater: VisionRater,
     viewing: ViewingConditions,
     seen: Vec<(Stimulus, f64)>,
-    /// What it sees in stimuli that are no conditions, by [`Stimulus::key`].
+    /// What it sees in stimuli that are not conditions, by [`Stimulus::key`].
     others: Mutex<HashMap<String, f64>>,
 }
 

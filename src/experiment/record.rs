@@ -350,7 +350,7 @@ fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
 /// The column of a table that says whether a program answered, as the sidecars of result files do.
 pub const SIMULATED: &str = "simulated";
 
-/// Returns whether a column of every file has this name and is no parameter of the stimulus, or an analysis reads from it
+/// Returns whether a column of every file has this name and is not a parameter of the stimulus, or an analysis reads from it
 /// whether a program answered, so that a factor cannot have it.
 #[must_use]
 pub fn is_reserved(name: &str) -> bool {

@@ -159,7 +159,7 @@ impl<'a> Replay<'a> {
             Some(level) => {
                 format!("the level {level}{}", second.map_or_else(String::new, |second| format!(" with {second}")))
             }
-            None => "the pair that tells most".to_owned(),
+            None => "the most informative pair".to_owned(),
         }
     }
 

@@ -97,7 +97,7 @@ texts! {
     /// Label of the vertical axis of the plot: the share of right answers.
     right = "share of right answers";
     /// Shown above the plot of the levels that an adaptive method chose.
-    levels = "The levels that you saw, from trial to trial: after answers that were right, it became harder";
+    levels = "The levels that you saw, trial by trial: after right answers, the task became harder";
     /// Label of the horizontal axis of that plot.
     trial = "trial";
     /// Shown above the plot of a paired comparison.
@@ -107,7 +107,7 @@ texts! {
     /// Heading of the part of the last page that is for the experimenter.
     experimenter = "For the experimenter";
     /// Shown above the path of the data.
-    saved_in = "The answers are in";
+    saved_in = "The answers are saved in";
     /// Button that opens the folder with the data.
     open_folder = "Open the folder";
     /// Button that closes the window.
@@ -130,7 +130,7 @@ texts! {
     agreement_missing = "Please read this and check the box. Otherwise, the session cannot begin.";
     /// Shown at a question that needs a number.
     number_expected = "Enter a number, e.g. 27.";
-    /// Below an age that no person has.
+    /// Shown at an age that no person has.
     age_expected = "Enter an age in years, from 0 to 130.";
     /// Shown at an answer that a spreadsheet would take for a formula.
     letter_expected = "Begin with a letter or a digit.";

@@ -80,7 +80,7 @@ const ALIKE: usize = 3;
 
 /// Returns, for each level of a channel, how far the values that were rounded to it reach below and above it: half the
 /// distance to the next level that occurs, if levels are skipped evenly there, as after posterizing or stretching the
-/// contrast, and otherwise half a level. Flat areas of a few colors are no steps: where they meet, levels mostly change by
+/// contrast, and otherwise half a level. Flat areas of a few colors are not steps: where they meet, levels mostly change by
 /// more than one.
 #[must_use]
 pub fn reaches(channel: &[f64], width: usize) -> Vec<[f64; 2]> {

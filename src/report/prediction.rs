@@ -78,7 +78,7 @@ pub enum PredictionError {
     #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
     NoCondition,
     /// A factor of the definition has no column.
-    #[error("the definition varies {0}, which is no factor of this analysis; expected it among the factors")]
+    #[error("the definition varies {0}, which is not a factor of this analysis; expected it among the factors")]
     Factor(String),
     /// The ratings use a different scale.
     #[error("the scale has {0} {noun}; expected the four categories of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]

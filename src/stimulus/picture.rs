@@ -231,7 +231,7 @@ impl Picture {
         has.then_some(()).ok_or_else(|| ParameterError {
             parameter: name.to_owned(),
             value: text,
-            problem: "is a level of no picture".to_owned(),
+            problem: "is not a level of any picture".to_owned(),
             expected: "a level in the table of pictures".to_owned(),
         })
     }

@@ -1,5 +1,5 @@
-//! The smooth surface behind a mesh: what a shader's picture should look like, and how far it is from that as far as
-//! people can see.
+//! The smooth surface behind a mesh: what a shader's picture should look like, and how visibly it
+//! differs from that.
 
 use super::viewing::ViewingConditions;
 use crate::{

@@ -15,7 +15,7 @@ use crate::display::{
 pub(super) type Found = (Reading, usize);
 
 /// Reads the readings of another program; `None` if the text is not one of these formats. Black belongs to every channel
-/// that has readings; mixed colors are no reading of a channel and are left out.
+/// that has readings; mixed colors are not readings of a channel and are left out.
 pub(super) fn parse(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErrors>> {
     let first = text.split_whitespace().next().unwrap_or_default();
     if first.starts_with("CTI") || first.starts_with("CGATS") {
@@ -86,7 +86,7 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
         let level = levels.into_iter().fold(0.0, f64::max);
         found.push((Reading { channel, level, luminance_cd_m2: y * scale }, *line));
     }
-    // A chart of colors has a few patches of pure primaries, which are no curve beside the grays.
+    // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.
     let levels = |channel: Channel| {
         let own = found.iter().filter(|(one, _)| one.channel == channel);
         own.map(|(one, _)| one.level.to_bits()).collect::<HashSet<_>>().len()

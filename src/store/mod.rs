@@ -6,7 +6,7 @@
 //! | reads any table of ratings, or of answers at levels | [`ratings`], [`answers`] |
 //! | exports recorded sessions as BIDS or Psych-DS | [`mod@export`] |
 //! | PNG images, and folders of images | [`image`], [`manifest`] |
-//! | OBJ meshes | [`mesh`] |
+//! | OBJ, PLY and glTF meshes | [`mesh`] |
 //! | edits a definition and keeps its comments | [`draft`] |
 //! | definitions, display profiles and simulated observers (TOML) | [`definition`], [`profile`], [`observer`] |
 //! | what the window remembers (TOML) | [`settings`] |

@@ -74,13 +74,13 @@ pub struct AnswersAtLevels {
     /// Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     #[arg(long, value_name = "COL", requires_all = ["correct", "guess"])]
     pub level: Option<String>,
-    /// Column with the number of right answers, or of yes answers; 1 or 0 if each row is one trial.
+    /// Column with the number of correct answers, or of yes answers; 1 or 0 if each row is one trial.
     #[arg(long, value_name = "COL", requires = "level")]
     pub correct: Option<String>,
     /// Column with the number of trials [default: each row is one trial].
     #[arg(long, value_name = "COL", requires = "level")]
     pub total: Option<String>,
-    /// Probability of a right answer by guessing, such as 0.5 of two alternatives; free if it is estimated, as of yes answers.
+    /// Probability of a correct answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes answers.
     #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<GuessRate>,
     /// Shape of the psychometric function [default: normal].
@@ -89,12 +89,12 @@ pub struct AnswersAtLevels {
     /// The end of the levels that is easier to see [default: high].
     #[arg(long, requires = "level", value_parser = named::<Easier>(Easier::NAMES))]
     pub easier: Option<Easier>,
-    /// Fit the function to the decadic logarithms of the levels.
+    /// Fit the function to the base-10 logarithms of the levels.
     #[arg(long, requires = "level")]
     pub log: bool,
 }
 
-/// The probability of a right answer by guessing.
+/// The probability of a correct answer by guessing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuessRate(Guess);
 
@@ -116,7 +116,7 @@ impl FromStr for GuessRate {
         }
         let guess = text.parse().ok().filter(|guess: &f64| (0.0..1.0).contains(guess));
         let guess =
-            guess.ok_or("expected free, or a probability from 0 to below 1, such as 0.5 of two alternatives")?;
+            guess.ok_or("expected free, or a probability from 0 to below 1, such as 0.5 for two alternatives")?;
         Ok(Self(Guess::Fixed(guess)))
     }
 }

@@ -34,7 +34,7 @@ pub struct Calibrate {
     /// Date of the measurement, such as 2026-01-31 [default: today].
     #[arg(long, value_name = "DATE")]
     pub on: Option<Date>,
-    /// Model of the profile [default: the simplest of those that predict omitted levels best].
+    /// Model of the profile [default: the simplest of those that predict left-out levels best].
     #[arg(long, value_parser = named::<Family>(Family::NAMES))]
     pub model: Option<Family>,
 }

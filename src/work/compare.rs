@@ -103,7 +103,7 @@ pub struct Compared {
     /// True if the pictures differ in color at equal luminance, which is not judged; `None` if their primaries differ, so
     /// that nothing is known about it.
     pub color_ignored: Option<bool>,
-    /// What the codes mean, and where that is said.
+    /// What the codes mean, and what says so.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
     #[serde(skip)]
@@ -127,7 +127,7 @@ pub struct Steps {
     pub window_deg: f64,
     pub white_cd_m2: f64,
     pub black_cd_m2: f64,
-    /// What the codes mean, and where that is said.
+    /// What the codes mean, and what says so.
     pub light: String,
     /// The number of bits of the codes that are judged.
     pub bits: u32,
@@ -391,7 +391,7 @@ impl Compare {
 
     /// Reads how far differences count at each pixel, 0…1.
     fn share(&self, path: &Path, [width, height]: [u32; 2]) -> anyhow::Result<Vec<f64>> {
-        // Its codes are no light.
+        // Its codes are not light.
         let mask = store::image::read_picture(path, Some(&Transfer::Srgb.into()), self.pixels())?;
         let CodeImage { width: across, height: down, .. } = mask.codes;
         if (across, down) != (width, height) {
@@ -421,7 +421,7 @@ impl Compared {
     pub fn note(&self) -> Option<String> {
         let percent = 100.0 * (self.mean_ratio - 1.0);
         let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
-            format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is no part of the difference")
+            format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is not part of the difference")
         });
         let color = match self.color_ignored {
             Some(false) => None,
@@ -496,7 +496,7 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let mut smooth = |own: &[f64]| {
         let reaches = reaches(own, size[0]);
         let reach = |level: f64| reaches[level as usize];
-        // What is finer than 8 bits is no posterization, but a slow ramp.
+        // What is finer than 8 bits is not posterization, but a slow ramp.
         let skips = |level: &&f64| match reach(**level) {
             [below, above] => below + above > 1.0 && levels.encoded(below + above) > 1.001 / 255.0,
         };

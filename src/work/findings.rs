@@ -85,7 +85,7 @@ impl Planned {
         let (words, known) = (self.in_words(term), Some(self.protocol.stimulus.parameters()));
         Some(match effect {
             None => format!(
-                "This observer has no effect of {words}. The false-alarm rate, expected to be {}, is {}.",
+                "For this observer, {words} has no effect. The false-alarm rate, expected to be {}, is {}.",
                 percent(self.sampling.alpha),
                 clauses(&|powers| self.false_alarms(powers))
             ),
@@ -163,8 +163,8 @@ impl Planned {
         remarks.push(self.differences(deviations));
         for slope in self.plan.unmodeled() {
             remarks.push(format!(
-                "The model has no random slope of {}, in which the simulated participants differ, so it finds too many \
-                 effects of it.",
+                "The simulated participants differ in the effect of {}, but the model has no random slope of it, so it finds \
+                 this effect too often.",
                 self.in_words(&slope.factor)
             ));
         }

@@ -14,7 +14,7 @@ pub struct Model {
     /// Link function of the cumulative model.
     #[arg(long, default_value_t, value_parser = super::named::<Link>(Link::NAMES))]
     pub link: Link,
-    /// Random slopes: for each term that varies within participants, as far as the design supports it (independent), or
+    /// Random slopes: for each term that varies within participants, where the design supports it (independent), or
     /// with all their correlations (correlated).
     #[arg(long, default_value_t, value_parser = super::named::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,

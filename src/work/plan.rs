@@ -48,8 +48,8 @@ pub struct Plan {
     /// Target power.
     #[arg(long, value_name = "P", default_value_t = 0.8, value_parser = proportion)]
     pub target: f64,
-    /// Number of trials of each condition of a task with an adaptive method; give several numbers to compare them. Without it,
-    /// that of the definition.
+    /// Number of trials of each condition of a task with an adaptive method; give several numbers to compare them
+    /// [default: that of the definition].
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
     pub trials: Vec<u32>,
     /// Seed of the simulated ratings.

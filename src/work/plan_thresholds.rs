@@ -287,7 +287,7 @@ const COLUMNS: [(&str, &str, &str); 20] = [
     ("participants", "", "Number of participants."),
     ("trials", "", "Number of trials of each condition."),
     ("estimate", "", "What is estimated."),
-    ("truth", "", "True difference, on the scale of the method: decadic logarithms of the level if it is logarithmic."),
+    ("truth", "", "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic."),
     ("estimates", "", "Number of estimates in the simulated studies."),
     ("found", "", "Number of studies whose 95 % interval excludes 0."),
     ("missing", "", "Number of estimates that are not possible."),

@@ -126,7 +126,7 @@ impl Predict {
     /// compared with the prediction.
     pub fn all(&self, experiment: &Path, watcher: &dyn Watcher) -> anyhow::Result<Predictions> {
         if !self.drawn.is_default() {
-            let message = "the definition says what its stimuli are; expected no options of a stimulus beside it";
+            let message = "the definition determines the stimuli; expected no options of a stimulus";
             return Err(RequestError::whole(message).into());
         }
         let encoded = self.encoding.read(watcher)?;

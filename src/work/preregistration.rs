@@ -1,5 +1,5 @@
 //! The text of a preregistration, from a definition and a plan: what will be measured, how many people, how it will be
-//! analyzed, and what each result would mean. What only its author knows stands in square brackets.
+//! analyzed, and what each result would mean. What only its author knows is in square brackets.
 
 use std::fmt::Write;
 
@@ -98,18 +98,18 @@ fn decision(tried: &[u32], enough: impl Fn(u32) -> bool, target: f64) -> String 
     let numbers = list(&tried.iter().map(ToString::to_string).collect::<Vec<_>>());
     match least {
         Some(people) => format!(
-            "{} will be tested: the smallest number tried ({numbers}) with a power of at least {target} for every effect above, \
-             as the lower end of its 95 % interval.",
+            "{} will be tested: the smallest number tried ({numbers}) at which the 95 % interval of the power lies at \
+             or above {target} for every effect above.",
             count((*people).into(), "participant")
         ),
         None => format!(
-            "[N] participants will be tested. No number tried ({numbers}) has a power of at least {target} for every effect above, \
-             as the lower end of its 95 % interval."
+            "[N] participants will be tested. At no number tried ({numbers}) does the 95 % interval of the power lie at or \
+             above {target} for every effect above."
         ),
     }
 }
 
-const UNDECIDED: &str = "Otherwise, the study does not decide; this will not be called evidence of no effect.";
+const UNDECIDED: &str = "Otherwise, the study is inconclusive; this will not be called evidence of no effect.";
 
 impl Planned {
     fn sections(&self) -> Vec<(&'static str, String)> {
@@ -182,7 +182,7 @@ impl Planned {
         let slopes = match spec.slopes {
             Slopes::None => "random intercepts",
             Slopes::Independent => {
-                "random intercepts and, as far as the design supports them, independent random slopes of each term"
+                "random intercepts and, where the design supports them, independent random slopes of each term"
             }
             Slopes::Correlated => "correlated random intercepts and slopes",
         };
@@ -190,7 +190,7 @@ impl Planned {
             "It has no random effects: its conclusions are about the trials of one participant, not about people."
                 .to_owned()
         } else {
-            format!("Participants have {slopes}. The likelihood is Laplace’s approximation.")
+            format!("Participants have {slopes}. The likelihood is integrated by Laplace’s approximation.")
         };
         format!(
             "The ratings are modeled with a cumulative-link {}model with {} link and the terms {}. {effects} Each term is tested by the likelihood ratio against the model without it, at \
@@ -198,8 +198,8 @@ impl Planned {
              {} simulated studies.{} The p values of different terms are not corrected for their number. Levels of a factor are \
              compared in the same model, corrected with Holm’s method.\n\n\
              Interactions of two factors that are not in the model are tested from its residuals (with fewer than \
-             {LEAST_FOR_SIGNS} participants, by likelihood ratios in simulated studies), corrected for their number. If one is \
-             below {}, the effect of one factor is described at each level of the other, and no main effect alone. \
+             {LEAST_FOR_SIGNS} participants, by likelihood ratios in simulated studies), corrected for their number. If p of one \
+             is below {}, the effect of one factor is described at each level of the other, and no main effect is described alone. \
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
              analysis. Everything else is exploratory and will be called so.{}",
             if is_one { "" } else { "mixed " },
@@ -227,7 +227,7 @@ impl Planned {
             } else {
                 let alpha = self.sampling.alpha;
                 format!(
-                    " The report of the analysis words its sentences at the level {usual}; p is compared with {alpha} by hand."
+                    " The sentences of the analysis report use the level {usual}; p is compared with {alpha} by hand."
                 )
             }
         )
@@ -357,7 +357,7 @@ impl PlannedThresholds {
     fn meaning(&self, found: &Precision, truth: f64) -> String {
         let name = self.told(&found.quantity);
         if truth == 0.0 {
-            return format!("{name}: a 95 % interval without 0 is a difference that was not predicted. {UNDECIDED}");
+            return format!("{name}: a 95 % interval excluding 0 is a difference that was not predicted. {UNDECIDED}");
         }
         let [supports, contradicts] = if truth > 0.0 { ["above", "below"] } else { ["below", "above"] };
         format!(
@@ -399,6 +399,6 @@ fn meaning(planned: &Planned, hypothesis: &Hypothesis) -> String {
             "{term}: p below {alpha} with a higher estimate at {above} than at {below} supports the hypothesis, and p below {alpha} \
              with the opposite order contradicts it. {UNDECIDED}"
         ),
-        None => format!("{term}: p below {alpha} is an effect that was not predicted. {UNDECIDED}"),
+        None => format!("{term}: p below {alpha} indicates an effect that was not predicted. {UNDECIDED}"),
     }
 }

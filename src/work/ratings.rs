@@ -22,7 +22,7 @@ use crate::{
 /// Where to find the ratings.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
 pub struct Ratings {
-    /// Result files, folders of result files, tables of counts, or any CSV file.
+    /// Result files, folders of result files, tables of counts, or any table (CSV or Excel).
     #[arg(required = true, value_name = "FILE|DIR")]
     #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
@@ -53,7 +53,7 @@ pub struct Ratings {
     /// factors can be given [default: numbers in ascending order, other levels in natural order].
     #[arg(long, value_name = "FACTOR=LEVEL,…")]
     pub levels: Vec<Only>,
-    /// The orders that columns of a table in memory have by themselves; those of columns that are no factors say nothing.
+    /// The orders that columns of a table in memory have by themselves; those of columns that are not factors say nothing.
     #[arg(skip)]
     #[serde(skip)]
     pub orders: Vec<Only>,
@@ -175,7 +175,7 @@ impl Ratings {
     pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
         if let Some((path, task)) = TaskStudy::task_at(&self.paths)? {
             let message = format!(
-                "has answers to the task {}, which are no ratings; expected ratings (machband analyze reads every task)",
+                "has answers to the task {}, which are not ratings; expected ratings (machband analyze reads every task)",
                 task.name()
             );
             return Err(FileErrors::whole(&path, message).into());

@@ -287,7 +287,7 @@ impl Shade {
         }
         let one = &self.one;
         if one.shader.is_none() && (wanted.metrics || wanted.creases) {
-            let message = format!("is missing, and a shader is what is measured; expected {}", Shader::EXPECTED);
+            let message = format!("is missing, but the measurements need one; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
         if one.shader.is_some() && one.truth.as_deref() == Some(Path::new(KNOWN)) {
@@ -562,7 +562,7 @@ impl OneMesh {
     fn scene(&self) -> Result<Scene, RequestError> {
         let light = DVec3::from_array(self.light.0);
         if !(1e-6..=1e6).contains(&light.length()) {
-            let message = format!("{} is too short or long; expected a length from 1e-6 to 1e6", self.light);
+            let message = format!("{} is too short or too long; expected a length from 1e-6 to 1e6", self.light);
             return Err(RequestError::value("light", message));
         }
         if let Some((name, problem)) = self.highlight.idle_option([self.facet_slope, self.facet_c1, self.facet_index]) {

@@ -384,7 +384,7 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
         assert_eq!(figures, 0, "{reason}");
     };
     why(None, &results, "no definition");
-    why(Some(&protocol), &results, "varies orientation_deg, which is no factor of this analysis");
+    why(Some(&protocol), &results, "varies orientation_deg, which is not a factor of this analysis");
     let two_factors = |definition: &mut Definition| definition.factors.truncate(2);
     let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);

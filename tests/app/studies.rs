@@ -52,7 +52,7 @@ fn a_grid_shows_what_is_planned_recorded_and_wrong() {
     common::succeeds(folder.path(), &["simulate", path.to_str().unwrap(), "--participants", "2"]);
     let mut window = opened(folder.path(), DEFINITION);
     wait_for(&mut window, "S001, session 1: finished, 6 trials");
-    window.get_by_label_contains("2 of these sessions are simulated");
+    window.get_by_label_contains("Simulated (a program answered): 2");
     window.get_by_label("S002, session 2: not begun");
     click(&mut window, "Check");
     wait_for(&mut window, "no errors");

@@ -557,7 +557,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
-        ("q.csv", &["--terms", "a"], 1, "remove its second and third row"),
+        ("q.csv", &["--terms", "a"], 1, "remove its second and third rows"),
     ] {
         let (code, error, output) = run(file, options);
         assert!(code == Some(status) && error.contains(expected), "{file} {options:?}: {code:?} {error} {output}");
@@ -613,8 +613,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     }
     // Six of 240 rows are not on the scale that is named.
     let error = fails(folder.path(), &split(&format!("{line} x --categories 0,1,2,3")), 1);
-    let expected =
-        "error: d.csv: 6 of 240 rows cannot be read, so nothing is concluded from the others; expected at most 2";
+    let expected = "error: d.csv: 6 of 240 rows cannot be read, so nothing is analyzed; expected at most 2";
     assert!(error.contains("d.csv:9:6: rating -99; expected one of 0, 1, 2, 3") && error.contains(expected), "{error}");
     assert!(!folder.path().join("x").exists());
 }
@@ -650,7 +649,7 @@ fn answers_are_of_the_participants_in_the_usual_column() {
     let [printed, warnings] = run("Participant");
     assert!(printed.starts_with("3 participants gave 480 answers."), "{printed}");
     let expected =
-        "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that is named";
+        "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that you name";
     assert_eq!(warnings, format!("warning: {expected}\n"));
     assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
 }
@@ -659,8 +658,7 @@ fn answers_are_of_the_participants_in_the_usual_column() {
 #[test]
 fn reversed_functions_have_no_threshold() {
     let folder = tempfile::tempdir().unwrap();
-    let says =
-        "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out";
+    let says = "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out";
     let [printed, _] = answers(folder.path(), "level,right,n\n1,19,20\n2,14,20\n3,9,20\n", "--guess 0.1");
     assert!(printed.contains(says) && !printed.contains("threshold"), "{printed}");
     let (header, rows) = table(&folder.path().join("a/thresholds.csv"));

@@ -467,7 +467,7 @@ fn what_codes_mean_is_kept_and_never_guessed() {
     for (line, part) in [
         ("compare none.png --steps --window 4 --mask dim.png", "--mask"),
         ("compare none.png none.png --window 4 --white 1e306", "--white"),
-        ("predict quick --low 0.1", "the definition says what its stimuli are"),
+        ("predict quick --low 0.1", "the definition determines the stimuli"),
     ] {
         assert!(fails(folder.path(), &split(line), 2).contains(part), "{line}");
     }

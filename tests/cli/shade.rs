@@ -92,7 +92,7 @@ fn every_error_has_its_own_message() {
         ("flat --mesh teapot", 2, "\"teapot\" is not known; expected one of cube, "),
         ("flat --facet-c1 1 --highlight cook-torrance", 2, "--facet-c1 has no effect with the highlight cook-torrance"),
         ("flat --mesh blob --vertices 3", 2, "--vertices"),
-        ("flat --light 0,0,0", 2, "too short or long"),
+        ("flat --light 0,0,0", 2, "too short or too long"),
         ("flat --rotate 1,2", 2, "three numbers"),
         ("flat --distance 0.5", 2, "outside 1.05…1000000"),
         (
@@ -174,7 +174,7 @@ fn the_smooth_surface_is_drawn_and_compared() {
 
     for (options, status, message) in [
         ("--mesh cube --truth --out x.png", 2, "the smooth surface behind cube is not known"),
-        ("--mesh torus --truth --metrics x.json", 2, "--shader is missing, and a shader is what is measured"),
+        ("--mesh torus --truth --metrics x.json", 2, "--shader is missing, but the measurements need one"),
         ("--mesh torus --shader phong --truth --out x.png", 2, "--truth: draws the smooth surface itself; expected no"),
         ("--mesh torus --truth none.obj --out x.png", 1, "none.obj"),
         ("--mesh torus --out x.png", 2, "--shader"),

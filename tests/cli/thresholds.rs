@@ -61,7 +61,7 @@ fn tables_of_other_programs_are_read() {
     fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
     let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
     let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:3:5: right is \"12\"; expected no more right answers than trials"), "{told}");
+    assert!(told.contains("wrong.csv:3:5: right is \"12\"; expected no more correct answers than trials"), "{told}");
     assert!(told.contains("wrong.csv:4:1: x is \"high\"; expected a level, which is a number"), "{told}");
     let told = fails(folder.path(), &[&columns[..], &["--log"]].concat(), 1);
     assert!(told.contains("wrong.csv:3:5"), "{told}");

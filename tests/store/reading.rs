@@ -800,7 +800,7 @@ mod elsewhere {
             assert_eq!((counts.subjects.len(), &read.source.errors), (2, &vec![]), "{name}");
             assert!(counts.is_ordered(None) && counts.factors[0].levels.len() > 1, "{name}: {counts:?}");
             let note = format!(
-                "participants are in the column {participants}; expected subject_id, or a column that is named"
+                "participants are in the column {participants}; expected subject_id, or a column that you name"
             );
             assert!(read.source.warnings.iter().any(|warning| warning.message == note), "{:?}", read.source.warnings);
         }

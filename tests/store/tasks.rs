@@ -374,7 +374,7 @@ CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICE[adaptive]\nmethod = "staircase"\nparameter = "width"\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is no parameter
+CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is not known
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
@@ -425,7 +425,7 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
         assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
         let refused = fails(folder.path(), &["counts", "results/tasks", "--out", "counts.csv"], 1);
-        assert!(refused.contains("which are no ratings"), "{name}: {refused}");
+        assert!(refused.contains("which are not ratings"), "{name}: {refused}");
         let refused = fails(folder.path(), &["analyze", "results/tasks", "--out", "x", "--terms", "depth"], 2);
         assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
     }

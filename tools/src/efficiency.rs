@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Number of simulated sessions for each number.
 const RUNS: u64 = 400;
-/// The observer: Weibull, decadic logarithms of the level.
+/// The observer: Weibull, base-10 logarithms of the level.
 const TRUTH: Psychometric = Psychometric { threshold: -1.4, slope: 3.0, guess: 0.5, lapse: 0.02 };
 /// The numbers of trials at which the error is computed.
 const TRIALS: [usize; 10] = [20, 30, 40, 50, 60, 80, 100, 130, 170, 220];
@@ -57,7 +57,7 @@ fn estimated(mut run: Run, levels: &[f64], trials: usize, rng: &mut ChaCha8Rng) 
     estimate(&points, &model).map_or(f64::NAN, |estimate| estimate.threshold)
 }
 
-/// Returns the root mean square error of the threshold after so many trials, in decadic logarithms.
+/// Returns the root mean square error of the threshold after so many trials, in base-10 logarithms.
 fn error(method: &str, trials: usize) -> f64 {
     let levels: Vec<f64> = (0..23).map(|i| -2.3 + 0.1 * f64::from(i)).collect();
     let grid = Grid {

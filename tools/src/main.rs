@@ -25,7 +25,7 @@ enum Tool {
     /// Print the table of docs/models.md: what the model says about ramps, edges and kinks, and how far it depends on each
     /// constant.
     Facts,
-    /// Print the tables of docs/models.md that hold the detection model against measured thresholds of people.
+    /// Print the tables of docs/models.md that compare the detection model with measured thresholds of people.
     Thresholds {
         /// Also fit the parameters, from round numbers; takes minutes.
         #[arg(long)]

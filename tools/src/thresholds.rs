@@ -1,4 +1,4 @@
-//! The detection model, held against measured thresholds of people: the fit of its parameters and the tables of
+//! The detection model, compared with measured thresholds of people: the fit of its parameters and the tables of
 //! `docs/models.md`.
 
 use std::{

@@ -8,7 +8,7 @@
 //! let passes = Passes::new(&device);                              // once
 //! let mesh = C1Mesh::new(&device, &queue, &positions, &normals, &triangles);
 //! mesh.update(&device, &queue, &mut encoder, &passes, &camera);   // whenever the camera or the mesh moves
-//! // Then draw with `SHADER`, or with its functions in a shader of yours:
+//! // Then draw with `SHADER`, or with its functions in your own shader:
 //! pass.set_vertex_buffer(0, mesh.vertices.slice(..));             // positions and normals, three numbers each
 //! pass.draw(0..mesh.count, 0..1);                                 // with `mesh.coefficients` at binding 1
 //! ```

@@ -220,7 +220,7 @@ fn places(fitted: &Fitted, near: &Fitted) -> Vec<Option<usize>> {
     thresholds.clone().chain(columns).chain(psi).collect()
 }
 
-/// An estimate beyond this is no place to start a search.
+/// An estimate beyond this is not a place to start a search.
 const FAR: f64 = 10.0;
 
 /// Fits the mixed model, starting from the estimates of the model without random effects. Coefficients without a

@@ -56,11 +56,11 @@ pub enum Withheld {
     FewItems,
     /// Participants may differ in the effect, and the model does not let them.
     #[error(
-        "the design has too few ratings for differences between participants in this effect, which would look like one"
+        "the design has too few ratings for a random slope, and differences between participants would look like an effect"
     )]
     NoSlope,
     /// Both models are the same in the conditions that were rated.
-    #[error("the conditions that were rated do not tell it from the other terms")]
+    #[error("the conditions that were rated cannot separate it from the other terms")]
     Aliased,
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
@@ -69,10 +69,10 @@ pub enum Withheld {
     #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
     FewPeople,
     /// Participants who differ in the effect or in their thresholds look like effects that differ along the scale.
-    #[error("participants who differ in the effect, or in how they use the scale, would look like a violation")]
+    #[error("differences between people in the effect or in their use of the scale would look like a violation")]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
-    #[error("there are too few data: more than a tenth of the simulated studies allowed no fit")]
+    #[error("with so few data, more than a tenth of the simulated studies allowed no fit")]
     TooFew,
 }
 

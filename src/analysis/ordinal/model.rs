@@ -31,7 +31,7 @@ named! {
     Slopes, SlopesError {
         /// Participants differ only in their intercepts.
         None = "none",
-        /// Each term that varies within participants has its own standard deviation, as far as the design supports it:
+        /// Each term that varies within participants has its own standard deviation, where the design supports it:
         /// R's `(1 | subject:factor)` or `(0 + x | subject)`.
         #[default]
         Independent = "independent",
@@ -267,7 +267,7 @@ pub enum Note {
     /// A term has no remaining columns.
     #[error("the term {term} has one level, or adds nothing to the preceding terms, and is dropped")]
     AliasedTerm { term: String },
-    /// A factor is no term, because it determines another one.
+    /// A factor is not a term, because it determines another one.
     #[error(
         "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
     )]

@@ -117,7 +117,7 @@ impl RandomPart {
                 continue;
             }
             let component = independent(frame, &part)?;
-            // The deviation of someone who rated one level is no effect besides the intercept.
+            // The deviation of someone who rated one level is not an effect besides the intercept.
             let factors = part.variables.iter().filter_map(|variable| find_factor(frame.counts, variable).ok());
             let crossing: BTreeSet<u32> =
                 factors.flat_map(|(factor, _)| crossing(frame.counts, &frame.rows, factor)).collect();
@@ -247,7 +247,7 @@ impl RandomPart {
     }
 }
 
-/// Returns the terms of a specification in which participants may differ, as far as the design supports it.
+/// Returns the terms of a specification in which participants may differ, where the design supports it.
 ///
 /// # Errors
 /// Returns [`ModelError::TooManySlopes`] if correlated slopes have too many covariances.

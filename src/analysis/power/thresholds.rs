@@ -32,7 +32,7 @@ use crate::{
 pub struct ThresholdObserver {
     /// The mean threshold of the population, as a level: there, F = ½.
     pub threshold: f64,
-    /// The standard deviation of thresholds between people, on the scale of the method: in decadic logarithms if it is
+    /// The standard deviation of thresholds between people, on the scale of the method: in base-10 logarithms if it is
     /// logarithmic.
     pub subject_sd: f64,
     /// The slope β of the function that the method assumes, on that scale.

@@ -15,7 +15,7 @@ use crate::experiment::{
 /// The answers at one level, or in one block of trials at a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// The level, on the scale of the curve: its decadic logarithm on a logarithmic axis; infinite in catch trials
+    /// The level, on the scale of the curve: its base-10 logarithm on a logarithmic axis; infinite in catch trials
     /// ([`Model::unseen`]).
     pub x: f64,
     /// Number of correct answers, or of yes answers.

@@ -31,7 +31,7 @@ pub struct Population {
     /// μ, the mean threshold, on the scale of x.
     pub mean: f64,
     /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people; `None` if all people's
-    /// functions rise between the same two levels, so that no answers tell where in between.
+    /// functions rise between the same two levels, so that no answers show where in between.
     pub interval: Option<Interval>,
     /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
     pub sd: f64,
@@ -58,7 +58,7 @@ pub struct Person {
     /// The standard deviation of t_i given the same.
     pub se: f64,
     /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
-    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is no estimate of
+    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is not an estimate of
     /// the person's threshold where people have unequal numbers of trials.
     pub contribution: f64,
 }

@@ -287,7 +287,7 @@ impl Analysis {
         let mut chosen = None;
         paragraph(
             ui,
-            "Drop files or a folder on this window: result files, a table of counts, or any CSV file with one rating \
+            "Drop files or a folder on this window: result files, a table of counts, or any table (CSV or Excel) with one rating \
                 per row. You can then identify its columns.",
         );
         ui.horizontal_wrapped(|ui| {

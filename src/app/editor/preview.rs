@@ -177,7 +177,7 @@ impl Pilot {
             }
             match &self.plot {
                 Some(Ok(Some(plot))) => plot.draw(ui, PLOT.y),
-                Some(Ok(None)) => ui::hint(ui, "It saw none."),
+                Some(Ok(None)) => ui::hint(ui, "This observer saw no levels."),
                 Some(Err(error)) => ui::show_error(ui, error),
                 None => ui::hint(ui, "It is answering…"),
             }

@@ -113,7 +113,7 @@ impl Prediction {
                 ui::paragraph(ui, sentence(visible));
                 ui::paragraph(
                     ui,
-                    format!("That there is a picture at all is predicted at {detection:.1} times the threshold."),
+                    format!("The contrast of the whole picture is predicted to be {detection:.1} times the threshold."),
                 );
                 ui::hint(ui, format!("At 1, people just see the difference. {}", self.place.sentence(size)));
             }
@@ -143,7 +143,7 @@ fn sentence(visible: &Visible) -> String {
 /// Says in words how visible something is that is this many times threshold.
 fn seen(times: f64) -> &'static str {
     match times {
-        ..0.8 => "not to be seen",
+        ..0.8 => "not to be visible",
         0.8..1.25 => "to be just visible",
         1.25..3.0 => "to be visible",
         _ => "to be easily visible",

@@ -81,8 +81,8 @@ impl Runner {
         let identity = &trials.recording.identity;
         let (subject, session) = (identity.subject(), identity.session());
         format!(
-            "{saved} To resume, start machband again and press Resume next to {subject}, session {session}, on the \
-                first page."
+            "{saved} To resume, start machband again, choose {subject}, session {session}, on the page Studies, and \
+                press Resume."
         )
     }
 

@@ -104,7 +104,7 @@ impl Studies {
                     };
                     icon.show(ui, color);
                     let text =
-                        format!("{rated} of {planned} trials with practice, last used on {}{note}", session.day());
+                        format!("{rated} of {planned} trials (with practice), last used on {}{note}", session.day());
                     ui.label(RichText::new(text).small().color(color));
                     if !complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
@@ -155,12 +155,12 @@ impl Studies {
             }
             let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
             if simulated > 0 {
-                ui::note(ui, format!("{simulated} of these sessions are simulated: a program rated."));
+                ui::note(ui, format!("Simulated (a program answered): {simulated} of these sessions."));
             }
             if planned.is_none() {
                 let find =
                     if protocol.task.is_default() || protocol.adaptive.is_some() { "; Plan… finds one" } else { "" };
-                ui::hint(ui, format!("The definition plans no number of participants{find}."));
+                ui::hint(ui, format!("The definition does not plan a number of participants{find}."));
             }
         });
         let found = self.found.clone().filter(|found| found.folder == self.folder());

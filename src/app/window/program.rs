@@ -48,8 +48,8 @@ pub enum WindowError {
 }
 
 /// How a session continues whose window is gone.
-const RESUME: &str = "every saved answer is on disk; to resume, use the same command with --resume, or press Resume next to \
-                      it on the start page";
+const RESUME: &str = "every saved answer is on disk; to resume, use the same command with --resume, or press Resume on \
+                      the page Studies";
 
 fn ended(signal: Signal, rows: Option<&Path>) -> String {
     match rows {

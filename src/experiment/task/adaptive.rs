@@ -104,7 +104,7 @@ impl Adaptive {
             if name.is_empty() || stimulus.get(name).is_none() {
                 let names: Vec<&str> = stimulus.parameters().iter().map(|parameter| parameter.name).collect();
                 let is =
-                    if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is no parameter") };
+                    if name.is_empty() { "parameter is missing".to_owned() } else { format!("{name} is not known") };
                 errors.add(path, format!("{is}; {}", expected_one_of(name, &names)));
             } else if factors.iter().any(|factor| factor.name == name) {
                 errors.add(path, format!("{name} is a factor; expected a parameter that no factor varies"));

@@ -17,7 +17,7 @@ options! {
         parameter: String = String::new(), "Parameter", OptionValue::Parameter(false), "The parameter that participants change.";
         low: f64 = 0.0, "Lowest value", OptionValue::Number, "The lowest value that can be set.";
         high: f64 = 1.0, "Highest value", OptionValue::Number, "The highest value that can be set.";
-        step: f64 = 0.02, "Step", OptionValue::Number, "How far one key press goes: added, or on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten times finer.";
+        step: f64 = 0.02, "Step", OptionValue::Number, "How far one key press goes: added or, on a logarithmic scale, multiplied by 10 to this power. Shift makes it ten times finer.";
         log: bool = false, "Steps are ratios", OptionValue::Flag, "Steps are equal ratios instead of equal differences.";
     }
 }

@@ -20,7 +20,7 @@ options! {
     /// What every method says.
     Common {
         parameter: String = String::new(), "Varies", OptionValue::Parameter(false), "The parameter whose levels are chosen.";
-        log: bool = true, "Steps are ratios", OptionValue::Flag, "The method counts in decadic logarithms of the level.";
+        log: bool = true, "Steps are ratios", OptionValue::Flag, "The method uses base-10 logarithms of the level.";
         easier: Easier = Easier::High, "Easier to see", OptionValue::OneOf(Easier::NAMES), "The end of the levels at which the target is easier to see.";
         trials: u32 = 40, "Trials", OptionValue::Number, "The number of trials of each condition, or the most if the method can stop earlier.";
     }

@@ -7,7 +7,7 @@ use crate::text::names::named;
 named! {
     /// The shape of a psychometric function: a sigmoid F that rises from 0 to 1.
     Curve, CurveError {
-        /// F(x) = 1 − exp(−10^(β(x−t))), with x the decadic logarithm of the level; F(t) = 1 − 1/e (Watson 2017).
+        /// F(x) = 1 − exp(−10^(β(x−t))), with x the base-10 logarithm of the level; F(t) = 1 − 1/e (Watson 2017).
         Weibull = "weibull",
         /// F(x) = 1/(1 + e^(−β(x−t))); F(t) = ½.
         Logistic = "logistic",

@@ -29,7 +29,7 @@ named! {
 options! {
     /// Comparison of conditions with each other, or of a condition with a reference.
     Pair {
-        pairs: Pairs = Pairs::All, "Pairs", OptionValue::OneOf(Pairs::NAMES), "All: every condition with every other. Chain: neighboring levels of a factor. Adaptive: the pair whose comparison is expected to tell most.";
+        pairs: Pairs = Pairs::All, "Pairs", OptionValue::OneOf(Pairs::NAMES), "All: every condition with every other. Chain: neighboring levels of a factor. Adaptive: the pair whose comparison is expected to be most informative.";
         #[serde(skip_serializing_if = "Option::is_none")]
         along: Option<String> = None, "Chain along", OptionValue::Factor, "The factor whose neighboring levels a chain compares.";
         #[serde(skip_serializing_if = "Option::is_none")]

@@ -21,7 +21,7 @@ const SHARE: f64 = 0.95;
 const EQUAL: f64 = 1e-12;
 
 /// QUEST+ as a definition says it. Parameters are on the scale of the levels; for a logarithmic one, a threshold is the
-/// decadic logarithm of a level.
+/// base-10 logarithm of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct QuestPlus {
@@ -76,7 +76,7 @@ impl Default for QuestPlus {
     }
 }
 
-/// The default slopes of the Weibull function, per decadic logarithm.
+/// The default slopes of the Weibull function, per base-10 logarithm.
 const SLOPES: [f64; 7] = [1.0, 1.5, 2.2, 3.2, 4.6, 6.8, 10.0];
 /// The default guess rates of a task in which they depend on the participant.
 const GUESSES: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.3];
@@ -138,8 +138,7 @@ impl QuestPlus {
                 .add("adaptive.levels", format!("the number of levels is {}; expected at least 2", self.levels.len()));
         }
         if self.function == Curve::Weibull && !common.log {
-            let message =
-                "a Weibull function counts in logarithms of the level; expected log = true, logistic or normal";
+            let message = "a Weibull function uses logarithms of the level; expected log = true, logistic or normal";
             errors.add("adaptive.function", message);
         }
         for (key, values, least, most) in [

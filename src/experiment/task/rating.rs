@@ -43,7 +43,7 @@ impl Kind for Rating {
     fn instructions(&self) -> String {
         match self.scale {
             Scale::Categories => Texts::default().task,
-            Scale::Slider => "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nFor each image, set the slider to how visible this BRIGHTER band is, with the mouse or with the arrow keys, and press Enter. There is no right answer: report what you see.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned(),
+            Scale::Slider => "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nFor each image, set the slider to show how visible this BRIGHTER band is, with the mouse or with the arrow keys, and press Enter. There is no right answer: report what you see.\n\nBetween images, the screen shows one even color while your eyes recover.".to_owned(),
         }
     }
 

@@ -47,7 +47,7 @@ impl Staircase {
             errors.add("adaptive.steps", "steps is empty; expected at least one size");
         }
         for (i, step) in self.steps.iter().enumerate().filter(|(_, step)| !(**step > 0.0 && step.is_finite())) {
-            let unit = if common.log { "decadic logarithms of the level" } else { "units of the level" };
+            let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
             errors.add(format!("adaptive.steps.{i}"), format!("step {step} is not above 0; expected a size in {unit}"));
         }
     }

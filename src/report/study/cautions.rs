@@ -149,8 +149,8 @@ fn about_model(results: &Results) -> Vec<String> {
     cautions.extend(notes.iter().filter(|note| is_serious(note)).map(|note| names::note(results, &report.model, note)));
     cautions.extend(report.order.as_ref().filter(|order| order.is_dependent()).map(|order| {
         let so = if results.is_inferential() {
-            "If conditions were shown in blocks, differences between participants in the effects are not told from this, and \
-             effects may seem clearer than they are."
+            "If conditions were shown in blocks, this cannot be distinguished from differences between participants in the \
+             effects, and effects may seem clearer than they are."
         } else {
             "The tests of this participant’s trials assume that they are independent, and find effects too often."
         };

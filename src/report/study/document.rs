@@ -122,13 +122,11 @@ impl Study {
             let what = match (unreadable, nobodys) {
                 (_, 0) => format!("{unreadable} of {rows} rows{of_files} cannot be read"),
                 (0, _) => {
-                    format!("{nobodys} of {rows} rows{of_files} have no participant (merged cells have only one)")
+                    format!("{nobodys} of {rows} rows{of_files} have no participant (merged cells have one value)")
                 }
                 _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
             };
-            let message = format!(
-                "{what}, so nothing is concluded from the others; expected at most {share}\u{a0}% of such rows"
-            );
+            let message = format!("{what}, so nothing is analyzed; expected at most {share}\u{a0}% of such rows");
             return Err(FileErrors([source.errors, vec![FileError::whole(file, message)]].concat()).into());
         }
         let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };

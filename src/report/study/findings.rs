@@ -58,7 +58,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let is_trend = !evidence.is_rank_test && is_slope(results, &factor.name);
     if evidence.p < ALPHA && size.as_ref().is_none_or(|size| size.interval.is_none()) {
         return format!(
-            "{before}{}. The size of this effect cannot be estimated with an interval, so no conclusion is drawn ({}, {p}).",
+            "{before}{}. The size of this effect cannot be estimated with an interval, so this summary draws no conclusion ({}, {p}).",
             means(results, factor),
             evidence.test
         );
@@ -201,7 +201,7 @@ pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String
                 main_effect(results, &factor.name).is_none().then(|| "it is not a term of the model".to_owned())
             })
             .or_else(|| {
-                let reason = "the model has no random slope for it, and rank tests ignore items";
+                let reason = "the model has no random slope for it, and rank tests cannot account for items";
                 results.spec.items.is_some().then(|| reason.to_owned())
             }),
     }

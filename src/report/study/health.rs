@@ -55,7 +55,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         let all = source.sessions.len() as u64;
         let of = if sealed < all { format!("{} of ", whole(sealed)) } else { String::new() };
         section.text(format!(
-            "The files of {of}{} were compared with the hashes recorded when the session ended; none was changed.",
+            "The files of {of}{} were compared with the hashes recorded when each session ended; none was changed.",
             count(all, "session")
         ));
     }
@@ -82,7 +82,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         } else if enough > 0 {
             format!("Every participant with at least {FEW_RATINGS} ratings used several categories")
         } else {
-            format!("No participant gave {FEW_RATINGS} ratings, so it is not said who used one category only")
+            format!("No participant gave {FEW_RATINGS} ratings, so this report does not say who used only one category")
         };
         section.text(if looked_at.is_empty() {
             format!("{who}. There are no response times, and no repeated ratings in a known order, to check.")

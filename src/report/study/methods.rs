@@ -129,7 +129,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         None => ("", ", fitted by maximum likelihood".to_owned()),
         Some(random) => {
             let slope = |slope: &RandomSlope| match (names::term(results, &slope.name), random.correlations.is_some()) {
-                (name, true) => format!("correlated random slopes of {name}"),
+                (name, true) => format!("a correlated random slope of {name}"),
                 (name, false) if is_number(&slope.term) => format!("an independent random slope of {name}"),
                 (name, false) => format!("for each combination of participant and {name}"),
             };
@@ -179,7 +179,7 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         let tests: Vec<String> = (report.terms.iter())
             .map(|test| match (names::term(results, &test.term), test.lr, test.p) {
                 (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
-                (term, ..) => format!("{term}, no test"),
+                (term, ..) => format!("{term}, not tested"),
             })
             .collect();
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
@@ -340,8 +340,8 @@ fn vision(cited: &mut Cited, source: &Source, predicted: &StudyPrediction) -> St
     let comparison = &predicted.comparison;
     let mut text = format!(
         "For every condition, in a window of {} with a white of {} cd/m², a model of vision computed {}, in units of \
-         the threshold at which people see a difference. Its contrast sensitivity has the form of {} and was fitted to \
-         measured thresholds ({}, among others); each band of an octave is masked by the reference's response in it.",
+         the threshold at which people see a difference. Its contrast sensitivity has the form of a standard model ({}) and was fitted to \
+         measured thresholds ({}, among others); in each of nine bands of frequency, the reference masks the difference.",
         degrees(predicted),
         fixed(predicted.viewing.white_cd_m2, 0),
         what(source),

@@ -2,7 +2,7 @@
 //! repeat the analysis.
 //!
 //! Every sentence that could be false for some results is computed from the results. A single participant allows no
-//! inference, so there are no tests, no intervals and no p values.
+//! inference about people: tests and intervals are then about that participant's trials.
 
 mod cautions;
 mod description;

@@ -104,7 +104,7 @@ fn interactions(section: &mut Section, results: &Results, report: &ModelReport) 
     let Some(first) = report.interactions.first() else { return };
     section.heading("Do the effects depend on each other?");
     let how = if first.by_signs {
-        "It is a score test: without an interaction, the residuals of each participant might as well point the other way, so p is the \
+        "It is a score test: without an interaction, the residuals of each participant could equally well have the opposite sign, so p is the \
          proportion of all (or 9,999 random) patterns of the participants’ signs with a statistic at least as large."
     } else {
         "A likelihood-ratio test against the model with the interaction, in simulated studies."
@@ -417,19 +417,18 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         );
     }
     section.text(sentence(results, model));
-    let slopes = model.random.as_ref().map_or(0, |random| random.slopes.len());
-    if slopes > 0 {
-        let names: Vec<String> = model
-            .random
-            .iter()
-            .flat_map(|random| &random.slopes)
-            .map(|slope| names::term(results, &slope.name))
-            .collect();
+    let slopes = model.random.iter().flat_map(|random| &random.slopes);
+    let slopes: Vec<String> = slopes.map(|slope| names::term(results, &slope.name)).collect();
+    if !slopes.is_empty() {
+        let own = if model.random.as_ref().is_some_and(|random| random.correlations.is_some()) {
+            "a deviation v in each of these, and the deviations and the intercept are correlated"
+        } else {
+            "a deviation v at every level of a factor, or in the slope on a number, with a standard deviation for each term"
+        };
         section.text(format!(
-            "The model also lets participants differ in their effects ({}): each has a deviation v at every level of a factor, \
-             or in the slope on a number, with a standard deviation for each term. Tests and intervals of these effects \
-             therefore allow for differences between people.",
-            list(&names)
+            "The model also lets participants differ in their effects ({}): each has {own}. Tests and intervals of these \
+             effects therefore allow for differences between people.",
+            list(&slopes)
         ));
     } else if mixed && results.is_inferential() {
         section.text(format!(

@@ -80,13 +80,13 @@ pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
 }
 
-/// Returns the participant for a sentence: `participant 97`, or an ID that is no number.
+/// Returns the participant for a sentence: `participant 97`, or an ID that is not a number.
 pub(super) fn who(subject: &SubjectResults) -> String {
     let id = participant(subject);
     if number_of(id).is_some() { format!("participant {id}") } else { id.to_owned() }
 }
 
-/// Lists participants for a sentence: `participants 97, 134 and 3 more`, or IDs that are no numbers.
+/// Lists participants for a sentence: `participants 97, 134 and 3 more`, or IDs that are not numbers.
 pub(super) fn all_of<S: AsRef<str>>(who: &[S], most: usize) -> String {
     let numbers: Option<Vec<&str>> = who.iter().map(|who| who.as_ref().strip_prefix("participant ")).collect();
     match numbers {

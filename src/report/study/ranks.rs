@@ -26,8 +26,8 @@ pub(super) fn section(results: &Results) -> Section {
         section.text(
             "For these tests, each participant’s ratings at a level are averaged over those conditions of the other factors \
              that the participant rated at every level. Friedman’s test uses only the order of each participant’s means. It asks whether any level is rated differently; Kendall’s W measures how consistently participants \
-             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if its test in the model is withheld or the model has no random \
-             slopes on request, and for the simple effects of an interaction that the model leaves out.",
+             order the levels, from 0 (not at all) to 1 (identically). The summary follows this test for a factor only if its test in the model is withheld or random slopes were \
+             turned off, and for the simple effects of an interaction that the model leaves out.",
         );
         friedman(&mut section, results, &tested);
     }
@@ -50,7 +50,7 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
     section.heading("Friedman’s test");
     if factors.iter().all(|factor| factor.friedman.is_none()) {
         section
-            .text("No factor could be tested: the test needs participants who rated every level in the same conditions, and it ignores items.");
+            .text("No factor could be tested: the test needs participants who rated every level in the same conditions, and it cannot account for items.");
         return;
     }
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];

@@ -118,7 +118,7 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             if results.model.as_ref().is_ok_and(is_modeled) {
                 ": each has a random intercept in the model, so its tests and intervals hold for other items as well."
             } else {
-                ", but there is no model with random effects of them, so nothing is concluded about other items."
+                ", but there is no model with random effects of them, so the results say nothing about other items."
             }
         ));
     }

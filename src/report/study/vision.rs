@@ -38,7 +38,7 @@ pub(super) fn section(
         "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen with a \
          white of {} cd/m². It computes {}, in times threshold: at 1, people just see the difference in a choice \
          between the two. It does not use the ratings; only the criterion is fitted to them: {}. The model was fitted \
-         to thresholds, not to ratings of bands; that it orders bands as people do is what this section examines.",
+         to thresholds, not to ratings of bands; this section examines whether it orders bands as people do.",
         degrees(prediction),
         fixed(prediction.viewing.white_cd_m2, 0),
         what(source),

@@ -31,7 +31,7 @@ pub struct Asked {
     pub levels: Option<Levels>,
     /// The value that participants set.
     pub dial: Option<Dial>,
-    /// The probability of a right answer without seeing anything.
+    /// The probability of a correct answer without seeing anything.
     pub guess: Option<f64>,
     /// The definition; `None` for a table.
     pub protocol: Option<Protocol>,
@@ -77,7 +77,7 @@ impl Asked {
     #[must_use]
     pub fn axis(&self, name: &str, log: bool) -> String {
         match log {
-            true => format!("{} (decadic logarithm)", names::heading(self.known(), name)),
+            true => format!("{} (base-10 logarithm)", names::heading(self.known(), name)),
             false => names::axis(self.known(), name),
         }
     }

@@ -67,7 +67,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             Some(_) => format!("in {}", simulated("session")),
             None => format!("for {}", simulated("participant")),
         };
-        section.warning(format!("Simulated: a program answered {place}. These are not answers of people."));
+        section.warning(format!("Simulated: a program answered {place}. These answers are not from people."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
@@ -150,7 +150,7 @@ fn data(study: &TaskStudy) -> Section {
     }
     section.facts("What was asked and answered", facts);
     if !study.warnings.is_empty() {
-        section.warning("Files were read in spite of these warnings:");
+        section.warning("These files were analyzed despite the following warnings.");
         section.list(study.warnings.iter().take(20).map(ToString::to_string).collect());
     }
     if !study.errors.is_empty() {
@@ -204,7 +204,7 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
     let rows = results.populations.iter().map(row).collect();
     section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
     if common.log {
-        section.note("The standard deviation and the width are in decadic logarithms of the level.");
+        section.note("The standard deviation and the width are in base-10 logarithms of the level.");
     }
 }
 
@@ -261,12 +261,12 @@ fn misfits(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     for (misfit, what) in [
         (
             Misfit::Reversed,
-            "The answers say that the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
+            "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
              \"low\" in a definition, or --easier low, says that low levels are easier)",
         ),
         (
             Misfit::BelowGuessing,
-            "Fewer answers are correct than by guessing, so these functions mean nothing and are left out",
+            "Fewer answers are correct than guessing would give, so these functions mean nothing and are left out",
         ),
     ] {
         let odd = told(study, results, &|function| function.misfit == Some(misfit));
@@ -308,7 +308,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         if count > 0 {
             section.warning(format!(
                 "The most probable thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
-                 participants contains them.",
+                 participants includes them.",
                 population.people.len(),
                 study.at(*condition)
             ));
@@ -328,7 +328,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let expected = POOR_FIT * results.functions.len() as f64;
     if at_least(poor.len(), results.functions.len(), POOR_FIT) <= 0.05 {
         section.warning(format!(
-            "The answers vary more than a psychometric function allows (p below .05): {}. About {} of {} would by chance.",
+            "The answers vary more than a psychometric function allows (p below .05): {}. By chance alone, about {} of {} would.",
             short_list(&poor, 12),
             fixed(expected, 1),
             count(results.functions.len() as u64, "function")
@@ -350,7 +350,7 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
         _ if study.asked.protocol.is_none() => "",
         Measures::Proportions => "An answer counts as seen if the target was chosen.",
         Measures::Detection if study.asked.levels.is_some() => {
-            "An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers tell γ."
+            "An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
         }
         Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
         Measures::Comparisons => "Each answer is a comparison of two conditions.",
@@ -371,7 +371,7 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     }
     if results.differences.len() > 1 {
         section.text(
-            "Two conditions are said to differ if p of the t test of this difference, with Holm's correction for all pairs of conditions, is below \
+            "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
              .05. The intervals are not corrected.",
         );
     }
@@ -379,10 +379,10 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
 }
 
 /// How the answers of all people are modeled.
-pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own from a normal distribution, and the width and the lapse rate are common: \
+pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, drawn from a normal distribution; all share the width and the lapse rate. This is \
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
-     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how much the participant's \
-     trials can tell (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
+     interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how informative the \
+     participant’s trials are (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
 
 /// How the thresholds of two conditions are compared.
 pub const MODEL_OF_DIFFERENCES: &str =

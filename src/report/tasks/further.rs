@@ -186,7 +186,7 @@ fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Se
     let mut section = Section::new("detection", "Detection");
     section.text(if study.asked.levels.is_some() {
         "The levels of the targets differ, so there is no d′ and no criterion over all of them: they would describe how the levels were \
-         chosen, and no stimulus. The false alarms are those of catch trials."
+         chosen, not any stimulus. The false alarms are those of catch trials."
     } else {
         "d′ is the distance between targets and catch trials in standard deviations of the noise; c is the criterion, above 0 if yes is said \
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
@@ -235,8 +235,8 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         fixed(thurstone.log_likelihood, 1),
         fixed(bradley_terry.log_likelihood, 1),
         if found.intervals.is_some() {
-            "Intervals are those of the mean of people like these: the standard error of 1,000 studies whose people are drawn with \
-             replacement, and the t distribution."
+            "Intervals are those of the mean of people like these: their standard error comes from 1,000 studies whose people are drawn with \
+             replacement, and their width from the t distribution."
         } else {
             "There are no intervals: they need at least two participants, and with fewer than five, each participant’s own comparisons must \
              determine a scale."
@@ -277,7 +277,7 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
     }
     if dial.log {
         section
-            .note("Means are geometric; the standard deviation and the effect of the start are in decadic logarithms.");
+            .note("Means are geometric; the standard deviation and the effect of the start are in base-10 logarithms.");
     }
     let all = count(study.trials.len() as u64, if is_rating { "rating" } else { "setting" });
     section.note(format!("There are {all}. Each participant counts once in the means over participants."));

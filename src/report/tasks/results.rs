@@ -45,7 +45,7 @@ pub struct TaskResults {
     /// Hits and false alarms of each person and condition.
     pub detection: Vec<OfPerson<Answers>>,
     /// Sensitivity and criterion of each of these; `None` without targets or catch trials, and over different levels, where both
-    /// would describe how the levels were chosen and no stimulus.
+    /// would describe how the levels were chosen, not any stimulus.
     pub sensitivity: Vec<OfPerson<Option<Detection>>>,
     /// The scale of comparisons.
     pub comparisons: Option<Comparisons>,
@@ -349,7 +349,7 @@ fn populations(
     conditions.into_par_iter().filter_map(fit).collect()
 }
 
-/// Standard errors beyond which answers are no chance.
+/// Standard errors beyond which answers are not due to chance.
 const CLEAR: f64 = 3.0;
 
 /// Returns why no function of the assumed kind describes the answers: their share falls where it should rise (the test of

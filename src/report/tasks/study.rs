@@ -97,7 +97,7 @@ pub enum TaskAnswered {
 }
 
 impl TaskStudy {
-    /// Returns the task of the first session with a sidecar at these paths, and the path, if it is no rating on a scale of
+    /// Returns the task of the first session with a sidecar at these paths, and the path, if it is not a rating on a scale of
     /// categories.
     ///
     /// # Errors

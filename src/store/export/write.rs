@@ -68,7 +68,7 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
     let sessions = sessions::chosen(sessions, choice.complete_only, &mut exported.notes);
     if sessions.is_empty() {
         let why = exported.notes.join("; ");
-        let message = format!("has no session to export ({why}); expected one that was recorded completely");
+        let message = format!("has no session to export ({why}); expected at least one that can be exported");
         return Err(FileErrors::whole(from, message).into());
     }
     (exported.sessions, exported.rows) = (sessions.len(), sessions.iter().map(|session| session.rows.len()).sum());

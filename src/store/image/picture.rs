@@ -1,4 +1,4 @@
-//! Reads any PNG as light: what its codes mean, and where that is said.
+//! Reads any PNG as light: what its codes mean, and what says so.
 
 use std::{
     io::BufReader,

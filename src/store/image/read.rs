@@ -166,7 +166,7 @@ pub(crate) fn recipe_text(path: &Path) -> std::io::Result<Option<String>> {
     let Some(file) = unless_missing(open_regular(path))? else { return Ok(None) };
     match Decoder::new(BufReader::new(file)).read_info() {
         Ok(reader) => Ok(text(reader.info(), KEYWORD)),
-        // A file that ends too early is no image of ours.
+        // A file that ends too early is not an image of ours.
         Err(DecodingError::IoError(error)) if error.kind() != ErrorKind::UnexpectedEof => Err(error),
         Err(_) => Ok(None),
     }

@@ -1,4 +1,4 @@
-//! Reads answers at levels from a table of any program: level, number of right answers, number of trials.
+//! Reads answers at levels from a table of any program: level, number of correct answers, number of trials.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ use crate::{
 pub struct AnswerColumns {
     /// The level.
     pub level: String,
-    /// The number of right answers, or of yes answers.
+    /// The number of correct answers, or of yes answers.
     pub correct: String,
     /// The number of trials; without it, each row is one trial.
     pub total: Option<String>,
@@ -182,12 +182,12 @@ impl Used {
             Some(text(cell).to_owned()).filter(|name| !is_missing(name, false)).ok_or((cell, expected))
         };
         let (total, expected) = match self.total {
-            Some(cell) => (count(cell, "a number of trials")?, "a number of right answers"),
-            None => (1, "1 for a right answer, or 0"),
+            Some(cell) => (count(cell, "a number of trials")?, "a number of correct answers"),
+            None => (1, "1 for a correct answer, or 0"),
         };
         let correct = count(self.correct, expected)?;
         if correct > total {
-            let expected = if self.total.is_some() { "no more right answers than trials" } else { expected };
+            let expected = if self.total.is_some() { "no more correct answers than trials" } else { expected };
             return Err((self.correct, expected));
         }
         let level = number(self.level).filter(|level| level.is_finite());

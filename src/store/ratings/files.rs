@@ -352,7 +352,7 @@ impl Header {
             rows.len() < 3
         });
         if rows.get(2).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
-            return error("has Qualtrics’ labels below its header; expected ratings: remove its second and third row");
+            return error("has Qualtrics’ labels below its header; expected ratings: remove its second and third rows");
         }
         let mut rows = rows.into_iter();
         self.names = rows.next().unwrap_or_default();
@@ -383,7 +383,7 @@ impl Header {
     /// Says that the participants are in this column of the file `name`, which was not named, unless it is [`SUBJECT`].
     pub fn note_of_subject(&self, name: &str, index: usize) -> Option<FileError> {
         let column = Some(&self.names[index]).filter(|column| *column != SUBJECT)?;
-        let message = format!("participants are in the column {column}; expected {SUBJECT}, or a column that is named");
+        let message = format!("participants are in the column {column}; expected {SUBJECT}, or a column that you name");
         Some(self.error(name, self.column(index), message))
     }
 

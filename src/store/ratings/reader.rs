@@ -209,7 +209,7 @@ fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileE
             let files = if affected.len() > 1 { format!(" of {} files, of which this is the first,", affected.len()) } else { String::new() };
             let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
             let message = format!(
-                "{found} of {rows} rows{files} {have} no {what} (an empty cell, NA, {named}or another text that means so) and {are} left out; \
+                "{found} of {rows} rows{files} {have} no {what} (an empty cell, NA, {named}or another text for a missing value) and {are} left out; \
              expected a {what} in every row"
             );
             Some(FileError::whole(&affected.first()?.path, message))

@@ -163,7 +163,7 @@ pub(crate) fn links_out<'a>(
     let warning = |(folder, paths): (PathBuf, Vec<PathBuf>)| {
         let (first, all) = (paths.first()?.display(), paths.len());
         let message = format!(
-            "some of its files are links to files outside (in total {all}, such as {first}); expected regular files (the \
+            "some of its files are links to files outside it ({all}, such as {first}); expected regular files (the \
              links were followed)"
         );
         Some(FileError::whole(folder, message))

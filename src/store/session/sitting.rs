@@ -265,7 +265,7 @@ pub struct Pictures {
     pub others: Vec<OtherPicture>,
 }
 
-/// A picture that is no condition.
+/// A picture that is not a condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherPicture {
     /// What it shows.

@@ -199,7 +199,7 @@ impl SessionStore {
         self.sidecar.participant = Some(answers);
         self.enter_participant();
         if let Err(error) = self.sidecar.write(&self.paths.sidecar) {
-            self.note(format!("the answers about the participant were not saved at once: {error}"));
+            self.note(format!("the answers about the participant were not saved immediately: {error}"));
         }
     }
 

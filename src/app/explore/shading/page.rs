@@ -79,7 +79,7 @@ impl ShadingPage {
         }
     }
 
-    /// Returns the preset to remember; empty if the comparison is no preset.
+    /// Returns the preset to remember; empty if the comparison is not a preset.
     pub fn remembered(&self) -> Table {
         let is_shown = |preset: &Comparison| preset.clone().on_display(&self.compared.transfer) == self.compared;
         let found = presets().into_iter().find(|(_, preset)| is_shown(preset));
