@@ -14,6 +14,8 @@ export { bulges, coefficients, cubic, curvature, rings, welded } from "./ordinat
 const FEW = 2000;
 // Materials whose shaders have no normals.
 const UNLIT = ["isMeshBasicMaterial", "isMeshDepthMaterial", "isMeshDistanceMaterial", "isShadowMaterial"];
+// Where C1 normals belong in a shader.
+const PARS = "#include <normal_pars_fragment>";
 // Cameras whose coefficients a mesh keeps.
 const CAMERAS = 8;
 
@@ -145,6 +147,8 @@ function unfit(mesh) {
   if (materials.every((one) => one.flatShading)) return "it is flat-shaded";
   // Such materials neither light nor show normals; shaders of one's own may.
   if (materials.every((one) => UNLIT.some((kind) => one[kind]))) return "its material uses no normals";
+  const lacks = (one) => one.isShaderMaterial && !one.fragmentShader.includes(PARS);
+  if (materials.every(lacks)) return `its shader does not have ${PARS}, where C1 normals belong`;
   return undefined;
 }
 
@@ -214,16 +218,12 @@ function patched(source, normals) {
   sources.set(own, source);
   own.onBeforeCompile = (shader, renderer) => {
     source.onBeforeCompile(shader, renderer);
-    const pars = "#include <normal_pars_fragment>";
-    if (!shader.fragmentShader.includes(pars)) {
-      if (source.isShaderMaterial) tell("warn", normals.mesh, `its shader does not have ${pars}, where C1 normals belong`);
-      return;
-    }
+    if (!shader.fragmentShader.includes(PARS)) return;
     const isFlat = renderer.capabilities.maxVaryings >= 24;
     const defined = `${isFlat ? "#define C1_FLAT\n" : ""}${normals.isStill ? "#define C1_STILL\n" : ""}`;
     shader.uniforms.c1_coefficients = normals.uniform;
     shader.vertexShader = defined + vertexHead + shader.vertexShader.replace(/\}\s*$/, vertexTail);
-    shader.fragmentShader = defined + shader.fragmentShader.replace(pars, `${pars}\n${fragmentHead}`);
+    shader.fragmentShader = defined + shader.fragmentShader.replace(PARS, `${PARS}\n${fragmentHead}`);
   };
   own.customProgramCacheKey = () => `${source.customProgramCacheKey()} c1 ${normals.isStill}`;
   own.onBeforeRender = (renderer, scene, camera, geometry, object, group) => {
