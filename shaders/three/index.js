@@ -14,6 +14,8 @@ export { bulges, coefficients, cubic, curvature, rings, welded } from "./ordinat
 const FEW = 2000;
 // Materials whose shaders have no normals.
 const UNLIT = ["isMeshBasicMaterial", "isMeshDepthMaterial", "isMeshDistanceMaterial", "isShadowMaterial"];
+// Where C1 normals belong in a shader.
+const PARS = "#include <normal_pars_fragment>";
 // Cameras whose coefficients a mesh keeps.
 const CAMERAS = 8;
 
@@ -145,6 +147,8 @@ function unfit(mesh) {
   if (materials.every((one) => one.flatShading)) return "it is flat-shaded";
   // Such materials neither light nor show normals; shaders of one's own may.
   if (materials.every((one) => UNLIT.some((kind) => one[kind]))) return "its material uses no normals";
+  const lacks = (one) => one.isShaderMaterial && !one.fragmentShader.includes(PARS);
+  if (materials.every(lacks)) return `its shader does not have ${PARS}, where C1 normals belong`;
   return undefined;
 }
 
@@ -158,7 +162,7 @@ function moving(mesh) {
 // A geometry without shared vertices, because each must know its triangle and its corner, and its surface.
 function prepared(geometry) {
   const known = made.get(geometry);
-  if (known) return known;
+  if (known && !isChanged(known)) return known;
   const { position, normal } = geometry.attributes, own = geometry.index ? geometry.toNonIndexed() : geometry;
   if (own !== geometry) {
     own.name = geometry.name;
@@ -166,11 +170,20 @@ function prepared(geometry) {
     own.drawRange = geometry.drawRange;
   }
   const whole = welded(numbers(position), numbers(normal), geometry.index?.array);
-  const result = { geometry: own, whole, points: curvature(whole) };
+  const result = { geometry: own, source: geometry, whole, points: curvature(whole) };
+  result.changes = changes(result);
   made.set(geometry, result);
   made.set(own, result);
   return result;
 }
+
+// How often the positions and normals of a geometry, and of what it was made from, were changed.
+function changes({ geometry, source }) {
+  const attributes = [geometry, source].flatMap(({ attributes: { position, normal } }) => [position, normal]);
+  return attributes.reduce((sum, attribute) => sum + (attribute.data ?? attribute).version, 0);
+}
+
+const isChanged = (shape) => changes(shape) !== shape.changes;
 
 function numbers(attribute) {
   if (attribute.array instanceof Float32Array && !attribute.isInterleavedBufferAttribute) return attribute.array;
@@ -205,16 +218,12 @@ function patched(source, normals) {
   sources.set(own, source);
   own.onBeforeCompile = (shader, renderer) => {
     source.onBeforeCompile(shader, renderer);
-    const pars = "#include <normal_pars_fragment>";
-    if (!shader.fragmentShader.includes(pars)) {
-      if (source.isShaderMaterial) tell("warn", normals.mesh, `its shader does not have ${pars}, where C1 normals belong`);
-      return;
-    }
+    if (!shader.fragmentShader.includes(PARS)) return;
     const isFlat = renderer.capabilities.maxVaryings >= 24;
     const defined = `${isFlat ? "#define C1_FLAT\n" : ""}${normals.isStill ? "#define C1_STILL\n" : ""}`;
     shader.uniforms.c1_coefficients = normals.uniform;
     shader.vertexShader = defined + vertexHead + shader.vertexShader.replace(/\}\s*$/, vertexTail);
-    shader.fragmentShader = defined + shader.fragmentShader.replace(pars, `${pars}\n${fragmentHead}`);
+    shader.fragmentShader = defined + shader.fragmentShader.replace(PARS, `${PARS}\n${fragmentHead}`);
   };
   own.customProgramCacheKey = () => `${source.customProgramCacheKey()} c1 ${normals.isStill}`;
   own.onBeforeRender = (renderer, scene, camera, geometry, object, group) => {
@@ -224,27 +233,48 @@ function patched(source, normals) {
   return own;
 }
 
-// Normals that do not depend on the view.
-class Still {
-  constructor(mesh) {
-    const shape = prepared(mesh.geometry), texture = textureFor(shape.points.triangles.length / 3);
-    texture.image.data.set(bulges(shape.whole, shape.points));
-    texture.needsUpdate = true;
-    Object.assign(this, { mesh, shape, isStill: true, uniform: { value: texture } });
+// The normals of one mesh, and why it does without.
+class Normals {
+  constructor(mesh, isStill) {
+    Object.assign(this, { mesh, shape: prepared(mesh.geometry), isStill, uniform: { value: none }, told: new Set() });
   }
 
-  show() {}
+  // True if an object keeps its interpolated normals because of a problem, which is told once.
+  keeps(object, problem) {
+    const isStale = object.geometry !== this.shape.geometry || isChanged(this.shape);
+    const text = isStale ? "its geometry has changed; it keeps its interpolated normals. Call dispose() and applyC1 again" : problem;
+    if (!text) return false;
+    if (!this.told.has(text)) tell("warn", object, text);
+    this.told.add(text);
+    this.uniform.value = none;
+    return true;
+  }
+}
+
+// Normals that do not depend on the view.
+class Still extends Normals {
+  constructor(mesh) {
+    super(mesh, true);
+    const { whole, points } = this.shape;
+    this.texture = textureFor(points.triangles.length / 3);
+    this.texture.image.data.set(bulges(whole, points));
+    this.texture.needsUpdate = true;
+  }
+
+  show(renderer, camera, object) {
+    if (!this.keeps(object)) this.uniform.value = this.texture;
+  }
 
   dispose() {
-    this.uniform.value.dispose();
+    this.texture.dispose();
   }
 }
 
 // The coefficients of a mesh for each camera that sees it.
-class Views {
+class Views extends Normals {
   constructor(mesh, gpu) {
-    const shape = prepared(mesh.geometry);
-    Object.assign(this, { mesh, shape, gpu, isStill: false, uniform: { value: none }, known: new Map(), told: new Set() });
+    super(mesh, false);
+    Object.assign(this, { gpu, known: new Map() });
   }
 
   show(renderer, camera, object) {
@@ -252,12 +282,7 @@ class Views {
     const problem = object !== this.mesh ? "the material belongs to another mesh; use applyC1 on copies, too"
       : keepsShape(modelView) ? undefined
         : "it is scaled unevenly or mirrored; it keeps its interpolated normals. Apply the scale to the geometry";
-    if (problem) {
-      if (!this.told.has(problem)) tell("warn", object, problem);
-      this.told.add(problem);
-      this.uniform.value = none;
-      return;
-    }
+    if (this.keeps(object, problem)) return;
     let view = this.known.get(camera);
     if (!view) {
       if (this.known.size >= CAMERAS) this.#forget(this.known.keys().next().value);
@@ -266,8 +291,11 @@ class Views {
     }
     renderer.getCurrentViewport(size);
     // Only the shape of the viewport matters.
-    const aspect = size.z / size.w, { last } = view;
-    if (!same(last, modelView.elements, projection.elements, aspect)) {
+    const aspect = size.z / size.w, { last, target } = view;
+    // What is on a card belongs to one renderer, and is gone after it lost its context.
+    const isThere = !target || (view.renderer === renderer && renderer.properties.get(target.texture).__webglTexture);
+    if (!isThere || !same(last, modelView.elements, projection.elements, aspect)) {
+      view.renderer = renderer;
       last.set(modelView.elements);
       last.set(projection.elements, 16);
       last[32] = aspect;

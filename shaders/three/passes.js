@@ -3,8 +3,9 @@
 // coefficients.wgsl of the kit describes the textures.
 
 import {
-  BufferGeometry, Camera, DataTexture, Float32BufferAttribute, FloatType, GLSL3, Mesh, NearestFilter, NoBlending,
-  RawShaderMaterial, RGBAFormat, RGBAIntegerFormat, RGIntegerFormat, Scene, UnsignedIntType, Vector2, WebGLRenderTarget,
+  BufferGeometry, DataTexture, Float32BufferAttribute, FloatType, GLSL3, Mesh, NearestFilter, NoBlending,
+  OrthographicCamera, RawShaderMaterial, RGBAFormat, RGBAIntegerFormat, RGIntegerFormat, Scene, UnsignedIntType, Vector2,
+  WebGLRenderTarget,
 } from "three";
 import * as glsl from "./glsl.js";
 
@@ -22,7 +23,8 @@ const slopes = pass(glsl.slopes), coefficients = pass(glsl.coefficients);
 const covering = new Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3);
 const screen = new Mesh(new BufferGeometry().setAttribute("position", covering));
 screen.frustumCulled = false;
-const scene = new Scene(), viewer = new Camera();
+// The shaders need no camera, but three.js wants one whose projection it can reverse.
+const scene = new Scene(), viewer = new OrthographicCamera();
 scene.add(screen);
 scene.matrixWorldAutoUpdate = viewer.matrixWorldAutoUpdate = false;
 

@@ -106,15 +106,9 @@ impl Halftone {
         self.ranks.iter().map(|&rank| (code + u32::from(u32::from(rank) < lit)) as u8).collect()
     }
 
-    /// Returns the side of the image that [`enlarged`](Halftone::enlarged) draws for `px` pixels. Check it against
-    /// [`MAX_PX`] before drawing, because a cell can have 16 × 16 dots.
-    #[must_use]
-    pub fn enlarged_px(&self, px: u32) -> u32 {
-        px.saturating_mul(self.screen.matrix.size())
-    }
-
     /// Returns `image` with a cell in place of every pixel, n times as wide and n times as high, in 8 bits: code c
-    /// becomes c·255/(2^m − 1), rounded; this is exact for 1, 2, 4 and 8 bits.
+    /// becomes c·255/(2^m − 1), rounded; this is exact for 1, 2, 4 and 8 bits. Check the size against [`MAX_PX`] before
+    /// drawing, because a cell can have 16 × 16 dots.
     #[must_use]
     pub fn enlarged(&self, image: &LinearImage) -> CodeImage {
         let size = self.screen.matrix.size();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     text::Cell,
-    vision::{self, Eye, Judge, RampBands, VisionError, next_fast_length},
+    vision::{self, Eye, Judge, LuminanceImage, RampBands, VisionError, next_fast_length},
 };
 
 /// Pixels per degree of the pictures whose detection is predicted: as fine as an average person sees with ease.
@@ -153,7 +153,9 @@ impl ViewingConditions {
         let size = (DETECTION_PX_PER_DEG * self.window_deg).clamp(256.0, 1024.0) as u32;
         let image = stimulus.linear(size);
         let light = self.luminances(&image);
-        vision::detection(&self.luminance_image(&image, &light), &self.eye(&light))
+        let (width, height) = (image.width as usize, image.height as usize);
+        let picture = LuminanceImage { light: &light, width, height, px_per_deg: self.px_per_deg(size) };
+        vision::detection(&picture, &self.eye(&light))
     }
 
     /// Prepares to judge pictures of `size` pixels `[across, down]` that fill the window's width, by an eye that is adapted

@@ -3,7 +3,7 @@
 use super::catalog::Stimulus;
 use crate::{
     light::LinearImage,
-    vision::{Eye, LuminanceImage, luminance},
+    vision::{Eye, luminance},
 };
 
 /// A window on a screen, viewed by an eye adapted to the window's mean light.
@@ -42,11 +42,6 @@ impl ViewingConditions {
     #[must_use]
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
-    }
-
-    pub(super) fn luminance_image<'a>(&self, image: &LinearImage, light: &'a [f64]) -> LuminanceImage<'a> {
-        let (width, height) = (image.width as usize, image.height as usize);
-        LuminanceImage { light, width, height, px_per_deg: self.px_per_deg(image.width) }
     }
 
     /// Returns the luminance of light, 1 for white, in cd/m².

@@ -304,7 +304,7 @@ fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
         idle.push(("crease", "has no effect on a built-in shape; expected none".to_owned()));
     }
     idle.extend(shade.idle_correction().map(|(key, _, problem)| (key, format!("{problem}; expected \"off\""))));
-    idle.extend(table.highlight.idle_option([table.facet_slope, table.facet_c1, table.facet_index]));
+    idle.extend(table.highlight.idle_option(table.mirrors()));
     let of_transparent =
         [("transmission", table.transmission != default.transmission), ("index", table.index.is_some())];
     for (key, is_given) in of_transparent {
@@ -319,6 +319,10 @@ fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
 }
 
 impl MeshTable {
+    fn mirrors(&self) -> Mirrors {
+        Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index }
+    }
+
     fn shade(&self) -> Shade {
         let plain = Shade::new(self.shader);
         Shade {
@@ -359,14 +363,7 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(
-                table.shininess,
-                Mirrors {
-                    slope: table.facet_slope,
-                    c1: table.facet_c1,
-                    index: table.facet_index.unwrap_or(Mirrors::default().index),
-                },
-            ),
+            specular_model: table.highlight.model(table.shininess, table.mirrors()),
         },
         transparency: match table.transparency {
             Transmits::Opaque => Transparency::Opaque,

@@ -31,7 +31,7 @@ pub struct Judge {
     /// Size of the pictures `[across, down]`, pixels.
     given: [usize; 2],
     /// The judge's own pixels, which may be coarser.
-    grid: Grid,
+    pub(super) grid: Grid,
     /// For lines, the unit vector across their bars.
     across: Option<[f64; 2]>,
     /// Functions of a frequency in cycles per degree: what is left of it in the light to which the eye adapts, the
@@ -190,11 +190,6 @@ impl Judge {
 
     fn averaged(&self, picture: &[f64]) -> Vec<f64> {
         averaged(picture.to_vec(), self.given, self.grid.size)
-    }
-
-    /// Returns the width of the pictures, degrees.
-    pub(super) fn extent_deg(&self) -> f64 {
-        self.grid.extent[0]
     }
 
     /// Masks the difference by the reference, band by band, if there is one.

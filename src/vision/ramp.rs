@@ -47,7 +47,7 @@ impl RampBands {
             return Ok(RampBands::default());
         }
         let size = light.len() as f64;
-        let px = judge.extent_deg() / size;
+        let px = judge.grid.extent[0] / size;
         let rise = (last - first).signum();
         let shares: Vec<f64> = light.iter().map(|value| (value - first) / (last - first)).collect();
         // The edge has as much light as the ramp.

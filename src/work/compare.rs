@@ -16,7 +16,7 @@ use crate::{
         image::{MAX_PIXELS, Origin, Picture},
     },
     system::{checkpoint, entries, found},
-    text::number::positive,
+    text::number::{positive, within},
     vision::{Place, VisionError, unrounded},
 };
 
@@ -68,7 +68,7 @@ pub struct Compare {
     #[serde(serialize_with = "paths")]
     pub mask: Option<PathBuf>,
     /// The largest difference that is accepted, in times threshold; with more, the exit status is 1.
-    #[arg(long, value_name = "V", value_parser = positive)]
+    #[arg(long, value_name = "V", value_parser = within(0.0, 1e6))]
     pub max: Option<f64>,
     /// Also accept pictures of more than 4096 × 4096 pixels. This needs more time and memory.
     #[arg(long)]
@@ -275,18 +275,19 @@ impl Compare {
         let size = [width as usize, height as usize];
         let levels = Levels::of(&picture.codes, picture.significant_bits);
         let (smooth, is_skipping) = smooth(&picture, levels);
-        let weigh = |image: &LinearImage| weighted(image, picture.weights);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
+        let shown = picture.codes.light(&picture.transfers);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
-        let source = if levels.bits == 16 { picture.codes.light(&picture.transfers) } else { smooth.clone() };
+        let source = if levels.bits == 16 { shown.clone() } else { smooth.clone() };
         let dithered = quantizer.quantize_with(&source, &Dither::BlueNoise);
         let viewing = self.viewing(&encoded, width);
-        let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
-        let (shown, reference) = (cd_m2(picture.luminances()), cd_m2(weigh(&smooth)));
-        let of_codes = |codes: CodeImage| cd_m2(Picture { codes, ..picture.clone() }.luminances());
-        let grain = of_codes(dithered.clone());
-        let rounded = (levels.bits > 8).then(|| of_codes(quantizer.quantize_with(&source, &Dither::None)));
-        let target = cd_m2(weigh(&source));
+        let cd_m2 = |image: &LinearImage| -> Vec<f64> {
+            weighted(image, picture.weights).into_iter().map(|light| viewing.cd_m2(light)).collect()
+        };
+        let of_codes = |codes: &CodeImage| cd_m2(&codes.light(&picture.transfers));
+        let (shown, reference, target) = (cd_m2(&shown), cd_m2(&smooth), cd_m2(&source));
+        let grain = of_codes(&dithered);
+        let rounded = (levels.bits > 8).then(|| of_codes(&quantizer.quantize_with(&source, &Dither::None)));
         watcher.stage("comparing");
         let judge = viewing.judge(size, &reference).map_err(|error| wrong(&name, &error))?;
         let largest = |shown: &[f64], reference: &[f64]| {
@@ -398,10 +399,7 @@ impl Compare {
             let message = format!("{} has {across} × {down} pixels; expected {width} × {height}", path.display());
             return Err(RequestError::new("mask", message).into());
         }
-        let most = f64::from(match mask.codes.samples {
-            Samples::Eight(_) => u16::from(u8::MAX),
-            Samples::Sixteen(_) => u16::MAX,
-        });
+        let most = f64::from((1_u32 << mask.codes.bits()) - 1);
         let wrong = |message: &str| RequestError::new("mask", format!("{} {message}", path.display()));
         let of = |i: u32| match mask.codes.pixel(i % width, i / width) {
             [r, g, b] if r == g && g == b => Ok(f64::from(g) / most),

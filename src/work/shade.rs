@@ -565,14 +565,10 @@ impl OneMesh {
             let message = format!("{} is too short or too long; expected a length from 1e-6 to 1e6", self.light);
             return Err(RequestError::value("light", message));
         }
-        if let Some((name, problem)) = self.highlight.idle_option([self.facet_slope, self.facet_c1, self.facet_index]) {
+        let mirrors = Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index };
+        if let Some((name, problem)) = self.highlight.idle_option(mirrors) {
             return Err(RequestError::value(name, problem));
         }
-        let mirrors = Mirrors {
-            slope: self.facet_slope,
-            c1: self.facet_c1,
-            index: self.facet_index.unwrap_or(Mirrors::default().index),
-        };
         Ok(Scene {
             rotate_deg: self.rotate.0,
             light,

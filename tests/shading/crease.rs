@@ -69,7 +69,7 @@ fn a_jump_that_changes_along_the_edge_is_averaged() {
     let height = Frame::area2(PLACES[0], PLACES[1], PLACES[2]).abs() / PLACES[0].distance(PLACES[1]);
     // On one side of the edge, the light is curved and steep; on the other, it is constant and ¼ higher. The slope at
     // the edge is s, which rises from 0 to ½ and falls to 0 along the edge.
-    let creases = Creases::of_field(&frame, |t, w| {
+    let creases = Creases::of_field(&frame, 1e-5, |t, w| {
         let s = w[1].min(w[2]) / (w[1] + w[2]);
         let far = w[0] * height;
         if t == 0 { DVec3::new((3.0 * far).sin() / 3.0 * s, 0.0, 0.0) } else { DVec3::new(0.0, 0.25, 0.0) }
@@ -85,7 +85,7 @@ fn a_jump_that_changes_along_the_edge_is_averaged() {
 fn a_smooth_field_has_no_crease() {
     let (places, triangles) = grid(6, 100.0, 0.24, 4);
     let frame = frame(&places, &triangles, |p| DVec3::splat(random((p.x * 1e4) as u64)));
-    let creases = Creases::of_field(&frame, |t, w| {
+    let creases = Creases::of_field(&frame, 1e-5, |t, w| {
         let [a, b, c] = frame.corners(t).map(|v| v.screen);
         let p = w[0] * a + w[1] * b + w[2] * c;
         DVec3::splat((0.2 * p.x).sin() * (0.3 * p.y).cos())
@@ -93,7 +93,7 @@ fn a_smooth_field_has_no_crease() {
     assert!(creases.max < 1e-7, "{}", creases.max);
     // What remains is rounding error, so ratios to it are not computed.
     assert_eq!(creases.over(&creases), None);
-    let uniform = Creases::of_field(&frame, |_, _| DVec3::ONE);
+    let uniform = Creases::of_field(&frame, 1e-5, |_, _| DVec3::ONE);
     assert_eq!((uniform.max, creases.over(&uniform)), (0.0, None));
 }
 

@@ -421,6 +421,24 @@ fn glb_files_are_morphed_and_wrapped() {
     );
     let base = file.mesh.paint.as_ref().unwrap().coats[0].base.clone().unwrap();
     assert_eq!(base.wrap, [Wrap::Clamp, Wrap::Mirror]);
+    // What says nowhere where a texture lies has none.
+    let normals = json!({ "index": 0, "texCoord": 1 });
+    for (is_placed, texture, note) in [
+        (false, None, "textures without texture coordinates were ignored"),
+        (true, Some(()), "normal maps with other texture coordinates than the base color were ignored"),
+    ] {
+        let file = parsed(&glb(|json| {
+            json["materials"][0]["normalTexture"] = normals.clone();
+            let attributes = &mut json["meshes"][0]["primitives"][0]["attributes"];
+            attributes["TEXCOORD_1"] = json!(2);
+            if !is_placed {
+                attributes.as_object_mut().unwrap().retain(|name, _| !name.starts_with("TEXCOORD"));
+            }
+        }));
+        let paint = file.mesh.paint.unwrap();
+        assert_eq!((file.notes, paint.coats[0].base.as_ref().map(drop)), (vec![note.to_owned()], texture));
+        assert_eq!(paint.coats[0].normals, None);
+    }
     let texture = |wrap| Texture { width: 2, height: 1, texels: vec![[0.0; 3], [1.0; 3]], wrap: [wrap; 2] };
     for (wrap, wanted) in [
         (Wrap::Repeat, [0.0, 1.0, 0.5, 0.0, 1.0]),

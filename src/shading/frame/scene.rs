@@ -12,22 +12,19 @@ use crate::{
 };
 
 /// The small mirrors of a highlight, Shoaff §3.8.1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mirrors {
     /// m, the root mean square slope; `None` makes the highlight as sharp as Blinn's, √(2/(shininess + 2)).
     pub slope: Option<f64>,
     /// c₁ of Torrance and Sparrow; with `None`, as many mirrors face along the normal as in Beckmann's distribution.
     pub c1: Option<f64>,
-    /// η, the index of refraction. At normal incidence, the mirrors reflect F₀ = ((η − 1)/(η + 1))² of the light.
-    pub index: f64,
+    /// η, the index of refraction. At normal incidence, the mirrors reflect F₀ = ((η − 1)/(η + 1))² of the light; with
+    /// `None`, a quarter.
+    pub index: Option<f64>,
 }
 
-impl Default for Mirrors {
-    /// Mirrors that reflect a quarter of the light at normal incidence.
-    fn default() -> Self {
-        Self { slope: None, c1: None, index: 3.0 }
-    }
-}
+/// The index of refraction of small mirrors that reflect a quarter of the light at normal incidence.
+const INDEX: f64 = 3.0;
 
 named! {
     /// The shape of the highlight.
@@ -47,7 +44,7 @@ impl Highlight {
     /// Returns the name of an option of the small mirrors that is given although this highlight does not use it, and what
     /// is wrong with it.
     #[must_use]
-    pub fn idle_option(self, [slope, c1, index]: [Option<f64>; 3]) -> Option<(&'static str, String)> {
+    pub fn idle_option(self, Mirrors { slope, c1, index }: Mirrors) -> Option<(&'static str, String)> {
         let (is_gaussian, is_beckmann) = (self == Highlight::TorranceSparrow, self == Highlight::CookTorrance);
         let options = [
             ("facet_slope", slope, is_gaussian || is_beckmann, " or cook-torrance"),
@@ -62,7 +59,8 @@ impl Highlight {
     #[must_use]
     pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
         let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
-        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index: DVec3::splat(index) });
+        let index = DVec3::splat(index.unwrap_or(INDEX));
+        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index });
         match self {
             Highlight::Phong => Specular::Phong,
             Highlight::Blinn => Specular::Blinn,

@@ -49,15 +49,10 @@ pub struct Creases {
 
 impl Creases {
     /// Measures the creases of `frame` under a shader. `light(triangle, weights)` must return the light of triangle
-    /// `triangle` of the frame at these barycentric weights, which are all at least 0.
+    /// `triangle` of the frame at these barycentric weights, which are all at least 0. Steps from the edge change no
+    /// weight by more than the share `step`, 0…1, of the smaller weight there.
     #[must_use]
-    pub fn of_field(frame: &Frame, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
-        Creases::of_field_at(frame, STEP, light)
-    }
-
-    /// Measures the creases with steps that change no weight by more than the share `step`, 0…1, of the smaller weight
-    /// at the edge, for narrow strips.
-    fn of_field_at(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
+    pub fn of_field(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let shared: Vec<_> = frame.shared_edges().collect();
         let measured = |sides| {
             checkpoint();
@@ -85,7 +80,7 @@ impl Creases {
         let reference = Reference::new(frame, shade);
         // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
         let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
-        Creases::of_field_at(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
+        Creases::of_field(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
     /// Returns this rms divided by the rms of `other`; `None` if the latter is only rounding error, at most [`NOISE`].

@@ -76,7 +76,8 @@ impl Shape {
         match self {
             Shape::Cube | Shape::Pyramid => 8,
             Shape::Sphere => MIN_SPHERE_VERTICES,
-            Shape::UvSphere => uv_vertices(MIN_PARALLELS),
+            // Twelve times as many meridians as bands between parallels.
+            Shape::UvSphere => 12 * MIN_PARALLELS * (MIN_PARALLELS - 1) + 2,
             Shape::Torus | Shape::JitteredTorus => MIN_TORUS_VERTICES,
             Shape::Blob | Shape::Terrain => MIN_BLOB_VERTICES,
             Shape::Cylinder => 2 * MIN_SIDES,
@@ -275,11 +276,6 @@ fn round(positions: &[DVec3], triangles: &[[u32; 3]], smooth: Smooth) -> Mesh {
 
 /// The fewest bands between parallels of a sphere.
 const MIN_PARALLELS: usize = 2;
-
-/// The number of vertices of a sphere with `parallels` bands and twelve times as many meridians.
-const fn uv_vertices(parallels: usize) -> usize {
-    12 * parallels * (parallels - 1) + 2
-}
 
 /// Returns the number of bands of a sphere with about `vertices` vertices.
 fn parallels(vertices: usize) -> usize {

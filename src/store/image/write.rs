@@ -68,13 +68,12 @@ pub fn write_reduced(
 /// # Errors
 /// The image would have more than [`MAX_PX`] pixels on a side; the same errors as [`Writer::write`].
 pub fn write_halftone(writer: &Writer, path: &Path, recipe: &Recipe, screen: Screen) -> Result<(), StoreError> {
-    let halftone = Halftone::new(screen, &recipe.transfers);
-    let side = halftone.enlarged_px(recipe.size);
+    let side = recipe.size.saturating_mul(screen.matrix.size());
     if side > MAX_PX {
         let message = format!("the halftone {screen} has {side} pixels on a side; expected at most {MAX_PX}");
         return Err(FileErrors::whole(path, message).into());
     }
-    let image = halftone.enlarged(&recipe.linear());
+    let image = Halftone::new(screen, &recipe.transfers).enlarged(&recipe.linear());
     let texts = [(KEYWORD, describe(recipe)), (HALFTONE_KEYWORD, screen.to_string())];
     save(writer, path, encode(&image, &recipe.transfers, &texts))
 }

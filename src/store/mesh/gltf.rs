@@ -219,6 +219,14 @@ impl Source<'_> {
         bytes.ok_or_else(|| format!("buffer view {} reaches beyond its buffer; expected one within it", view.index()))
     }
 
+    /// Returns what [`Source::numbers`] does if that is one item for each of `count` positions.
+    fn each<const N: usize>(&self, accessor: &Accessor<'_>, what: &str, count: usize) -> Result<Vec<[f64; N]>, String> {
+        let numbers = self.numbers(accessor, what)?;
+        let found = numbers.len();
+        let wrong = || format!("it has {count} positions and {found} {what}; expected as many");
+        (found == count).then_some(numbers).ok_or_else(wrong)
+    }
+
     /// Returns the `N` numbers of each item of an accessor; normalized integers become −1…1.
     fn numbers<const N: usize>(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<[f64; N]>, String> {
         let (index, size) = (accessor.index(), accessor.data_type().size());
@@ -315,14 +323,6 @@ type Morphed = (Vec<[f64; 3]>, Option<Vec<[f64; 3]>>);
 /// The site, the normal and the paint of a vertex.
 type Vertex = (u32, Option<DVec3>, PaintedCorner);
 
-/// Checks that there is one of `what` for each of `count` positions.
-fn as_many(count: usize, found: usize, what: &str) -> Result<(), String> {
-    match found == count {
-        true => Ok(()),
-        false => Err(format!("it has {count} positions and {found} {what}; expected as many")),
-    }
-}
-
 /// Returns the corners of each triangle.
 fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
     match mode {
@@ -338,8 +338,8 @@ fn triangles(mode: Mode, corners: &[usize]) -> Vec<[usize; 3]> {
 struct Reader<'a> {
     source: Source<'a>,
     faces: Faces,
-    /// The index of the coat of each material.
-    coats: HashMap<Option<usize>, u32>,
+    /// The index of the coat of each material, with or without its base color texture and its normal map.
+    coats: HashMap<(Option<usize>, [bool; 2]), u32>,
     /// The pixels of each image.
     textures: HashMap<usize, Arc<Pixels>>,
     /// The number of texels that textures may still have.
@@ -410,13 +410,12 @@ impl Reader<'_> {
             vertices.push((self.faces.site(position), None, PaintedCorner::default()));
         }
         if let Some(normals) = normals {
-            as_many(count, normals.len(), "normals")?;
             for (vertex, normal) in vertices.iter_mut().zip(normals) {
                 vertex.1 = (of_normals * DVec3::from_array(normal)).try_normalize();
             }
         }
-        self.paint(primitive, linear, &mut vertices)?;
-        let coat = self.coat(&primitive.material())?;
+        let textures = self.paint(primitive, linear, &mut vertices)?;
+        let coat = self.coat(&primitive.material(), textures)?;
         for [a, b, c] in triangles {
             // A transformation that mirrors also reverses the winding.
             let corners = if side < 0.0 { [a, c, b] } else { [a, b, c] }.map(|corner| vertices[corner]);
@@ -430,14 +429,13 @@ impl Reader<'_> {
         let get = |semantic: Semantic| primitive.get(&semantic);
         let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
         let mut positions = self.source.numbers::<3>(&positions, "positions")?;
-        let normals = get(Semantic::Normals).map(|normals| self.source.numbers::<3>(&normals, "normals"));
-        let mut normals = normals.transpose()?;
         let count = positions.len();
+        let normals = get(Semantic::Normals).map(|normals| self.source.each::<3>(&normals, "normals", count));
+        let mut normals = normals.transpose()?;
         for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
             for (moves, values) in [(target.positions(), Some(&mut positions)), (target.normals(), normals.as_mut())] {
                 let (Some(moves), Some(values)) = (moves, values) else { continue };
-                let moves = self.source.numbers::<3>(&moves, "morph targets")?;
-                as_many(count, moves.len(), "vertices in a morph target")?;
+                let moves = self.source.each::<3>(&moves, "vertices in a morph target", count)?;
                 for (value, by) in values.iter_mut().zip(moves) {
                     *value = std::array::from_fn(|k| value[k] + f64::from(*weight) * by[k]);
                 }
@@ -446,18 +444,23 @@ impl Reader<'_> {
         Ok((positions, normals))
     }
 
-    /// Sets the colors, places in textures and tangents of a primitive's vertices.
-    fn paint(&self, primitive: &Primitive<'_>, linear: DMat3, vertices: &mut [Vertex]) -> Result<(), String> {
+    /// Sets the colors, places in textures and tangents of a primitive's vertices. Returns which textures have such places:
+    /// the base color, and the normal map.
+    fn paint(
+        &mut self,
+        primitive: &Primitive<'_>,
+        linear: DMat3,
+        vertices: &mut [Vertex],
+    ) -> Result<[bool; 2], String> {
         let get = |semantic: Semantic| primitive.get(&semantic);
         let (count, side) = (vertices.len(), linear.determinant().signum());
         let material = primitive.material();
         let base = material.pbr_metallic_roughness();
         let [r, g, b, _] = base.base_color_factor().map(f64::from);
         let colors = match get(Semantic::Colors(0)) {
-            Some(colors) => self.source.numbers::<3>(&colors, "colors")?,
+            Some(colors) => self.source.each::<3>(&colors, "colors", count)?,
             None => vec![[1.0; 3]; count],
         };
-        as_many(count, colors.len(), "colors")?;
         for (vertex, color) in vertices.iter_mut().zip(colors) {
             let color = DVec3::from_array(color) * DVec3::new(r, g, b);
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
@@ -466,29 +469,33 @@ impl Reader<'_> {
         let of_base = base.base_color_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
         let of_normals =
             material.normal_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let sets = [of_base.transpose()?, of_normals.transpose()?];
-        if let [Some(a), Some(b)] = sets
-            && a != b
-        {
-            return Err("its normal map uses other texture coordinates than its base color; expected the same set with the same transform".to_owned());
+        let asked = [of_base.transpose()?, of_normals.transpose()?];
+        let has_places = |place: &TexturePlace| get(Semantic::TexCoords(place.set)).is_some();
+        let found = asked.map(|place| place.filter(has_places));
+        if asked != found {
+            self.notes.insert("textures without texture coordinates were ignored");
         }
-        if let Some(TexturePlace { set, placed: place_of }) = sets[0].or(sets[1]) {
-            let places = get(Semantic::TexCoords(set))
-                .ok_or_else(|| format!("it has no texture coordinates; expected TEXCOORD_{set}"))?;
-            let places = self.source.numbers::<2>(&places, "texture coordinates")?;
-            as_many(count, places.len(), "texture coordinates")?;
+        let [base, normals] = found;
+        if base.is_some() && normals.is_some() && base != normals {
+            self.notes.insert("normal maps with other texture coordinates than the base color were ignored");
+        }
+        let place = base.or(normals);
+        let textures = [base.is_some(), normals.is_some() && normals == place];
+        if let Some(TexturePlace { set, placed: place_of }) = place
+            && let Some(places) = get(Semantic::TexCoords(set))
+        {
+            let places = self.source.each::<2>(&places, "texture coordinates", count)?;
             for (vertex, place) in vertices.iter_mut().zip(places) {
                 vertex.2.place = place_of.transform_point2(DVec2::from_array(place));
             }
         }
-        if let Some(tangents) = get(Semantic::Tangents).filter(|_| sets[1].is_some()) {
-            let tangents = self.source.numbers::<4>(&tangents, "tangents")?;
-            as_many(count, tangents.len(), "tangents")?;
+        if let Some(tangents) = get(Semantic::Tangents).filter(|_| textures[1]) {
+            let tangents = self.source.each::<4>(&tangents, "tangents", count)?;
             for (vertex, [x, y, z, w]) in vertices.iter_mut().zip(tangents) {
                 vertex.2.tangent = (linear * DVec3::new(x, y, z)).normalize_or_zero().extend(w * side);
             }
         }
-        Ok(())
+        Ok(textures)
     }
 
     /// Returns the vertex of each corner of a primitive with `count` vertices.
@@ -502,9 +509,10 @@ impl Reader<'_> {
         indices.into_iter().map(corner).collect()
     }
 
-    /// Returns the index of the coat of a material.
-    fn coat(&mut self, material: &Material<'_>) -> Result<u32, String> {
-        if let Some(known) = self.coats.get(&material.index()) {
+    /// Returns the index of the coat of a material with these of its textures: the base color, and the normal map.
+    fn coat(&mut self, material: &Material<'_>, textures: [bool; 2]) -> Result<u32, String> {
+        let key = (material.index(), textures);
+        if let Some(known) = self.coats.get(&key) {
             return Ok(*known);
         }
         let texture = |pixels: &Pixels, given: &gltf::Texture<'_>, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
@@ -517,18 +525,20 @@ impl Reader<'_> {
             Arc::new(Texture { width: pixels.width, height: pixels.height, texels, wrap })
         };
         let mut coat = Coat::default();
-        let used = material.pbr_metallic_roughness().base_color_texture().map(|base| base.texture());
-        let mut used = used.into_iter().chain(material.normal_texture().map(|normals| normals.texture()));
+        let base = material.pbr_metallic_roughness().base_color_texture().filter(|_| textures[0]);
+        let normals = material.normal_texture().filter(|_| textures[1]);
+        let used = base.as_ref().map(|base| base.texture());
+        let mut used = used.into_iter().chain(normals.as_ref().map(|normals| normals.texture()));
         if used.any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest)) {
             self.notes.insert("textures are interpolated, although the file asks for the nearest texel");
         }
-        if let Some(base) = material.pbr_metallic_roughness().base_color_texture() {
+        if let Some(base) = base {
             let linear: Vec<f32> =
                 (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();
             let pixels = self.pixels(base.texture().source())?;
             coat.base = Some(texture(&pixels, &base.texture(), &|code| code.map(|code| linear[usize::from(code)])));
         }
-        if let Some(normals) = material.normal_texture() {
+        if let Some(normals) = normals {
             let (pixels, scale) = (self.pixels(normals.texture().source())?, normals.scale());
             let component = |code: u8| f32::from(code) / 127.5 - 1.0;
             let of = |[x, y, z]: [u8; 3]| [component(x) * scale, component(y) * scale, component(z)];
@@ -537,7 +547,7 @@ impl Reader<'_> {
         let coats = &mut self.faces.polygons.coats;
         coats.push(coat);
         let index = coats.len() as u32 - 1;
-        self.coats.insert(material.index(), index);
+        self.coats.insert(key, index);
         Ok(index)
     }
 
