@@ -197,8 +197,8 @@ impl Planned {
              the level {}{}. With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p comes from a parametric bootstrap with up to \
              {} simulated studies.{} The p values of different terms are not corrected for their number. Levels of a factor are \
              compared in the same model, corrected with Holm’s method.\n\n\
-             Interactions of two factors that are not in the model are tested from its residuals, corrected for their number. If \
-             one is below {}, the effect of one factor is described at each level of the other, and no main effect alone. \
+             Interactions of two factors that are not in the model are tested from its residuals or, with fewer than six participants, \
+             by likelihood ratios in simulated studies, corrected for their number. If one is below {}, the effect of one factor is described at each level of the other, and no main effect alone. \
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
              analysis. Everything else is exploratory and will be called so.{}",
             if is_one { "" } else { "mixed " },
