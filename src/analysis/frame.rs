@@ -148,15 +148,19 @@ fn renumber<T: Copy + Ord + TryFrom<usize>>(rows: &mut [CountRow], field: impl F
     present
 }
 
-/// Removes the categories that have no ratings, with a note for each, and returns the names of the others.
+/// Removes the categories that have no ratings, with a note, and returns the names of the others.
 fn used_categories(counts: &Counts, rows: &mut [CountRow], notes: &mut Vec<Note>) -> Result<Vec<String>, ModelError> {
     let used = renumber(rows, |row| &mut row.rating);
     let names: Vec<String> = used.iter().map(|&index| counts.categories[index as usize].clone()).collect();
     if used.len() < 2 {
         return Err(ModelError::NoVariation { category: names.concat() });
     }
-    let empty = (0..counts.categories.len()).filter(|index| !used.contains(&(*index as u8)));
-    notes.extend(empty.map(|index| Note::EmptyCategory { category: counts.categories[index].clone() }));
+    let empty: Vec<&str> =
+        counts.categories.iter().map(String::as_str).filter(|&own| !names.iter().any(|n| n == own)).collect();
+    if let [others @ .., last] = &empty[..] {
+        let or = if others.is_empty() { "" } else { " or " };
+        notes.push(Note::EmptyCategory { category: format!("{}{or}{last}", others.join(", ")) });
+    }
     Ok(names)
 }
 

@@ -85,10 +85,7 @@ impl<'a> Names<'a> {
     /// from 0; only the thresholds depend on this. All numbers are divided by their range, because it also fails with large and
     /// small ones.
     fn fixed(&self, results: &Results, term: &Term) -> String {
-        match &term.variables[..] {
-            [variable] if is_centered(results, term) => self.centered(variable),
-            _ => self.term(term),
-        }
+        if is_centered(results, term) { self.centered(&term.variables[0]) } else { self.term(term) }
     }
 
     fn term(&self, term: &Term) -> String {

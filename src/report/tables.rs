@@ -183,18 +183,15 @@ pub fn tests(results: &Results) -> Table {
                 Some(_) => "p from the participants' signs",
                 None => "no p: there are fewer than six participants",
             };
-            let what = "change of the latent rating over a session";
-            let numbers = [None, None, order.drift_p, None, Some(order.drift)];
-            rows.push(test_row(["drift", "", "", ""], order.ratings, &numbers, what, note));
-            let numbers = [None, None, Some(order.lag_one_p), None, Some(order.lag_one)];
-            let what = "correlation of successive residuals";
-            rows.push(test_row(
-                ["lag-one", "", "", ""],
-                order.ratings,
-                &numbers,
-                what,
-                "p from the normal distribution",
-            ));
+            let (drift, lag_one) =
+                ("change of the latent rating over a session", "correlation of successive residuals");
+            let with_p = |p: Option<f64>, effect: f64| [None, None, p, None, Some(effect)];
+            for (test, numbers, what, note) in [
+                ("drift", with_p(order.drift_p, order.drift), drift, note),
+                ("lag-one", with_p(Some(order.lag_one_p), order.lag_one), lag_one, "p from the normal distribution"),
+            ] {
+                rows.push(test_row([test, "", "", ""], order.ratings, &numbers, what, note));
+            }
         }
         for c in &report.comparisons {
             let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));

@@ -107,24 +107,15 @@ impl Planned {
             let short = powers.iter().rposition(|power| share(power) < self.target);
             powers.get(short.map_or(0, |last| last + 1))
         };
-        let shown = |power: &Power| (people(power.participants), with_interval(power));
         let (certain, likely) = (fewest(|power| power.interval().low), fewest(Power::share));
         let most = powers.iter().max_by(|l, r| l.share().total_cmp(&r.share()));
-        match (certain, likely, most) {
-            (Some(power), ..) => {
-                let (people, share) = shown(power);
-                let are = if power.participants == 1 { "is" } else { "are" };
-                format!("{people} {are} {enough}, {share}")
-            }
-            (None, Some(power), _) => {
-                let (people, share) = shown(power);
-                format!("{people} may be {enough}, {share}; only more simulated studies can tell")
-            }
-            (None, None, Some(most)) => {
-                let (people, share) = shown(most);
-                format!("no number tried is {enough}; the highest power is {share} with {people}")
-            }
-            (None, None, None) => String::new(),
+        let Some(power) = certain.or(likely).or(most) else { return String::new() };
+        let (people, share) = (people(power.participants), with_interval(power));
+        match (certain, likely) {
+            (Some(_), _) if power.participants == 1 => format!("{people} is {enough}, {share}"),
+            (Some(_), _) => format!("{people} are {enough}, {share}"),
+            (None, Some(_)) => format!("{people} may be {enough}, {share}; only more simulated studies can tell"),
+            (None, None) => format!("no number tried is {enough}; the highest power is {share} with {people}"),
         }
     }
 

@@ -137,6 +137,9 @@ fn empty_categories_are_dropped_and_named() {
     let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
     assert_eq!(model.notes, [Note::EmptyCategory { category: "1".into() }]);
     assert_eq!(model.thresholds.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(), ["0|2", "2|3"]);
+    rows.iter_mut().filter(|row| row.3 == 2).for_each(|row| row.3 = 0);
+    let notes = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap().notes;
+    assert!(notes.contains(&Note::EmptyCategory { category: "1 or 2".into() }), "{notes:?}");
 }
 
 #[test]

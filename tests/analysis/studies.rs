@@ -3,7 +3,7 @@
 
 use machband::{
     analysis::{
-        Comparison, Options, Resampling, Results, analyze,
+        Comparison, Options, Resampling, Results, Slopes, analyze,
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },
@@ -254,6 +254,22 @@ fn raw_means_are_said_to_differ_for_the_true_reason() {
     panic!("the model agrees with the raw means of every study");
 }
 
+/// Each person is in one group, so that nobody fails to rate the others.
+#[test]
+fn groups_are_not_incomplete() {
+    let rows: [&[&str]; 6] = [&["u", "p"], &["v", "p"], &["w", "p"], &["u", "q"], &["v", "q"], &["w", "q"]];
+    let own = |person: usize| person % 3 + 3 * usize::from(person / 3 > person % 3);
+    let latent = |person: usize, row: usize| (own(person) == row).then_some((row / 3) as f64);
+    let findings = (0..9).map(|seed| {
+        let results = analyze(study(&["g", "h"], &rows, (15, 6, seed), latent), &options(None));
+        results.factors[0].marginal.as_ref().map(|_| said(&results).findings[0].clone())
+    });
+    let finding = findings.flatten().next().expect("a study in which the model has another order");
+    let expected =
+        "The raw means by g are not comparable: participants are not the same at its levels, and the model has";
+    assert!(finding.starts_with(expected), "{finding}");
+}
+
 /// Most people lack a level, and there is no other factor.
 #[test]
 fn people_who_lack_levels_are_counted() {
@@ -380,6 +396,19 @@ fn units_and_origins_do_not_matter() {
     }
 }
 
+/// Without light, everybody sees nothing. That says nothing about how people differ, and the tests of the rest do not suffer.
+#[test]
+fn a_level_at_the_floor_spoils_no_test() {
+    let rows: Vec<[&str; 2]> =
+        (0..6).map(|row| [["off", "dim", "bright"][row / 2], ["red", "blue"][row % 2]]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    let latent = |_: usize, row: usize| Some([-30.0, -30.0, 0.0, 0.0, 1.0, 1.0][row]);
+    let results = analyze(study(&["light", "hue"], &rows, (7, 4, 3), latent), &options(None));
+    let tests = &results.model.as_ref().unwrap().terms;
+    assert!(tests.iter().all(|test| test.p.is_some()), "{tests:?}");
+    assert!(tests[0].p.unwrap() < 0.01 && tests[1].p.unwrap() > 0.05, "{tests:?}");
+}
+
 /// What falls and rises again has no linear trend, and the sentence speaks of no more than that; the model does not
 /// describe it.
 #[test]
@@ -394,9 +423,35 @@ fn a_turn_is_no_linear_trend() {
     let cautions = cautions.join(" ");
     assert!(cautions.contains("no clear effect of x as a linear trend"), "{cautions}");
     assert!(cautions.contains("perhaps because the effect of x is not linear: without num:"), "{cautions}");
+    // A rank test is of all levels.
+    let flat = study(&["x"], &[&["1"], &["2"], &["3"]], (8, 8, 5), |_, _| Some(0.0));
+    let by_ranks = Options { slopes: Slopes::None, ..options(Some("num:x")) };
+    let cautions = said(&analyze(flat, &by_ranks)).cautions.join(" ");
+    assert!(cautions.contains("found no clear effect of x."), "{cautions}");
     let results = analyze(study(&["x"], &[&["1"], &["2"], &["3"]], (8, 8, 5), turn), &options(None));
     let all = said(&results).cautions.join(" ");
     assert!(!all.contains("does not describe"), "{all}");
+    // A slope is not described by its highest and lowest level.
+    let bent = |_: usize, row: usize| Some([0.0, 2.3, 1.9][row]);
+    let results = analyze(study(&["x"], &[&["1"], &["2"], &["3"]], (8, 8, 5), bent), &options(Some("num:x")));
+    let finding = &said(&results).findings[0];
+    assert!(finding.starts_with("By x, mean ratings lie between ") && !finding.contains(" at 2"), "{finding}");
+    assert!(finding.contains("a linear trend this steep") && finding.contains("From x 1 to 3, the odds"), "{finding}");
+}
+
+/// Ratings spread more at one level, on both sides alike: no interaction explains that.
+#[test]
+fn what_no_test_shows_is_not_suspected() {
+    let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]);
+    for (person, side, (level, rating)) in (0..8).flat_map(|person| {
+        let of_level = [("p", 0), ("p", 3), ("q", 1), ("q", 2)].into_iter().map(move |own| (person, own));
+        of_level.flat_map(|(person, own)| ["x", "z"].map(|side| (person, side, own)))
+    }) {
+        builder.add_counts(&format!("S{person}"), &[level, side], &rating.to_string(), 6 + person % 3).unwrap();
+    }
+    let cautions = said(&analyze(builder.finish(), &options(None))).cautions.join(" ");
+    assert!(cautions.contains("does not describe the ratings"), "{cautions}");
+    assert!(cautions.contains("perhaps because effects differ along the scale."), "{cautions}");
 }
 
 /// Means that differ by rounding alone are the same, and there is no step between them.
@@ -560,12 +615,21 @@ fn items_are_a_sample_too() {
     assert!(findings[0].contains("cannot distinguish"), "{findings:?}");
     assert_eq!((results.cells.len(), results.factors.len(), results.factors[0].friedman), (2, 1, None));
     assert!(results.model.as_ref().unwrap().model.random.as_ref().unwrap().items.as_ref().unwrap().sd > 0.5);
-    let (p, _) = with(3.0, Some("item"));
+    let (p, results) = with(3.0, Some("item"));
     assert!(p < 0.05, "{p}");
+    assert!(page(&source(&["style"]), &results).contains("of a participant and an item with average random effects"));
+    // Ranks do not know of items, in simple effects either.
+    let crossed: Vec<[&str; 3]> =
+        (0..16).map(|item| [["p", "q"][item % 2], ["x", "z"][item / 2 % 2], names[item].as_str()]).collect();
+    let crossed: Vec<&[&str]> = crossed.iter().map(|row| &row[..]).collect();
+    let crossing = |_: usize, row: usize| Some([2.5, -2.5, -2.5, 2.5][row % 4] + 0.2 * own[row]);
+    let options = Options { items: Some("item".to_owned()), ..options(Some("a,b")) };
+    let findings = said(&analyze(study(&["a", "b", "item"], &crossed, (6, 2, 9), crossing), &options)).findings;
+    assert!(findings[0].contains("a and b depend on each other") && !findings[0].contains("Friedman"), "{findings:?}");
     // Two items of a style say nothing about styles.
     let few: Vec<&[&str]> = rows[..4].to_vec();
     let few = study(&["style", "item"], &few, (12, 8, 9), |_, row| Some(own[row]));
-    let results = analyze(few, &Options { items: Some("item".to_owned()), ..options(Some("style")) });
+    let results = analyze(few, &Options { terms: Some(Terms::parse("style").unwrap()), ..options });
     let finding = &said(&results).findings[0];
     assert!(finding.contains("could not be tested: a level has fewer than three items"), "{finding}");
 }
@@ -661,7 +725,7 @@ fn a_covariate_has_a_slope_at_each_level() {
             terms.is_some(),
             "{all}"
         );
-        assert_eq!(all.contains("A term such as age*cond"), terms.is_none(), "{all}");
+        assert_eq!(all.contains("A term such as num:age*cond"), terms.is_none(), "{all}");
         let report = results.model.as_ref().unwrap();
         let slope = |level: &str| {
             let has = |own: &&Comparison| own.at.as_ref().is_some_and(|(_, at)| at == level);
@@ -687,6 +751,34 @@ fn a_covariate_has_a_slope_at_each_level() {
         let margins = report.margins.iter().map(|margin| &margin.factor);
         assert!(margins.chain(checks.proportions.iter().map(|own| &own.factor)).all(|factor| factor == "cond"));
         assert!(checks.cells.is_empty(), "one factor has no combinations");
+    }
+}
+
+/// Ratings rise with x in one group and fall in the other. A slope has no highest level, and effects within people have tests of
+/// their own. Nobody is excluded from a test that does not apply to anybody.
+#[test]
+fn a_number_has_a_slope_at_each_level() {
+    let xs: Vec<String> = (0..9).map(|x| x.to_string()).collect();
+    let rows: Vec<[&str; 2]> = (0..18).map(|row| [xs[row / 2].as_str(), ["u", "v"][row % 2]]).collect();
+    let rows: Vec<&[&str]> = rows.iter().map(|row| &row[..]).collect();
+    let latent =
+        |person: usize, row: usize| (person % 2 == row % 2).then_some([0.5, -0.5][row % 2] * ((row / 2) as f64 - 4.0));
+    let measured = study(&["x", "g"], &rows, (12, 2, 4), latent);
+    for (terms, what, advice) in [
+        ("num:x*g", "From x 0 to 8, the odds of a higher rating are multiplied by ", ""),
+        ("num:x,g", "At x 0, the mean rating is ", "A term such as num:x*g models the interaction."),
+        ("x,g", "At g u, the mean rating is ", "A term such as x*g models the interaction."),
+    ] {
+        let results = analyze(measured.clone(), &options(Some(terms)));
+        let Summary { findings, cautions, .. } = said(&results);
+        assert!(findings[0].contains(what) && cautions.join(" ").contains(advice), "{findings:?} {cautions:?}");
+        assert_eq!(findings[0].contains("Each p is that of Friedman’s test"), terms == "x,g", "{findings:?}");
+        let page = page(&source(&["x", "g"]), &results);
+        assert!(!page.contains("Excluded from the tests of g") && !page.contains("The last column corrects p"));
+        assert_eq!(
+            page.contains("intercepts for participants, with independent random slopes of x, fitted"),
+            terms != "x,g"
+        );
     }
 }
 

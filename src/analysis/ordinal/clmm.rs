@@ -338,11 +338,12 @@ impl ClmmData {
     }
 
     /// Returns, for each standard deviation of independent effects, the mean sampling variance of an effect: how
-    /// uncertain it would be if only its own ratings were known.
+    /// uncertain it would be if only its own ratings were known. Effects of which the ratings say next to nothing, such as
+    /// those at a level where all ratings are 0, say nothing about the standard deviation either.
     pub fn sampling_variances(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<f64> {
         let (location, weights) = (self.location(parameters), self.weights(parameters));
         let thresholds = &parameters.as_slice()[..self.thresholds()];
-        let mut sums = vec![(0.0, 0.0); self.loadings.parameters()];
+        let mut known = vec![Vec::new(); self.loadings.parameters()];
         for (range, u) in self.subjects.iter().zip(modes) {
             let subject = self.subject(range, thresholds, &location, &weights);
             let mut information = vec![(0, 0.0); self.loadings.effects()];
@@ -352,12 +353,14 @@ impl ClmmData {
                     *own = (entry.parameter, own.1 - sums.g2 * entry.value * entry.value);
                 }
             }
-            for (parameter, information) in information.into_iter().filter(|(_, information)| *information > 0.0) {
-                sums[parameter].0 += 1.0;
-                sums[parameter].1 += information.recip();
-            }
+            information.into_iter().for_each(|(parameter, information)| known[parameter].push(information));
         }
-        sums.into_iter().map(|(n, sum)| if n > 0.0 { sum / n } else { 0.0 }).collect()
+        let mean = |own: Vec<f64>| {
+            let least = 0.01 * own.iter().copied().fold(0.0, f64::max);
+            let variances: Vec<f64> = own.into_iter().filter(|own| *own > least).map(f64::recip).collect();
+            variances.iter().sum::<f64>() / variances.len().max(1) as f64
+        };
+        known.into_iter().map(mean).collect()
     }
 
     /// Returns approximate information to begin a search: the curvature of the integrand profiled over the modes. For

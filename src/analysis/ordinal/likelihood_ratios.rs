@@ -65,14 +65,16 @@ pub enum Withheld {
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,
-    /// The interaction has too many coefficients for this number of participants.
-    #[error("the interaction has more than six coefficients, which are too many for fewer than six participants")]
+    /// The interaction has too many coefficients for simulated studies.
+    #[error(
+        "the interaction has more than six coefficients, which are too many with items or fewer than six participants"
+    )]
     FewPeople,
     /// Participants who differ in the effect or in their thresholds look like effects that differ along the scale.
     #[error("differences between people in the effect or in their use of the scale would look like a violation")]
     OwnThresholds,
     /// More than a tenth of the simulated studies allowed no fit.
-    #[error("with so few data, more than a tenth of the simulated studies allowed no fit")]
+    #[error("more than a tenth of the simulated studies allowed no fit")]
     TooFew,
 }
 

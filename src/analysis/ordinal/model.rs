@@ -255,7 +255,7 @@ pub enum Note {
         /// Whether ratings without a value of another factor are excluded before, and not counted here.
         further: bool,
     },
-    /// Nobody used this category, so its probability cannot be estimated and it is excluded.
+    /// Nobody used this category, or any of these, so its probability cannot be estimated and it is excluded.
     #[error("no rating is {category}, so the model has no such category")]
     EmptyCategory { category: String },
     /// A column is a combination of other columns, so it is dropped, as in R.

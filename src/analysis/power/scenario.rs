@@ -230,11 +230,10 @@ fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
 
 /// Returns the index of the factor with this name, which a slope or an effect gave.
 fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, PlanError> {
-    let known = || protocol.factors.iter().map(|factor| factor.name.clone()).collect();
     (protocol.factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
         is_slope,
         name: name.to_owned(),
-        known: known(),
+        known: protocol.factors.iter().map(|factor| factor.name.clone()).collect(),
     })
 }
 

@@ -91,12 +91,8 @@ fn people_and_ratings(people: usize, ratings: u64) -> String {
 
 /// Explains the error bars, and states the size of the sample.
 pub(super) fn bars(results: &Results) -> String {
-    let sample = sample(results);
-    if results.is_inferential() {
-        format!("bars are 95\u{a0}% intervals over participants; {sample}")
-    } else {
-        format!("bars are 95\u{a0}% intervals over the trials of the only participant; {sample}")
-    }
+    let whose = if results.is_inferential() { "participants" } else { "the trials of the only participant" };
+    format!("bars are 95\u{a0}% intervals over {whose}; {}", sample(results))
 }
 
 /// Says how many levels are shown if not all are: ` (12 of 30 are shown)`.

@@ -137,11 +137,10 @@ impl Chart<'_> {
         let bottom = top + pitch * self.bars.len() as f64;
         svg.line(&[(left, bottom), (left + width, bottom)], AXIS);
         // The outer labels are shifted inward, away from the labels of the next panel.
-        let ticks = [(0, Anchor::Start, true), (50, Anchor::Middle, width > 7.0 * size), (100, Anchor::End, true)];
-        for (percent, anchor, named) in ticks {
+        for (percent, anchor) in [(0, Anchor::Start), (50, Anchor::Middle), (100, Anchor::End)] {
             let x = left + f64::from(percent) / 100.0 * width;
             svg.line(&[(x, bottom), (x, bottom + 6.0)], AXIS);
-            if named {
+            if percent != 50 || width > 7.0 * size {
                 svg.text(&percent.to_string(), (x, bottom + 9.0), Font::new(size, anchor).below());
             }
         }

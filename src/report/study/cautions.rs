@@ -119,7 +119,7 @@ fn about_model(results: &Results) -> Vec<String> {
         format!(
             "The model is additive, although the effects of {together} depend on each other: its coefficients and \
              comparisons of each are averages over the other. A term such as {} models the interaction.",
-            found.term()
+            findings::product(results, &found.names)
         )
     }));
     cautions.extend(report.checks.as_ref().filter(|checks| checks.is_poor()).map(|_| {
@@ -132,8 +132,11 @@ fn about_model(results: &Results) -> Vec<String> {
             format!(", perhaps because the effect of {one} is not linear: without num:, its levels are compared")
         } else if has_all {
             String::new()
+        } else if names.len() == 2 && report.interactions.iter().all(|test| test.p.is_some_and(|p| p >= ALPHA)) {
+            ", perhaps because effects differ along the scale".to_owned()
         } else {
-            format!(", perhaps because effects depend on each other: {} has all interactions", findings::product(&names))
+            let all = findings::product(results, &names);
+            format!(", perhaps because effects depend on each other: {all} has all interactions")
         };
         format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
     }));
@@ -274,19 +277,14 @@ fn one_category(results: &Results) -> Vec<String> {
             }
             // Not 100 %, because some ratings are others.
             let percents = own.iter().map(|subject| percent(((100.0 * share(subject)).round() / 100.0).min(0.99)));
-            let percents: Vec<String> = percents.map(|percent| percent.to_string()).collect();
-            let (least, most) = (percents.iter().min(), percents.iter().max());
+            let percents: BTreeSet<String> = percents.map(|percent| percent.to_string()).collect();
+            let [least, most] = [percents.first(), percents.last()].map(|end| end.map_or("", String::as_str));
             let whose = first_word(names::all_of(&people, MAX_NAMES));
-            sentences.push(match (is_all, least == most) {
-                (true, _) => format!("{whose} used only one category: all their ratings are {name}."),
-                (false, true) => {
-                    format!("{whose} hardly used more than one category: {} of their ratings are {name}.", percents[0])
-                }
-                (false, false) => format!(
-                    "{whose} hardly used more than one category: {} to {} of their ratings are {name}.",
-                    least.map_or("", String::as_str),
-                    most.map_or("", String::as_str)
-                ),
+            sentences.push(if is_all {
+                format!("{whose} used only one category: all their ratings are {name}.")
+            } else {
+                let some = if least == most { most.to_owned() } else { format!("{least} to {most}") };
+                format!("{whose} hardly used more than one category: {some} of their ratings are {name}.")
             });
         }
     }

@@ -63,6 +63,15 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             evidence.test
         );
     }
+    let [(least, low), (most, high)] = least_and_most(results, factor);
+    let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
+    let span = match factor.levels.len() {
+        _ if low == high => format!("By {name}, {ratings} are {least} at all levels"),
+        2 => format!("By {name}, {ratings} are {least} at {low} and {most} at {high}"),
+        // A slope is the same at every level.
+        _ if is_trend => format!("By {name}, {ratings} lie between {least} and {most}"),
+        _ => format!("By {name}, {ratings} lie between {least} at {low} and {most} at {high}"),
+    };
     let mut text = before
         + &if evidence.p < ALPHA {
             let whose = if results.is_inferential() { "" } else { " to this participant" };
@@ -74,7 +83,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
             };
             format!(
                 "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
-                means(results, factor),
+                if is_trend && factor.course().is_none() { span } else { means(results, factor) },
                 match (evidence.is_rank_test, factor.levels.len()) {
                     (true, _) => "orders this consistent",
                     (false, 2) => "a difference this large",
@@ -84,31 +93,21 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
                 evidence.test
             )
         } else {
-            let [(least, low), (most, high)] = least_and_most(results, factor);
-            let ratings = if factor.marginal.is_some() { "the ratings that the model expects" } else { "mean ratings" };
-            let span = if low == high {
-                format!("{ratings} are {least} at all levels")
-            } else {
-                format!(
-                    "{ratings} {} {least} at {low} and {most} at {high}",
-                    if factor.levels.len() == 2 { "are" } else { "lie between" }
-                )
-            };
             let what = match (results.is_inferential(), is_trend) {
                 (true, false) => "this study cannot distinguish the levels",
                 (false, false) => "these trials cannot distinguish the levels",
                 (true, true) => "this study shows no clear linear trend",
                 (false, true) => "these trials show no clear linear trend",
             };
-            format!("By {name}, {span}, and {what} ({}, {p}).", evidence.test)
+            format!("{span}, and {what} ({}, {p}).", evidence.test)
         };
     // If no test distinguishes the levels, the two extremes may differ only by chance, so their contrast is not
     // reported.
-    let chosen = factor.contrast().1;
+    let chosen = factor.contrast().1 && !is_trend;
     if evidence.p < ALPHA || !chosen {
         text.extend(size.map(|size| format!(" {}.", size.text)));
     }
-    if evidence.p < ALPHA && chosen && !is_trend {
+    if evidence.p < ALPHA && chosen {
         text += " These two levels were chosen because their means differ most, so their difference is probably \
                  overestimated.";
     }
@@ -174,13 +173,11 @@ fn incomparable(results: &Results, factor: &FactorResults) -> String {
             format!("{n} of {} did not rate every level{conditions}", count(results.people() as u64, "participant"))
         }
         _ if !differing.is_empty() => {
-            format!(
-                "{} {} between its levels",
-                list(&differing),
-                if differing.len() == 1 { "differs" } else { "differ" }
-            )
+            let differ = if differing.len() == 1 { "differs" } else { "differ" };
+            format!("{} {differ} between its levels", list(&differing))
         }
-        _ => format!("not everyone rated all of its levels{conditions}"),
+        _ if factor.within => format!("not everyone rated all of its levels{conditions}"),
+        _ => "participants are not the same at its levels, and the model has another order".to_owned(),
     }
 }
 
@@ -272,9 +269,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
             };
             format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
         }
-        None if low == high => {
-            format!("{the_mean} is {least}: the same at all levels of {name}")
-        }
+        None if low == high => format!("{the_mean} is {least}: the same at all levels of {name}"),
         None if factor.levels.len() == 2 => {
             format!("By {name}, {of_these} is higher at {high} ({most}) than at {low} ({least})")
         }
@@ -429,14 +424,13 @@ fn over_range(results: &Results, report: &ModelReport, term: &Term) -> Option<Si
     Some(Size { text, interval })
 }
 
-/// Describes the effect of a covariate over its range at each level of a factor with which it interacts in the model.
-fn slopes(results: &Results, covariate: &str, at: &FactorResults) -> Option<String> {
-    let (_, what) = range_of(results, &Variable::Number(covariate.to_owned()))?;
+/// Describes the effect of a number over its range at each level of a factor with which it interacts in the model.
+fn slopes(results: &Results, number: &str, at: &FactorResults) -> Option<String> {
+    let (_, what) = range_of(results, main_effect(results, number)?.variables.first()?)?;
     let value = |estimate: f64| on_scale(results, estimate);
     let at_level = |level: &Group| {
         let place = Some((&at.name, level.names.first()?));
-        let is_own =
-            |c: &&Comparison| c.factor == covariate && c.at.as_ref().map(|(name, level)| (name, level)) == place;
+        let is_own = |c: &&Comparison| c.factor == number && c.at.as_ref().map(|(name, level)| (name, level)) == place;
         let found = results.model.as_ref().ok()?.comparisons.iter().find(is_own)?;
         let (factor, level) = (names::factor(results, &at.name), names::level_of(results, at, level));
         Some(format!("{}{} at {factor} {level}", value(found.estimate), with_interval(found.interval, value)))
@@ -472,21 +466,22 @@ pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name:
 /// sought.
 pub(super) fn unclear(results: &Results) -> Vec<String> {
     let dependences = dependences(results);
-    let factors = names::varied(results).filter_map(|factor| Some((&factor.name, evidence(results, factor)?.p)));
-    let of_covariate = |name| likelihood_ratio(results, main_effect(results, name)?)?.p;
-    let covariates = results.covariates.iter().filter_map(|name| Some((name, of_covariate(name)?)));
+    let of_factor = |factor: &FactorResults| {
+        let evidence = evidence(results, factor)?;
+        let is_linear = !evidence.is_rank_test && is_slope(results, &factor.name);
+        Some((factor.name.clone(), evidence.p, if is_linear { " as a linear trend" } else { "" }))
+    };
+    let of_covariate =
+        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, ""));
     let notes = results.model.iter().flat_map(|report| &report.model.notes);
     // The effect of a factor includes that of what it determines.
     let nested: Vec<&String> =
         notes.filter_map(|note| if let Note::Nested { factor, .. } = note { Some(factor) } else { None }).collect();
-    let is_unclear =
-        |(name, p): &(&String, f64)| *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(name);
-    let name = |(name, _): (&String, f64)| {
-        let linear = if is_slope(results, name) { " as a linear trend" } else { "" };
-        format!("{}{linear}", names::factor(results, name))
+    let is_unclear = |(name, p, _): &(String, f64, &str)| {
+        *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(&name)
     };
-    let covariates = covariates.filter(is_unclear).map(|(name, _)| names::factor(results, name));
-    factors.filter(is_unclear).map(name).chain(covariates).collect()
+    let all = names::varied(results).filter_map(of_factor).chain(results.covariates.iter().filter_map(of_covariate));
+    all.filter(is_unclear).map(|(name, _, linear)| format!("{}{linear}", names::factor(results, &name))).collect()
 }
 
 /// Describes the mean of the participants' differences between two levels. Its t interval is given only if it says about 0
@@ -514,8 +509,8 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
 /// Factors whose effects may depend on each other, and the test of it.
 pub(super) struct Dependence<'a> {
     /// Names of the factors and covariates.
-    names: Vec<&'a str>,
-    /// The factors. If there are two, the effect of the first is described at each level of the second, which has fewer.
+    pub names: Vec<&'a str>,
+    /// The factors. If there are two, the effect of the first is described at each level of the second.
     pub factors: Vec<&'a FactorResults>,
     /// The test and its statistic.
     test: String,
@@ -528,11 +523,6 @@ pub(super) struct Dependence<'a> {
 impl Dependence<'_> {
     pub fn is_clear(&self) -> bool {
         self.p.is_some_and(|p| p < ALPHA)
-    }
-
-    /// Returns the term of the interaction with its main effects, such as `width*depth`.
-    pub fn term(&self) -> String {
-        product(&self.names)
     }
 
     /// Returns the names of the factors, such as `width and depth`.
@@ -578,16 +568,21 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
     let clear: Vec<Vec<&str>> = all.iter().filter(|found| found.is_clear()).map(|found| found.names.clone()).collect();
     let is_part = |names: &[&str]| clear.iter().any(|c| c.len() > names.len() && names.iter().all(|n| c.contains(n)));
     all.retain(|found| !is_part(&found.names));
-    for dependence in &mut all {
-        dependence.factors.sort_by_key(|factor| std::cmp::Reverse(factor.levels.len()));
+    for Dependence { factors, is_modeled, .. } in &mut all {
+        // Without the interaction in the model, only effects within participants have tests.
+        factors.sort_by_key(|factor| {
+            let is_tested = *is_modeled || factor.within;
+            (is_slope(results, &factor.name) != *is_modeled, !is_tested, std::cmp::Reverse(factor.levels.len()))
+        });
     }
     all
 }
 
-/// Returns the term of an interaction of these factors with all its parts.
-pub(super) fn product(names: &[&str]) -> String {
-    let quoted = names.iter().map(|name| Variable::Factor((*name).to_owned()).to_string());
-    quoted.collect::<Vec<_>>().join("*")
+/// Returns the term of an interaction with all its parts. What is a number in the model is one here.
+pub(super) fn product(results: &Results, names: &[&str]) -> String {
+    let in_model = |name: &str| main_effect(results, name)?.variables.first().cloned();
+    let variable = |name: &&str| in_model(name).unwrap_or_else(|| Variable::Factor((*name).to_owned()));
+    names.iter().map(|name| variable(name).to_string()).collect::<Vec<_>>().join("*")
 }
 
 /// Returns whether the effect of a factor or covariate depends on another one, so that it has no single size.
@@ -609,16 +604,17 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
     }
     let whose = if results.is_inferential() { "" } else { " for this participant" };
     let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
-    match found.factors[..] {
-        [of, at] if found.names.len() == 2 => {
+    let number = found.names.iter().find(|name| found.is_modeled && is_slope(results, name));
+    match (&found.factors[..], number) {
+        ([.., at], Some(number)) if found.names.len() == 2 && !is_slope(results, &at.name) => {
+            text.extend(slopes(results, number, at));
+        }
+        ([of, at], _) if found.names.len() == 2 => {
             let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
-            text += &simple_effects(results, of, at, found.is_modeled.then_some(comparisons));
+            let is_compared = found.is_modeled && number.is_none();
+            text += &simple_effects(results, of, at, is_compared.then_some(comparisons));
         }
-        [at] if found.names.len() == 2 && found.is_modeled => {
-            let covariate = found.names.iter().find(|name| **name != at.name);
-            text.extend(covariate.and_then(|covariate| slopes(results, covariate, at)));
-        }
-        [.., at] if found.names.len() > 2 => {
+        ([.., at], _) if found.names.len() > 2 => {
             let level = &at.levels[0].names[0];
             text += &format!(
                 " To describe how, analyze each level of one of them, for example with --only {}={level}.",
@@ -689,6 +685,8 @@ fn simple_effects(
     };
     let corrected: Vec<Option<f64>> = match comparisons {
         Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
+        // Ranks do not know of items.
+        None if results.spec.items.is_some() => vec![None; strata.len()],
         None => holm(&strata.iter().map(|(_, stratum)| Some(stratum.friedman?.p)).collect::<Vec<_>>()),
     };
     let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();

@@ -47,11 +47,7 @@ pub(super) fn fit_of_model(
             count(checks.cells.len() as u64, "proportion"),
             list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
             lie(far),
-            if checks.is_poor() {
-                format!("{poor}, for example because effects depend on each other")
-            } else {
-                ": no more than chance allows".to_owned()
-            }
+            if checks.is_poor() { poor } else { ": no more than chance allows" }
         ));
     }
     let row = |p: &&Proportion| {

@@ -128,16 +128,21 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let (mixed, how) = match &model.random {
         None => ("", ", fitted by maximum likelihood".to_owned()),
         Some(random) => {
-            let slope = |slope: &RandomSlope| match (names::term(results, &slope.name), random.correlations.is_some()) {
-                (name, true) => format!("a correlated random slope of {name}"),
-                (name, false) if is_number(&slope.term) => format!("an independent random slope of {name}"),
-                (name, false) => format!("for each combination of participant and {name}"),
-            };
-            let mut effects = vec!["random intercepts for participants".to_owned()];
-            effects.extend(random.slopes.iter().map(slope));
-            effects
+            let is_correlated = random.correlations.is_some();
+            let kind = if is_correlated { "correlated" } else { "independent" };
+            let named =
+                |own: &[&RandomSlope]| own.iter().map(|own| names::slope(results, model, own)).collect::<Vec<_>>();
+            let (slopes, others): (Vec<_>, Vec<_>) =
+                random.slopes.iter().partition(|slope| is_correlated || is_number(&slope.term));
+            let mut groups = vec!["participants".to_owned()];
+            groups.extend(named(&others).iter().map(|name| format!("for each combination of participant and {name}")));
+            groups
                 .extend(random.items.as_ref().map(|items| format!("for each {}", names::factor(results, &items.name))));
-            ("mixed ", format!(", and {}, fitted by maximum likelihood with Laplace’s approximation", list(&effects)))
+            let mut effects = format!(", and random intercepts for {}", list(&groups));
+            if !slopes.is_empty() {
+                effects += &format!(", with {kind} random slopes of {}", list(&named(&slopes)));
+            }
+            ("mixed ", effects + ", fitted by maximum likelihood with Laplace’s approximation")
         }
     };
     let mut text = format!(
@@ -327,12 +332,16 @@ fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
 
 fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
     results.is_inferential().then(|| {
-        format!(
-            "Intervals are 95\u{a0}% intervals. Those of means are score intervals ({}) with t quantiles over participants, those \
-             of differences of means are t intervals over participants, and those of agreement use the jackknife over \
-             participants.",
-            cited.cite("Wilson, 1927")
-        )
+        let of_means = format!("those of means are score intervals ({})", cited.cite("Wilson, 1927"));
+        let mut kinds = vec![of_means + " with t quantiles over participants"];
+        let is_by_ranks = |own: &FactorResults| findings::evidence(results, own).is_some_and(|own| own.is_rank_test);
+        if results.factors.iter().any(is_by_ranks) {
+            kinds.push("those of differences of means are t intervals over participants".to_owned());
+        }
+        if results.alpha.and_then(|alpha| alpha.interval).or(results.kappa.and_then(|kappa| kappa.1)).is_some() {
+            kinds.push("those of agreement use the jackknife over participants".to_owned());
+        }
+        format!("Intervals are 95\u{a0}% intervals: {}.", list(&kinds))
     })
 }
 

@@ -69,6 +69,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         false,
     );
     interactions(&mut section, results, report);
+    let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
     tests(
         &mut section,
         results,
@@ -76,16 +77,16 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "Is one coefficient per effect enough?",
             &format!(
                 "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold{}. {} The last column corrects p for the number of terms (Holm).",
+             against a separate effect at each threshold{}. {}{}",
                 if model.random.is_some() { ", in models without random effects" } else { "" },
-                source_of_p(results, &report.proportional_odds)
+                source_of_p(results, &report.proportional_odds),
+                if odds.is_empty() { "" } else { " The last column corrects p for the number of terms (Holm)." }
             ),
             "Tests of proportional odds",
         ],
         &report.proportional_odds,
-        true,
+        !odds.is_empty(),
     );
-    let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
     if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
         let level = percent(ALPHA);
         section.text(format!(
@@ -182,7 +183,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     section.heading("Differences between participants");
     let mut rows = vec![("Intercept".to_owned(), random.sd, random.se, random.interval)];
     let of = |name: String, own: &RandomSlope| (name, own.sd, own.se, own.interval);
-    rows.extend(random.slopes.iter().map(|slope| of(names::term(results, &slope.name), slope)));
+    rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
     let row = |(name, sd, se, interval): (String, f64, Option<f64>, Option<Interval>)| {
@@ -207,8 +208,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         ));
     }
     if let Some(correlations) = &random.correlations {
-        let names: Vec<&str> =
-            std::iter::once("Intercept").chain(random.slopes.iter().map(|s| s.name.as_str())).collect();
+        let slopes: Vec<String> = random.slopes.iter().map(|slope| names::slope(results, model, slope)).collect();
+        let names: Vec<&str> = std::iter::once("Intercept").chain(slopes.iter().map(String::as_str)).collect();
         let row = |(name, row): (&&str, &Vec<f64>)| {
             [(*name).into()].into_iter().chain(row.iter().map(|r| unit(*r))).collect()
         };
@@ -274,7 +275,7 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.heading("Comparisons of levels");
     section.text(format!(
         "Differences on the latent scale, in the model{}. Their p values and intervals come from the likelihood ratio of each \
-         difference{}. Intervals are the profile intervals above where there is one, and otherwise symmetric. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
+         difference or, for simple effects, from its standard error{}. Intervals are the profile intervals above where there is one, and otherwise symmetric. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
          corrected.",
         if report.comparisons.iter().any(|c| c.at.is_some()) {
             "; those of factors in an interaction are at each level of the other factor (simple effects)"
@@ -330,7 +331,11 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     section.text(format!(
         "The rating that the model expects{}, averaged over the conditions of the other factors. Unequal numbers of ratings \
          do not matter.",
-        if report.model.random.is_some() { " of a participant with average random effects" } else { "" }
+        match &report.model.random {
+            None => "",
+            Some(random) if random.items.is_some() => " of a participant and an item with average random effects",
+            Some(_) => " of a participant with average random effects",
+        }
     ));
     let row = |m: &Margin| {
         let interval = range(m.interval, mean);
@@ -418,23 +423,25 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
     }
     section.text(sentence(results, model));
     let slopes = model.random.iter().flat_map(|random| &random.slopes);
-    let slopes: Vec<String> = slopes.map(|slope| names::term(results, &slope.name)).collect();
+    let slopes: Vec<String> = slopes.map(|slope| names::slope(results, model, slope)).collect();
     if !slopes.is_empty() {
-        let own = if model.random.as_ref().is_some_and(|random| random.correlations.is_some()) {
-            "a deviation v in each of these, and the deviations and the intercept are correlated"
-        } else {
-            "a deviation v at every level of a factor, or in the slope on a number, with a standard deviation for each term"
-        };
         section.text(format!(
-            "The model also lets participants differ in their effects ({}): each has {own}. Tests and intervals of these \
-             effects therefore allow for differences between people.",
-            list(&slopes)
+            "The model also lets participants differ in their effects ({}): {}. Tests and intervals of these effects \
+             therefore allow for differences between people.",
+            list(&slopes),
+            if results.spec.slopes == Slopes::Correlated {
+                "each has a deviation v in every coefficient, and all of them may be correlated"
+            } else {
+                "each has a deviation v at every level of a factor, or in the slope on a number, with a standard deviation for each \
+                 term"
+            }
         ));
     } else if mixed && results.is_inferential() {
         section.text(format!(
             "In this model, participants differ only in how high they rate; every effect is the same for all. {}",
             if results.spec.slopes == Slopes::None {
-                "Its tests of effects within participants are not used in the summary, which relies on exact rank tests instead."
+                "Its tests of single factors that vary within participants are not used in the summary, which relies on rank tests \
+                 instead. Tests of interactions and of differences in them do not allow for people who differ in the effects."
             } else {
                 "Where nobody rated a level twice, differences between participants in the effect are part of the variation \
                  between ratings; other tests of effects within participants are withheld, and the summary relies on exact rank \

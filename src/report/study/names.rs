@@ -3,7 +3,7 @@
 pub(super) use crate::report::names::capitalized;
 use crate::{
     analysis::{
-        Model, Note, Results,
+        Model, Note, RandomSlope, Results,
         counts::Counts,
         number_of,
         results::{FactorResults, SubjectResults},
@@ -105,6 +105,12 @@ pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
         }
     };
     parts.iter().map(part).collect::<Vec<_>>().join(" × ")
+}
+
+/// Returns in what participants differ: a term, or a coefficient if the random effects are correlated.
+pub(super) fn slope(results: &Results, model: &Model, own: &RandomSlope) -> String {
+    let found = model.coefficients.iter().find(|coefficient| coefficient.name == own.name);
+    found.map_or_else(|| term(results, &own.name), |found| coefficient(results, &found.parts))
 }
 
 /// Returns participants for the beginning of a sentence. An ID keeps its case.

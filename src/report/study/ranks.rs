@@ -55,19 +55,18 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
     }
     let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
     section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
-    for factor in factors.iter().filter(|factor| !factor.matched.incomplete.is_empty()) {
+    for factor in factors.iter().filter(|factor| !factor.crossing.is_empty() && !factor.matched.incomplete.is_empty()) {
         let (name, who) = (names::factor(results, &factor.name), short_list(&factor.matched.incomplete, 12));
         section.note(format!("Excluded from the tests of {name}, because they did not rate every level of it in the same conditions: {who}."));
     }
     let between: Vec<String> =
         factors.iter().filter(|f| f.crossing.is_empty()).map(|factor| names::factor(results, &factor.name)).collect();
     if !between.is_empty() {
-        let list = list(&between);
-        section.note(format!("Each participant rated only one level of {list}, so these tests do not apply to it."));
+        section
+            .note(format!("Each participant rated only one level of {}, so there is nothing to rank.", list(&between)));
     }
     let methods: Vec<PMethod> = factors.iter().filter_map(|factor| factor.friedman).map(|test| test.method).collect();
-    let approximate = methods.contains(&PMethod::ChiSquared);
-    section.note(match (approximate, methods.contains(&PMethod::Permutations)) {
+    section.note(match (methods.contains(&PMethod::ChiSquared), methods.contains(&PMethod::Permutations)) {
         (true, _) => format!(
             "With more than {EXACT_PARTICIPANTS} participants, p comes from the χ² distribution, which is then accurate."
         ),
