@@ -47,7 +47,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
             ("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"),
         ],
         Place::Display => &[("Enter", "Accept a reading or a match"), ("Backspace", "Go back to the previous one")],
-        Place::Analyze => &[("Ctrl+O", "Open files"), ("Space on a column name", "Sort the table by that column")],
+        Place::Analyze => &[("Space on a column name", "Sort the table by that column")],
     }
 }
 
@@ -83,13 +83,7 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
         ui.heading("Settings");
         let themes =
             [(ThemeChoice::System, "Follow the system"), (ThemeChoice::Light, "Light"), (ThemeChoice::Dark, "Dark")];
-        Field::new("Theme").column(120.0).show(ui, |ui, _| {
-            ui.horizontal_wrapped(|ui| {
-                for (choice, text) in themes {
-                    ui.radio_value(&mut settings.theme, choice, text);
-                }
-            });
-        });
+        Field::new("Theme").column(120.0).radio(ui, &mut settings.theme, &themes);
         hint(ui, "Sessions are always dark, so that pages between trials do not change the eye's adaptation.");
         let title = |zoom: &f32| format!("{:.0} %", zoom * 100.0);
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);

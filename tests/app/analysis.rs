@@ -346,8 +346,15 @@ fn a_task_is_narrowed_and_exported() {
     wait_for(&mut window, "files written to");
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("Left out on request: S002"), "{report}");
-    click_and_rest(&mut window, "Select everything");
+    // Someone who took part meanwhile is read and can be left out, too.
+    let more = ["simulate", "threshold-width", "--participants", "4", "--observer", "vision", "--resume"];
+    succeeds(folder.path(), &more);
+    window.event(egui::Event::WindowFocused(true));
     wait_for(&mut window, "3 participants gave");
+    assert_has(&window, "3 participants, 240 answers.");
+    window.get_by_label("Participant S004");
+    click_and_rest(&mut window, "Select everything");
+    wait_for(&mut window, "4 participants gave");
 }
 
 /// Tests the empty page, a missing file, a file with an error, and the experiments in the results folder.

@@ -224,6 +224,47 @@ fn keys_that_are_not_digits_are_named() {
     press(&mut harness, Key::Escape);
     wait_for(&mut harness, "Paused");
     harness.get_by_label_contains("Answer with the keys J, K, L. ");
+    // On the screen of a laptop, eleven answers leave room for the way on.
+    let size = [1366.0, 768.0];
+    let launch = Launch { request: Some(request(&folder.path().join("eleven"), eleven)), ..Launch::default() };
+    let mut laptop = window::builder(size, STEP_S).build_eframe(|cc| App::new(cc, launch));
+    for page in ["These findings are saved", "Welcome"] {
+        wait_for(&mut laptop, page);
+        press(&mut laptop, Key::Space);
+    }
+    wait_for(&mut laptop, "Page 2 of 2");
+    assert!(laptop.get_by_label("Page 2 of 2").rect().bottom() < size[1]);
+}
+
+/// The plot at the end says no more than it shows: one factor gives one line, and few levels still have their numbers.
+#[test]
+fn the_last_page_has_a_plot_of_what_was_measured() {
+    let staircase = "[task]\nkind = \"choice\"\nshown = \"places\"\nreference = { depth = \"inf\" }\n[adaptive]\n\
+                     method = \"staircase\"\nparameter = \"width\"\nstart = 0.4\nlow = 0.3\nhigh = 0.5\ntrials = 2\n";
+    for (factors, task, caption, mark) in [
+        ("width = [0.1, 0.8]", "", "mean rating", "0.8"),
+        ("orientation_deg = [0]", staircase, "The levels that you saw", "0.4"),
+    ] {
+        let text = format!(
+            "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n{factors}\n{task}[design]\n\
+             practice = 0\n[recovery]\nduration_s = 0.2\n[viewing]\nwindow_deg = 3\n[session]\nown_means = true\n"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let mut harness = harness(request(folder.path(), definition::parse("panes", &text).unwrap()));
+        for page in ["These findings are saved", "Welcome", "The answers", "Now the main part"] {
+            wait_for(&mut harness, page);
+            press(&mut harness, Key::Space);
+        }
+        for _ in 0..2 {
+            harness.run_steps(20);
+            press(&mut harness, Key::Num1);
+        }
+        wait_for(&mut harness, "Thank you!");
+        harness.run_steps(2);
+        harness.get_all_by_label_contains(caption).next().unwrap();
+        assert!(harness.query_by_label_contains("one line for each").is_none());
+        assert!(drawn(&harness).1.iter().any(|text| text == mark), "{:?}", drawn(&harness).1);
+    }
 }
 
 /// Questions about the participant: what is wrong is said in plain words, and the answers are kept.
@@ -236,6 +277,12 @@ fn the_participant_is_asked_once() {
     wait_for(&mut first, "These findings are saved");
     press(&mut first, Key::Space);
     wait_for(&mut first, "About you");
+    // A long question wraps beside its field.
+    let fields = [LONG_QUESTION, "Age in years *"].map(|label| {
+        let field = first.query_all_by_label(label).find(|node| node.value().is_some()).unwrap();
+        field.rect().x_range()
+    });
+    assert_eq!(fields[0].min, fields[1].min);
     assert!(first.query_by_label_contains("Please answer").is_none());
     click(&mut first, "Continue");
     wait_for(&mut first, "Please answer this question.");
@@ -251,7 +298,7 @@ fn the_participant_is_asked_once() {
     wait_for(&mut first, "Welcome");
     let rows = std::fs::read_to_string(folder.path().join("panes/participants.tsv")).unwrap();
     let today = sidecar(folder.path()).participant.unwrap()["consent"].as_str().unwrap().to_owned();
-    assert_eq!(rows, format!("participant_id\tage\tsex\tconsent\nsub-P001\t27\tother\t{today}\n"));
+    assert_eq!(rows, format!("participant_id\tage\tsex\thours\tconsent\nsub-P001\t27\tother\tn/a\t{today}\n"));
     assert_eq!((today.len(), today.matches('-').count()), (10, 2));
     drop(first);
 
@@ -261,8 +308,9 @@ fn the_participant_is_asked_once() {
     wait_for(&mut second, "Welcome");
 }
 
+const LONG_QUESTION: &str = "How many hours a week do you usually look at a screen that is as near as this one?";
 const ASKING: &str = "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[participant]\nage = {}\n\
-     sex = { choice_labels = [\"w\", \"m\", \"d\"], required = false }\nconsent = { text = \"I take part.\" }\n";
+     sex = { choice_labels = [\"w\", \"m\", \"d\"], required = false }\nhours = { label = \"How many hours a week do you usually look at a screen that is as near as this one?\", number = true, required = false }\nconsent = { text = \"I take part.\" }\n";
 
 /// A session whose texts this computer has no font for does not begin.
 #[test]

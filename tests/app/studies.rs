@@ -52,7 +52,7 @@ fn a_grid_shows_what_is_planned_recorded_and_wrong() {
     common::succeeds(folder.path(), &["simulate", path.to_str().unwrap(), "--participants", "2"]);
     let mut window = opened(folder.path(), DEFINITION);
     wait_for(&mut window, "S001, session 1: finished, 6 trials");
-    window.get_by_label_contains("Simulated (a program answered): 2");
+    window.get_by_label_contains("Simulated (a program answered): 2 sessions");
     window.get_by_label("S002, session 2: not begun");
     click(&mut window, "Check");
     wait_for(&mut window, "no errors");
@@ -122,22 +122,31 @@ fn a_session_without_ratings_can_be_removed() {
     assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
 }
 
-/// Tab reaches the selected session in a long list, and a session whose file was cut is not called finished.
+/// Tab reaches the selected session in a long list, and a session whose file was cut is not called finished. The cards
+/// keep their width.
 #[test]
 fn a_long_grid_has_its_selected_cell_in_view() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("five.toml"), DEFINITION).unwrap();
-    common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "60"]);
-    let csv = common::session_csv(&folder.path().join("results"), "five", "S058");
+    let definition = DEFINITION.replace("participants = 3", "participants = 150");
+    fs::write(folder.path().join("five.toml"), &definition).unwrap();
+    common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "100"]);
+    let csv = common::session_csv(&folder.path().join("results"), "five", "S098");
     let text = fs::read_to_string(&csv).unwrap();
     fs::write(&csv, text.split_inclusive('\n').take(4).collect::<String>()).unwrap();
-    let mut window = opened(folder.path(), DEFINITION);
-    wait_for(&mut window, "S058, session 1: was finished, but only 3 of 6 trials are left");
-    // The next participant follows all others.
+    let mut window = opened(folder.path(), &definition);
+    wait_for(&mut window, "S098, session 1: was finished, but only 3 of 6 trials are left");
+    window.get_by_label("99 of 300 sessions finished.");
+    // The next participant follows those who took part.
     let (next, page) = ("P001, session 1: next", window.ctx.content_rect());
     window.run_steps(3);
+    assert!(window.get_by_label("of 150 participants planned").rect().right() < page.right() - 24.0);
     let detail = window.get_by_label("P001, session 1").rect().top();
-    assert!(window.get_by_label(next).rect().bottom() < detail);
+    let above = window.get_by_label("New session").rect().bottom();
+    let is_shown = |window: &Window| {
+        let cell = window.get_by_label(next).rect();
+        cell.top() > above && cell.bottom() < detail
+    };
+    assert!(is_shown(&window), "{:?}", window.get_by_label(next).rect());
     let grid = window.get_by_label(next).rect().center();
     window.hover_at(grid);
     window.event(Event::MouseWheel {
@@ -156,7 +165,13 @@ fn a_long_grid_has_its_selected_cell_in_view() {
         }
     }
     window.run_steps(3);
-    assert!(window.get_by_label(next).is_focused() && window.get_by_label(next).rect().bottom() < detail);
+    assert!(window.get_by_label(next).is_focused() && is_shown(&window));
+    // A cell farther down than the window is high, and back.
+    for keys in [[Key::ArrowDown; 30], [Key::ArrowUp; 30]] {
+        keys.into_iter().for_each(|key| press(&mut window, key));
+        window.run_steps(3);
+    }
+    assert!(is_shown(&window));
 }
 
 /// A long title takes three lines, and is drawn with a font of the system if it needs one.
@@ -245,34 +260,48 @@ fn a_study_is_edited_in_place() {
     type_into(&mut window, "Participants", "20");
     click(&mut window, "Save");
     wait_for(&mut window, "of 20 participants planned");
+    let text = fs::read_to_string(&path).unwrap();
     assert_eq!(definition::hash(&definition::open(&path).unwrap()), hash, "the same experiment");
+    // Another program can change more. The page says so, and its pictures are those of the file.
+    window.get_by_label("width 0.1");
+    assert!(!texts(&window).iter().any(|text| text.contains("another definition")));
+    fs::write(&path, text.replace("[0.1, 0.8]", "[0.2, 0.8]")).unwrap();
+    window.event(Event::WindowFocused(true));
+    wait_for(&mut window, "Recorded with another definition of this name: 1 session.");
+    window.get_by_label("width 0.2");
 }
 
 /// A plan says how many participants are enough; its fields have the bounds of the command.
 #[test]
 fn a_plan_says_how_many_participants_are_enough() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = |window: &mut Window, participants: &str| {
+    let plan = |window: &mut Window, participants: &str, effects: &str| {
         click(window, "Plan…");
         type_into(window, "Numbers of participants", participants);
+        type_into(window, "Effects", effects);
         type_into(window, "Simulated studies", "3");
         click(window, "Simulate");
     };
     let mut window = opened(folder.path(), DEFINITION);
-    plan(&mut window, "0");
+    plan(&mut window, "0", "");
     window.get_by_label_contains("outside 1…10000");
     type_into(&mut window, "Numbers of participants", "3, 2");
     type_into(&mut window, "Effects", "nothing=1");
     click(&mut window, "Simulate");
     wait_for(&mut window, "the observer has no such parameter");
-    plan(&mut window, "3, 2");
+    plan(&mut window, "3, 2", "");
     wait_for(&mut window, "With 2 participants");
     let told = texts(&window);
     assert!(told.iter().any(|text| text.contains("“People differ by”")) && !told.concat().contains("--"), "{told:#?}");
     click(&mut window, "Close");
     open_study(&mut window, "threshold-width");
-    plan(&mut window, "2");
-    wait_for(&mut window, "mean threshold");
+    // The answers of one person have no test, so they have no power.
+    for (participants, powers) in [("1", 0), ("2", 1)] {
+        plan(&mut window, participants, "orientation_deg:90=0.5");
+        wait_for(&mut window, "mean threshold");
+        assert_eq!(texts(&window).iter().filter(|text| text.ends_with("\u{a0}%")).count(), powers);
+        click(&mut window, "Close");
+    }
 }
 
 /// A pilot is simulated beside the results of people, never among them, and then analyzed.

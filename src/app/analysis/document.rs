@@ -10,9 +10,9 @@ use eframe::egui::{
 use super::table::TableView;
 use crate::{
     app::ui::{
-        Field, Saving, describe, ending, hint, paragraph,
+        Field, Saving, describe, hint, paragraph,
         pixels::{Canvas, draw_centered},
-        saved, section, show_error,
+        section, show_error,
         text::name,
         theme, tick,
         work::Latest,
@@ -268,13 +268,10 @@ impl FigureView {
                 *saving = Saving::default();
             }
             let path = PathBuf::from(typed.trim());
-            if let Some(writer) = saving.button(ui, "Save", true, &path, &[]) {
-                let written = ending(&path, &["svg", "png"]).and_then(|ending| match ending {
-                    "svg" => writer.write(&path, self.figure.svg.as_bytes()),
-                    _ => writer.write(&path, &png(&self.figure, &path)?),
-                });
-                saving.finish(&path, written.map(|()| saved(&path)));
-            }
+            saving.export(ui, "Save", &path, &["svg", "png"], |writer, ending| match ending {
+                "svg" => writer.write(&path, self.figure.svg.as_bytes()),
+                _ => writer.write(&path, &png(&self.figure, &path)?),
+            });
         });
         saving.show(ui);
     }

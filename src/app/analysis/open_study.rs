@@ -35,9 +35,8 @@ const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 /// The data and its analysis.
 pub struct OpenStudy {
     study: Arc<Study>,
-    /// How the study was read.
-    pub asked: Analyze,
-    files: Arc<Files>,
+    /// The files of the study, and how they were read.
+    pub files: Arc<Files>,
     filters: Filters,
     model: ModelControls,
     /// The last requested analysis, finished or not.
@@ -91,9 +90,9 @@ struct Outcome {
 }
 
 impl OpenStudy {
-    pub fn new(study: Study, asked: Analyze, files: Arc<Files>) -> Self {
+    pub fn new(study: Study, files: Arc<Files>) -> Self {
+        let paths = study.source.files.iter().map(|file| file.path.clone());
         Self {
-            files,
             is_empty: false,
             filters: Filters::default(),
             model: ModelControls::default(),
@@ -106,9 +105,9 @@ impl OpenStudy {
             error: None,
             not_reread: None,
             section: "summary",
-            export: Export::new(&asked.ratings.paths, study.source.files.iter().map(|file| file.path.clone())),
+            export: Export::new(&files.asked.ratings.paths, paths),
             study: Arc::new(study),
-            asked,
+            files,
             request: None,
             extra: Vec::new(),
             columns: OnceCell::new(),
@@ -116,7 +115,7 @@ impl OpenStudy {
     }
 
     /// Replaces the data with the same files read again. Selections that are still possible are kept.
-    pub fn reread(study: Study, asked: Analyze, files: Arc<Files>, before: Self) -> Self {
+    pub fn reread(study: Study, files: Arc<Files>, before: Self) -> Self {
         let (old, new) = (&before.study.measured.counts, &study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
@@ -127,7 +126,7 @@ impl OpenStudy {
             extra: before.extra,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, asked, files)
+            ..Self::new(study, files)
         }
     }
 
@@ -176,7 +175,7 @@ impl OpenStudy {
 
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let ratings = self.asked.ratings.clone().excluding(self.filters.exclusions().clone());
+        let ratings = self.files.asked.ratings.clone().excluding(self.filters.exclusions().clone());
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
@@ -208,7 +207,7 @@ impl OpenStudy {
         if extra != self.extra && self.request.is_none() {
             // Also if the files cannot be read, so that the same request is not repeated in every frame.
             self.extra = extra;
-            let Analyze { ratings, .. } = self.asked.clone();
+            let Analyze { ratings, .. } = self.files.asked.clone();
             self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
         }
     }
@@ -301,7 +300,7 @@ impl Opened for OpenStudy {
         about(ui, &self.study);
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
-            let mut asked = self.asked.clone();
+            let mut asked = self.files.asked.clone();
             if ui.checkbox(&mut asked.ratings.complete_only, "Exclude unfinished sessions").changed() {
                 self.request = Some(Request::Read(Box::new(asked)));
             }
@@ -313,7 +312,7 @@ impl Opened for OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            if self.asked.ratings.subject.is_some() && ui.button("Columns…").clicked() {
+            if self.files.asked.ratings.subject.is_some() && ui.button("Columns…").clicked() {
                 self.request = Some(Request::Columns);
             }
         });
@@ -349,7 +348,7 @@ impl Opened for OpenStudy {
             }
         });
         if self.export.show(ui, exported.as_ref()) {
-            self.request = Some(Request::Read(Box::new(self.asked.clone())));
+            self.request = Some(Request::Read(Box::new(self.files.asked.clone())));
         }
     }
 }

@@ -3,7 +3,7 @@
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use crate::{
-    app::ui::{Field, heading, paragraph, pinned, theme},
+    app::ui::{Field, folded, heading, paragraph, pinned, theme},
     report::document::numbers::whole,
     store::FileError,
     work::Analyze,
@@ -104,7 +104,7 @@ pub fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: e
         return;
     }
     let header = RichText::new(format!("{title}: {}", problems.len())).color(color);
-    CollapsingHeader::new(header).id_salt(title).default_open(true).show(ui, |ui| {
+    folded(ui, CollapsingHeader::new(header).id_salt(title).default_open(true), |ui| {
         ScrollArea::vertical().id_salt(title).max_height(170.0).show(ui, |ui| {
             let more = problems.len().saturating_sub(MAX_ERRORS);
             let shown = problems.iter().take(MAX_ERRORS).map(ToString::to_string);

@@ -171,7 +171,7 @@ impl Analysis {
                 self.files = Some(files.clone());
                 (self.columns, self.open) = (None, None);
                 let before = self.task.take().filter(|_| again).map(|before| *before);
-                self.task = Some(Box::new(OpenTask::new(*read, asked, files, before)));
+                self.task = Some(Box::new(OpenTask::new(*read, files, before)));
             }
             Ok((files, Read::Ratings(study))) => {
                 self.files = Some(files.clone());
@@ -183,8 +183,8 @@ impl Analysis {
                     return;
                 }
                 self.open = Some(Box::new(match before {
-                    Some(before) => OpenStudy::reread(study, asked, files, *before),
-                    None => OpenStudy::new(study, asked, files),
+                    Some(before) => OpenStudy::reread(study, files, *before),
+                    None => OpenStudy::new(study, files),
                 }));
             }
             Err(error) => match (self.open.as_mut().filter(|_| again), self.task.as_mut().filter(|_| again)) {
@@ -224,7 +224,7 @@ impl Analysis {
         match request {
             Request::OtherData => (self.open, self.task) = (None, None),
             Request::Columns => {
-                self.columns = self.open.as_ref().and_then(|open| Columns::of(&open.asked.ratings));
+                self.columns = self.open.as_ref().and_then(|open| Columns::of(&open.files.asked.ratings));
             }
             Request::Read(asked) => {
                 // The study requests the same again in every frame until it is read.

@@ -11,7 +11,7 @@ use crate::{
         find_factor, level_number,
         terms::{Terms, Variable},
     },
-    app::ui::{Field, show_error, text::name},
+    app::ui::{Field, folded, show_error, text::name},
     work::{Analyze, Model},
 };
 
@@ -126,7 +126,7 @@ fn checked(list: &[bool]) -> usize {
 /// Draws a collapsible list below two buttons that select all or none. Its state belongs to `id`, so its title may
 /// change.
 fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl FnOnce(&mut egui::Ui, &mut [bool])) {
-    CollapsingHeader::new(title).id_salt(("filter", id)).show(ui, |ui| {
+    folded(ui, CollapsingHeader::new(title).id_salt(("filter", id)), |ui| {
         ui.horizontal(|ui| {
             for (text, label, all) in [("All", format!("All {id}"), true), ("None", format!("None of {id}"), false)] {
                 let button = ui.small_button(text);
@@ -171,11 +171,9 @@ impl ModelControls {
         self.terms_field(ui, counts, filters, is_column);
         let people = filters.people(counts);
         let request = &mut self.request;
+        let field = |label| Field::new(label).column(LABELS).width(130.0);
         let links = [Link::Logit, Link::Probit];
-        Field::new("Link")
-            .column(LABELS)
-            .width(130.0)
-            .choice(ui, &mut request.model.link, &links, |link| link.to_string());
+        field("Link").choice(ui, &mut request.model.link, &links, |link| link.to_string());
         let several = people > 1;
         let mut random = several && request.random.is_none();
         let response = ui.add_enabled(several, egui::Checkbox::new(&mut random, "Random intercept per participant"));
@@ -185,16 +183,12 @@ impl ModelControls {
         }
         ui.add_enabled_ui(random, |ui| {
             let slopes = [Slopes::Independent, Slopes::Correlated, Slopes::None];
-            Field::new("Random slopes")
-                .column(LABELS)
-                .width(130.0)
+            field("Random slopes")
                 .choice(ui, &mut request.model.slopes, &slopes, |slopes| slopes.to_string())
                 .on_hover_text("How much the effects of the terms may differ between participants.");
             let items: Vec<Option<String>> =
                 std::iter::once(None).chain(counts.factors.iter().map(|factor| Some(factor.name.clone()))).collect();
-            Field::new("Items")
-                .column(LABELS)
-                .width(130.0)
+            field("Items")
                 .choice(ui, &mut request.items, &items, |items| items.clone().unwrap_or_else(|| "none".to_owned()))
                 .on_hover_text("The factor whose levels are a sample of stimuli, such as pictures.");
         });

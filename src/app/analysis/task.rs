@@ -9,7 +9,7 @@ use super::{
     export::{Export, Exported},
     files::Files,
     opened::{Opened, Request, problems, show_opened},
-    query::people,
+    query,
 };
 use crate::{
     app::ui::{Step, hint, paragraph, show_error, theme},
@@ -19,6 +19,7 @@ use crate::{
         tasks::{TaskResults, TaskStudy, document, figures},
     },
     store::table::List,
+    text::names::natural,
     work::Analyze,
 };
 
@@ -42,7 +43,6 @@ impl TaskRead {
 pub struct OpenTask {
     study: Arc<TaskStudy>,
     results: Arc<TaskResults>,
-    asked: Analyze,
     files: Arc<Files>,
     /// All participants, and those who are to be left out.
     people: Vec<String>,
@@ -59,19 +59,23 @@ pub struct OpenTask {
 
 impl OpenTask {
     /// Shows results; `before` are those of the same data with another selection, or as they were before.
-    pub fn new(read: TaskRead, asked: Analyze, files: Arc<Files>, before: Option<Self>) -> Self {
+    pub fn new(read: TaskRead, files: Arc<Files>, before: Option<Self>) -> Self {
         let TaskRead { study, results, document } = read;
-        let excluded = asked.ratings.exclude.clone().unwrap_or_default().0;
-        let (people, view, section, export) = match before {
-            Some(before) => (before.people, Some(before.view), before.section, before.export),
+        let asked = &files.asked.ratings;
+        let excluded = asked.exclude.clone().unwrap_or_default().0;
+        // Those who are left out were not read.
+        let mut people = [&study.people[..], &excluded].concat();
+        people.sort_by(|a, b| natural(a, b));
+        let (view, section, export) = match before {
+            Some(before) => (Some(before.view), before.section, before.export),
             None => {
-                let files = study.files.iter().map(|(path, _)| path.clone());
-                (study.people.clone(), None, "summary", Export::new(&asked.ratings.paths, files))
+                let paths = study.files.iter().map(|(path, _)| path.clone());
+                (None, "summary", Export::new(&asked.paths, paths))
             }
         };
         let view = DocumentView::new(document, view);
         let (error, is_stale, request) = Default::default();
-        Self { study, results, asked, files, people, excluded, view, section, export, error, is_stale, request }
+        Self { study, results, files, people, excluded, view, section, export, error, is_stale, request }
     }
 
     /// Says why the data could not be read with another selection. The current results stay.
@@ -107,16 +111,15 @@ impl Opened for OpenTask {
 
     fn controls(&mut self, ui: &mut egui::Ui) {
         paragraph(ui, RichText::new(&self.study.asked.title).strong());
-        let of = |what: &str, n: usize| count(n as u64, what);
-        let answers = count(self.study.answers(), "answer");
-        hint(ui, format!("{}, {answers}.", of("participant", self.people.len())));
+        let people = count(self.study.people.len() as u64, "participant");
+        hint(ui, format!("{people}, {}.", count(self.study.answers(), "answer")));
         problems(ui, "Errors", &self.study.errors, theme::ink(ui).bad);
         if ui.button("Other data…").clicked() {
             self.request = Some(Request::OtherData);
         }
         ui.separator();
         let before = self.excluded.clone();
-        people(ui, &self.people, &mut self.excluded);
+        query::people(ui, &self.people, &mut self.excluded);
         if ui.add_enabled(!self.excluded.is_empty(), egui::Button::new("Select everything")).clicked() {
             self.excluded.clear();
         }
@@ -124,20 +127,20 @@ impl Opened for OpenTask {
             show_error(ui, error);
         }
         if self.excluded != before {
-            let mut asked = self.asked.clone();
+            let mut asked = self.files.asked.clone();
             asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
             self.request = Some(Request::Read(Box::new(asked)));
         }
     }
 
     fn export(&mut self, ui: &mut egui::Ui) {
-        let Self { study, results, asked, files, people, excluded, is_stale, .. } = self;
+        let Self { study, results, files, people, excluded, is_stale, .. } = self;
         let left = people.len() - excluded.len();
         let filter =
             if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
         let (study, results) = (study.clone(), results.clone());
         let exported = Exported {
-            request: asked,
+            request: &files.asked,
             filter,
             files,
             write: Arc::new(move |writer, made, folder| {
@@ -149,7 +152,7 @@ impl Opened for OpenTask {
             }),
         };
         if self.export.show(ui, Some(&exported).filter(|_| !*is_stale)) {
-            self.request = Some(Request::Read(Box::new(asked.clone())));
+            self.request = Some(Request::Read(Box::new(files.asked.clone())));
         }
     }
 }

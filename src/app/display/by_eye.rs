@@ -50,14 +50,8 @@ impl Method for ByEye {
 
     fn fields(&mut self, ui: &mut egui::Ui, viewing: Option<&Viewing>) {
         let settings = &mut self.0;
-        let periods = [
-            (4, "one of four"),
-            (
-                2,
-                "one of two: rows blend at shorter distances; matches are less \
-            precise",
-            ),
-        ];
+        let periods =
+            [(4, "one of four"), (2, "one of two: rows blend at shorter distances; matches are less precise")];
         Field::new("Lit rows").column(LABELS).radio(ui, &mut settings.period, &periods);
         let matches = Field::new("Matches per channel").column(LABELS).width(SLIDER);
         matches.slider(ui, &mut settings.matches, 2..=20, 1.0);

@@ -32,8 +32,16 @@ impl CardHelper {
         Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
-    /// Draws the dialog; returns the screen's width in cm when the user accepts it.
-    pub fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
+    /// Draws the dialog if it is open; returns the screen's width in cm when the user accepts it.
+    pub fn measured(open: &mut Option<Self>, ctx: &egui::Context, screen_width_px: u32) -> Option<f64> {
+        let step = open.as_mut()?.show(ctx, screen_width_px);
+        if step != Step::Stay {
+            *open = None;
+        }
+        if let Step::Next(width) = step { Some(width) } else { None }
+    }
+
+    fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
         // Enter accepts the width only if the slider or nothing has keyboard focus. In the number field, it ends
         // typing; on a button, it activates the button.
         let free = ctx.memory(|memory| memory.focused()).is_none_or(|focused| self.slider == Some(focused));

@@ -42,14 +42,8 @@ impl GeometryPage {
                 Err(error) => show_error(ui, error.to_string()),
             }
         });
-        if let Some(card) = &mut self.card {
-            let step = card.show(ui.ctx(), monitor.width_px);
-            if let Step::Next(width) = step {
-                fields.screen_width_cm = width.to_string();
-            }
-            if step != Step::Stay {
-                self.card = None;
-            }
+        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
+            fields.screen_width_cm = width.to_string();
         }
         Step::back_if(back)
     }

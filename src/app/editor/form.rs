@@ -259,34 +259,30 @@ impl DefinitionForm {
     /// Draws a text field for a value, with its errors. `about` explains it.
     pub fn text(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(label, key, default, Typed::Text, about, |error, text| {
-            Field::new(label).column(LABELS).slot().error(error).width(width).text(ui, text)
-        });
+        self.field(label, key, default, Typed::Text, about, |field, text| field.width(width).text(ui, text));
     }
 
     /// Draws a field for text of several lines, with its errors.
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
-        self.field(label, key, default, Typed::Text, about, |error, text| {
-            let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width);
-            Field::new(label).column(LABELS).slot().error(error).add(ui, edit)
+        self.field(label, key, default, Typed::Text, about, |field, text| {
+            field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width))
         });
     }
 
     /// Draws a field for a number, with its errors.
     pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
-        self.field(label, key, &default.to_string(), Typed::Value, about, |error, text| {
-            Field::new(label).column(LABELS).slot().error(error).width(NUMBER).text(ui, text)
-        });
+        let default = default.to_string();
+        self.field(label, key, &default, Typed::Value, about, |field, text| field.width(NUMBER).text(ui, text));
     }
 
     /// Draws a field for a list of numbers, with its errors; a long list wraps. An empty one is removed; `absent` says
     /// what that means.
     pub fn list(&mut self, ui: &mut Ui, label: &str, key: &str, [default, absent]: [&str; 2], about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-        self.field(label, key, default, Typed::Values, about, |error, text| {
+        self.field(label, key, default, Typed::Values, about, |field, text| {
             let edit = TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).hint_text(absent);
-            Field::new(label).column(LABELS).slot().error(error).add(ui, edit.desired_width(width).return_key(None))
+            field.add(ui, edit.desired_width(width).return_key(None))
         });
         if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) && self.draft.get(key).is_some() {
             self.edit(|draft| draft.remove(key));
@@ -295,8 +291,8 @@ impl DefinitionForm {
 
     /// Draws a field for a number that can be absent; `absent` says what that means, and `owner` is then removed.
     pub fn optional(&mut self, ui: &mut Ui, label: &str, [key, owner]: [&str; 2], absent: &str, about: &str) {
-        self.field(label, key, "", Typed::Value, about, |error, text| {
-            Field::new(label).column(LABELS).slot().error(error).width(OPTIONAL).hint(absent).text(ui, text)
+        self.field(label, key, "", Typed::Value, about, |field, text| {
+            field.width(OPTIONAL).hint(absent).text(ui, text)
         });
         if self.typed.get(key).is_some_and(|text| text.trim().is_empty()) {
             self.typed.remove(key);
@@ -311,11 +307,11 @@ impl DefinitionForm {
         default: &str,
         typed: Typed,
         about: &str,
-        draw: impl FnOnce(&str, &mut String) -> Response,
+        draw: impl FnOnce(Field<'_>, &mut String) -> Response,
     ) {
         self.name(key, label);
         let mut text = self.value(key, default);
-        let response = draw(&self.error(key), &mut text);
+        let response = draw(Field::new(label).column(LABELS).slot().error(&self.error(key)), &mut text);
         if response.on_hover_text(about).changed() {
             self.type_value(key, &text, typed);
         }

@@ -1,20 +1,20 @@
 //! What one trial shows, and what a simulated observer answers.
 
-use eframe::egui::{Align2, FontId, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
+use eframe::egui::{Align2, FontId, Rect, Sense, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
         self,
         own_plot::OwnPlot,
-        pixels,
+        pixels::{self, Drawn},
         theme::{self, GAP},
-        work::{BackgroundTask, Latest, Progress},
+        work::{BackgroundTask, Progress},
     },
     experiment::{
         Course, Definition, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
-    light::{Bits, CodeImage, Quantizer, Transfer},
+    light::{Bits, Quantizer, Transfer},
     work,
 };
 
@@ -37,8 +37,7 @@ pub struct Preview {
     trial: Option<Presentation>,
     /// The first revision with these stimuli, and their side in pixels.
     pictured: (u64, u32),
-    drawn: Latest<(u64, u32), Vec<CodeImage>>,
-    textures: Option<((u64, u32), Vec<TextureHandle>)>,
+    drawn: Drawn<(u64, u32)>,
     pilot: Pilot,
 }
 
@@ -83,22 +82,8 @@ impl Preview {
             }
             (self.of, self.trial) = (Some(key), trial);
         }
-        let key = self.pictured;
         let Some(trial) = &self.trial else { return };
-        self.drawn.want(ui.ctx(), key, || {
-            let stimuli = trial.stimuli.clone();
-            move || {
-                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                Ok(stimuli.iter().map(|stimulus| stimulus.codes(key.1, &quantizer)).collect())
-            }
-        });
-        if let Some(Ok(images)) = self.drawn.get(&key)
-            && self.textures.as_ref().is_none_or(|(of, _)| *of != key)
-        {
-            let ctx = ui.ctx();
-            let textures = images.iter().map(|image| pixels::texture_of(ctx, "trial", image)).collect();
-            self.textures = Some((key, textures));
-        }
+        let drawn = self.drawn.get(ui.ctx(), self.pictured, self.pictured.1, || trial.stimuli.clone());
         ui::section(ui, format!("One trial{when}"));
         let light = protocol.stimulus.field_light(protocol.recovery.level);
         let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), light);
@@ -106,7 +91,7 @@ impl Preview {
         let (rect, response) = ui.allocate_exact_size(vec2(room.x, height), Sense::hover());
         ui::describe(&response, "One trial");
         ui.painter().rect_filled(rect, 4.0, field);
-        let textures = self.textures.iter().flat_map(|(_, textures)| textures);
+        let textures = drawn.into_iter().flat_map(|(_, textures)| textures);
         let left = (rect.width() - columns as f32 * (side + GAP) + GAP) / 2.0;
         for (i, texture) in textures.enumerate().take(columns * rows) {
             let (column, row) = (i % columns, i / columns);

@@ -453,7 +453,7 @@ fn session(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
     ui.add_space(6.0);
-    CollapsingHeader::new("What participants read").show(ui, |ui| {
+    ui::folded(ui, CollapsingHeader::new("What participants read"), |ui| {
         ui::hint(ui, "In the participants' language. The program fills in the words in braces.");
         for [name, about, default] in Texts::ALL {
             let label = capitalized(&name.replace('_', " "));

@@ -4,12 +4,11 @@ use eframe::egui::{self, Context, Sense, TextureHandle, Ui, Vec2};
 
 use crate::{
     app::ui::{
-        self, pixels,
+        self,
+        pixels::{self, Drawn},
         theme::{self, GAP},
-        work::Latest,
     },
     experiment::{Condition, Factor, Protocol},
-    light::{Bits, CodeImage, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::Stimulus,
 };
@@ -30,7 +29,7 @@ pub struct Thumbnails {
     conditions: usize,
     /// The names of the factors, as captions list their levels.
     factors: String,
-    work: Latest<(Vec<Stimulus>, u32), Vec<CodeImage>>,
+    drawn: Drawn<(Vec<Stimulus>, u32)>,
 }
 
 struct Thumbnail {
@@ -70,7 +69,7 @@ impl Thumbnails {
     /// Draws one line of stimuli, from all parts of the design.
     pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let side = (STRIP * ui.ctx().pixels_per_point()).round() as u32;
-        let key = (&protocol.name, &protocol.stimulus, protocol.conditions().len());
+        let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
         let revision = egui::Id::unique(format!("{key:?}")).value();
         if self.of != Some((revision, side)) {
             self.refresh(protocol, false);
@@ -118,15 +117,9 @@ impl Thumbnails {
             return;
         }
         let key = (stimuli.clone(), side);
-        self.work.want(ctx, key.clone(), || {
-            move || {
-                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                Ok(stimuli.iter().map(|stimulus| stimulus.codes(side, &quantizer)).collect())
-            }
-        });
-        let Some(Ok(images)) = self.work.get(&key) else { return };
-        for (stimulus, image) in key.0.iter().zip(images) {
-            let texture = pixels::texture_of(ctx, "thumbnail", image);
+        let drawn = self.drawn.get(ctx, key.clone(), side, || stimuli);
+        let Some((_, textures)) = drawn.filter(|(drawn, _)| *drawn == key) else { return };
+        for (stimulus, texture) in key.0.iter().zip(textures) {
             let same = self.all.iter_mut().filter(|thumbnail| thumbnail.stimulus == *stimulus);
             same.for_each(|thumbnail| thumbnail.texture = Some(texture.clone()));
         }

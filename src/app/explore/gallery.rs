@@ -9,7 +9,11 @@ use toml::{Table, Value};
 use crate::{
     app::{
         explore::prediction::{self, Mark, Prediction, ViewingPlace},
-        ui::{self, Bench, Field, History, Saving, Step, pixels, theme},
+        ui::{
+            self, Bench, Field, History, Saving, Step,
+            pixels::{self, Drawn},
+            theme,
+        },
     },
     display::DisplayProfile,
     light::{Bits, Dither, Quantizer},
@@ -57,8 +61,8 @@ pub struct Gallery {
     display: DisplayProfile,
     distance_cm: Option<f64>,
     prediction: Prediction,
-    /// The pictures of all kinds, and their side in pixels.
-    tiles: Option<(u32, Vec<TextureHandle>)>,
+    /// The pictures of all kinds, by their side in pixels.
+    tiles: Drawn<u32>,
 }
 
 /// Everything that determines the image.
@@ -151,7 +155,7 @@ impl Gallery {
             saving: Saving::default(),
             display,
             distance_cm,
-            tiles: None,
+            tiles: Drawn::default(),
         }
     }
 
@@ -287,14 +291,13 @@ impl Gallery {
         }
         ui.horizontal_wrapped(|ui| {
             let path = Path::new(self.out.trim());
-            if let Some(writer) = self.saving.button(ui, "Export", true, path, &[]) {
+            self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
-                let written = ui::ending(path, &["png", "csv"]).and_then(|ending| match ending {
-                    "csv" => store::curve::write_profile(&writer, path, recipe, &quantizer),
-                    _ => store::image::write_recipe(&writer, path, recipe, &quantizer),
-                });
-                self.saving.finish(path, written.map(|()| ui::saved(path)));
-            }
+                match ending {
+                    "csv" => store::curve::write_profile(writer, path, recipe, &quantizer),
+                    _ => store::image::write_recipe(writer, path, recipe, &quantizer),
+                }
+            });
             let copy = ui.button("Copy as command");
             if copy.on_hover_text("Copies the command that writes this image.").clicked() {
                 let command = work::stimulus::command(&shown.recipe);
@@ -309,24 +312,17 @@ impl Gallery {
     fn overview(&mut self, ui: &mut Ui) {
         let side = if ui.available_width() > WIDE { TILE } else { SMALL_TILE };
         let px = (side * ui.ctx().pixels_per_point()).round() as u32;
-        if self.tiles.as_ref().is_none_or(|(of, _)| *of != px) {
-            let quantizer = Quantizer::new(&crate::light::Transfer::Srgb, Bits::Eight);
-            let tile = |entry: &catalog::Entry| {
-                let stimulus = entry.default_stimulus();
-                pixels::texture(ui.ctx(), entry.kind, &stimulus, px, &quantizer)
-            };
-            self.tiles = Some((px, catalog::all().iter().map(tile).collect()));
-        }
-        let Some((_, tiles)) = &self.tiles else { return };
+        let all = || catalog::all().iter().map(catalog::Entry::default_stimulus).collect();
+        let mut tiles = self.tiles.get(ui.ctx(), px, px, all).into_iter().flat_map(|(_, tiles)| tiles);
         let mut named = " ";
         ui.horizontal_wrapped(|ui| {
-            for (index, (entry, texture)) in catalog::all().iter().zip(tiles).enumerate() {
+            for (index, entry) in catalog::all().iter().enumerate() {
                 let size = egui::vec2(side + 2.0 * theme::SMALL_GAP, side + 2.0 * theme::SMALL_GAP);
                 let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
                 let is_chosen = self.settings.entry == index;
                 let name = format!("Show {}", entry.title);
                 response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, is_chosen, &name));
-                pixels::draw_centered(ui, texture, rect);
+                tiles.next().into_iter().for_each(|tile| pixels::draw_centered(ui, tile, rect));
                 if is_chosen || response.has_focus() || response.hovered() {
                     let ink = theme::ink(ui);
                     let color = if response.hovered() && !is_chosen { ink.edge } else { ink.ink };

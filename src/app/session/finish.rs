@@ -62,19 +62,14 @@ impl Finish {
             own.into_iter().for_each(|plot| plot.show(ui));
             ui.add_space(8.0);
             if let Some(error) = &self.error {
-                ui::show_error(
-                    ui,
-                    format!(
-                        "The end of this sitting could not be recorded. Please call the experimenter. \
-                    {error}"
-                    ),
-                );
+                let told = "The end of this sitting could not be recorded. Please call the experimenter.";
+                ui::show_error(ui, format!("{told} {error}"));
             }
             leave = ui::neutral_primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             ui.add_space(theme::LARGE_GAP);
             let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt("experimenter");
             let section = section.open(std::mem::take(&mut self.is_new).then_some(false));
-            section.show(ui, |ui| analyze = self.details(ui));
+            ui::folded(ui, section, |ui| analyze = self.details(ui));
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));

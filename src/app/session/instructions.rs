@@ -14,7 +14,7 @@ use crate::{
 pub const INSTRUCTION_PAGES: usize = 2;
 
 /// In a window of less than this height, points, the button that continues is at the lower edge.
-const LOW: f32 = 480.0;
+const LOW: f32 = 560.0;
 /// Maximum side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
@@ -151,12 +151,16 @@ fn key_list(ui: &mut egui::Ui, protocol: &Protocol) {
         }
         return;
     }
-    for category in &protocol.response.categories {
-        ui.horizontal(|ui| {
-            ui.label(egui::RichText::new(category.key_name()).strong());
-            ui::paragraph(ui, &category.label);
-        });
-    }
+    ui.scope(|ui| {
+        // Eleven lines fit on the screen of a laptop.
+        ui.spacing_mut().interact_size.y = theme::SECTION;
+        for category in &protocol.response.categories {
+            ui.horizontal(|ui| {
+                ui.label(egui::RichText::new(category.key_name()).strong());
+                ui::paragraph(ui, &category.label);
+            });
+        }
+    });
 }
 
 /// Draws the page during a break.

@@ -143,34 +143,26 @@ impl Studies {
         // The result of a job that another one replaced would be lost.
         let is_free = self.job.is_none();
         let has_sessions = self.sessions.of(&protocol.name).next().is_some();
-        let mut next = None;
         ui.add_enabled_ui(is_free, |ui| {
             if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
                 self.open = Some(Open::Pilot(self.pilot(protocol)));
             }
         });
+        let clicked = |ui: &mut Ui, enabled: bool, icon: Icon, text: &str, name: &str| {
+            ui.add_enabled_ui(enabled, |ui| quiet(ui, icon, text, name).clicked()).inner
+        };
         let can_plan = protocol.task.is_default() || protocol.adaptive.is_some();
-        ui.add_enabled_ui(is_free && can_plan, |ui| {
-            if quiet(ui, Icon::People, "Plan…", "Plan…").clicked() {
-                self.open = Some(Open::Plan(self.plan(protocol)));
-            }
-        });
-        ui.add_enabled_ui(has_sessions && is_free, |ui| {
-            if quiet(ui, Icon::Check, "Check", "Check").clicked() {
-                self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
-            }
-        });
-        ui.add_enabled_ui(has_sessions, |ui| {
-            if quiet(ui, Icon::Analyze, "Analyze", "Analyze this study").clicked() {
-                next = Some(Destination::Analysis(folder.to_owned()));
-            }
-        });
-        ui.add_enabled_ui(has_sessions && is_free, |ui| {
-            if quiet(ui, Icon::Out, "Export…", "Export…").clicked() {
-                self.open = Some(Open::Export(export(folder)));
-            }
-        });
-        next
+        if clicked(ui, is_free && can_plan, Icon::People, "Plan…", "Plan…") {
+            self.open = Some(Open::Plan(self.plan(protocol)));
+        }
+        if clicked(ui, has_sessions && is_free, Icon::Check, "Check", "Check") {
+            self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
+        }
+        let analyzes = clicked(ui, has_sessions, Icon::Analyze, "Analyze", "Analyze this study");
+        if clicked(ui, has_sessions && is_free, Icon::Out, "Export…", "Export…") {
+            self.open = Some(Open::Export(export(folder)));
+        }
+        analyzes.then(|| Destination::Analysis(folder.to_owned()))
     }
 
     /// Returns the dialog that finds how many participants the study needs.

@@ -16,7 +16,7 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::{MachBand, ParameterValue, Stimulus},
-    store::session::overview::SessionState,
+    store::{definition, session::overview::SessionState},
 };
 
 /// Side of the example image, physical pixels.
@@ -139,7 +139,7 @@ impl Studies {
                 None if people == 1 => "participant".to_owned(),
                 None => "participants".to_owned(),
             };
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new(people.to_string()).strong().size(KEY));
                 ui.label(RichText::new(whose).weak());
             });
@@ -155,7 +155,18 @@ impl Studies {
             }
             let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
             if simulated > 0 {
-                ui::note(ui, format!("Simulated (a program answered): {simulated} of these sessions."));
+                ui::note(ui, format!("Simulated (a program answered): {}.", count(simulated as u64, "session")));
+            }
+            let hash = definition::hash(protocol);
+            let others = self.sessions.of(&protocol.name).filter(|session| session.definition_sha256 != hash).count();
+            if others > 0 {
+                let others = count(others as u64, "session");
+                ui::note(
+                    ui,
+                    format!(
+                        "Recorded with another definition of this name: {others}. Only one definition is analyzed at a time."
+                    ),
+                );
             }
             if planned.is_none() {
                 let find =
@@ -169,10 +180,9 @@ impl Studies {
                 ui.label(RichText::new("Check").strong().size(SECTION));
                 let Some(found) = &found else { return };
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let (text, color, icon) = match found.errors.len() {
+                    let (text, color, icon) = match found.errors.len() as u64 {
                         0 => ("no errors".to_owned(), ink(ui).good, Icon::Check),
-                        1 => ("1 error".to_owned(), ink(ui).bad, Icon::Warn),
-                        n => (format!("{n} errors"), ink(ui).bad, Icon::Warn),
+                        n => (count(n, "error"), ink(ui).bad, Icon::Warn),
                     };
                     ui.label(RichText::new(text).small().color(color));
                     icon.show(ui, color);
@@ -205,8 +215,7 @@ impl Studies {
                 format!("{} {levels}", names::factor(known, &factor.name))
             };
             let factors: Vec<String> = protocol.factors.iter().map(levels).collect();
-            let n = protocol.conditions().len();
-            let conditions = if n == 1 { "1 condition".to_owned() } else { format!("{n} conditions") };
+            let conditions = count(protocol.conditions().len() as u64, "condition");
             ui::hint(ui, if factors.is_empty() { conditions } else { format!("{conditions}: {}", factors.join(", ")) });
         });
     }

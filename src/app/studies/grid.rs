@@ -18,6 +18,7 @@ use crate::{
     },
     experiment::Plan,
     store::session::overview::{Overview, SessionState},
+    text::names::natural,
 };
 
 /// Width of the column of participants, and minimum and maximum width of their answers, points.
@@ -134,7 +135,7 @@ impl<'a> Grid<'a> {
         columns.extend((1..=plan.sessions).map(|number| number.to_string()));
         columns.push(next.session.clone());
         for list in [&mut subjects, &mut columns] {
-            list.sort_by_cached_key(|id| natural(id));
+            list.sort_by(|a, b| natural(a, b));
             list.dedup();
         }
         let mut number = 1;
@@ -150,7 +151,7 @@ impl<'a> Grid<'a> {
             }
             number += 1;
         }
-        subjects[before..].sort_by_cached_key(|id| natural(id));
+        subjects[before..].sort_by(|a, b| natural(a, b));
         Self { sessions, subjects, columns, next, wrong }
     }
 
@@ -215,7 +216,8 @@ impl<'a> Grid<'a> {
         let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
         let is_new = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
-        ScrollArea::both().id_salt("grid").auto_shrink([false, true]).show_rows(
+        // What scrolls later, in the next pass, would scroll twice if that pass asks for it as well.
+        ScrollArea::both().id_salt("grid").auto_shrink([false, true]).animated(false).show_rows(
             ui,
             CONTROL,
             self.subjects.len() + 1,
@@ -378,17 +380,4 @@ fn text(ui: &mut Ui, width: f32, text: RichText) {
             describe(&response, "no answers");
         }
     });
-}
-
-/// Returns the parts of an ID, so that `P9` comes before `P10`.
-fn natural(text: &str) -> Vec<(u64, String)> {
-    let mut parts = Vec::new();
-    let mut rest = text;
-    while !rest.is_empty() {
-        let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
-        let letters = rest[digits..].find(|c: char| c.is_ascii_digit()).map_or(rest.len(), |at| digits + at);
-        parts.push((rest[..digits].parse().unwrap_or(0), rest[digits..letters].to_owned()));
-        rest = &rest[letters..];
-    }
-    parts
 }

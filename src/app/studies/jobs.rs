@@ -62,9 +62,11 @@ impl Planned {
             Found::Thresholds(planned) => planned,
         };
         let row = |one: &Precision| {
-            let is_there = matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
+            // One participant has no interval, and thus no test.
+            let is_tested =
+                one.half_width.is_some() && matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
             let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
-            let power = if is_there { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
+            let power = if is_tested { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
             [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
         };
         let unit = format!("Intervals are in {}.", planned.unit());

@@ -2,20 +2,16 @@
 
 use std::path::Path;
 
-use eframe::egui::{
-    self, Color32, Rect, Response, RichText, ScrollArea, Sense, TextStyle, TextureHandle, Ui, Vec2, text::LayoutJob,
-};
+use eframe::egui::{self, Color32, Rect, Response, RichText, ScrollArea, Sense, TextStyle, Ui, Vec2, text::LayoutJob};
 
 use crate::{
     app::ui::{
         self,
         fonts::TextFonts,
-        pixels,
+        pixels::{self, Drawn},
         theme::{FIELD_GAP, GAP, LARGE_GAP, SMALL_GAP, ink},
-        work::Latest,
     },
     experiment::Protocol,
-    light::{Bits, CodeImage, Quantizer, Transfer},
     store::definition::{self, BUILT_IN},
 };
 
@@ -41,8 +37,7 @@ struct Row {
     experiment: String,
     /// The definition, or the first error in it.
     protocol: Result<Protocol, String>,
-    picture: Latest<u32, CodeImage>,
-    texture: Option<(u32, TextureHandle)>,
+    picture: Drawn<u32>,
 }
 
 impl StudyList {
@@ -65,7 +60,7 @@ impl StudyList {
             let known = before.iter().position(|row| row.experiment == experiment && row.protocol == protocol);
             self.rows.push(match known {
                 Some(index) => before.swap_remove(index),
-                None => Row { experiment: experiment.to_owned(), protocol, picture: Latest::default(), texture: None },
+                None => Row { experiment: experiment.to_owned(), protocol, picture: Drawn::default() },
             });
         }
     }
@@ -131,6 +126,7 @@ impl Row {
         let line_color = if self.protocol.is_err() { ink.bad } else { ink.dim };
         let above = layout(&title, TextStyle::Body, title_color, LINES);
         let below = layout(&line, TextStyle::Small, line_color, 2);
+        let is_cut = above.elided;
         let height = (above.size().y + below.size().y).max(PICTURE) + 2.0 * GAP;
         let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::click());
         let label = format!("{title}: {line}");
@@ -154,27 +150,24 @@ impl Row {
             ui.painter().galley(below_at, below, line_color);
         }
         let path = self.experiment.clone();
-        response.on_hover_ui(|ui| _ = ui.label(RichText::new(path).small()))
+        response.on_hover_ui(|ui| {
+            if is_cut {
+                ui.label(title);
+            }
+            ui.label(RichText::new(path).small());
+        })
     }
 
     fn draw_picture(&mut self, ui: &Ui, rect: Rect) {
         let Ok(protocol) = &self.protocol else { return };
         let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
-        self.picture.want(ui.ctx(), px, || {
-            let protocol = protocol.clone();
-            move || {
-                let conditions = protocol.conditions();
-                let middle = conditions.get(conditions.len() / 2).map_or(&protocol.stimulus, |middle| &middle.stimulus);
-                Ok(middle.codes(px, &Quantizer::new(&Transfer::Srgb, Bits::Eight)))
-            }
-        });
-        if let Some(Ok(image)) = self.picture.get(&px)
-            && self.texture.as_ref().is_none_or(|(made, _)| *made != px)
-        {
-            self.texture = Some((px, pixels::texture_of(ui.ctx(), "card", image)));
-        }
-        if let Some((_, texture)) = &self.texture {
-            pixels::draw_centered(ui, texture, rect);
+        let middle = || {
+            let conditions = protocol.conditions();
+            let middle = conditions.get(conditions.len() / 2);
+            vec![middle.map_or(&protocol.stimulus, |middle| &middle.stimulus).clone()]
+        };
+        if let Some((_, drawn)) = self.picture.get(ui.ctx(), px, px, middle) {
+            drawn.iter().for_each(|texture| pixels::draw_centered(ui, texture, rect));
         }
     }
 }

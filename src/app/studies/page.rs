@@ -211,7 +211,9 @@ impl Studies {
                 None
             }
         };
-        self.measure_with_card(ui.ctx(), here);
+        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
+            self.set_width(width, "Measured with a card");
+        }
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
 

@@ -12,7 +12,7 @@ use crate::{
         display::CardHelper,
         session::Request,
         ui::{
-            self, Field, FileKind, Monitor, Place, Step, number,
+            self, Field, FileKind, Monitor, Place, number,
             theme::{GAP, LARGE_GAP, ink},
             today,
         },
@@ -262,16 +262,6 @@ impl Studies {
             });
         }
         Destination::Session(Box::new(request))
-    }
-
-    pub(super) fn measure_with_card(&mut self, ctx: &egui::Context, monitor: &Monitor) {
-        let Some(card) = &mut self.card else { return };
-        match card.show(ctx, monitor.width_px) {
-            Step::Stay => return,
-            Step::Back => {}
-            Step::Next(width) => self.set_width(width, "Measured with a card"),
-        }
-        self.card = None;
     }
 }
 

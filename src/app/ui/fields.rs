@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use eframe::{
-    egui::{self, Align, ComboBox, Id, Layout, Response, Slider, TextEdit, Ui, Widget},
+    egui::{self, Align, ComboBox, Id, Label, Layout, Response, Slider, TextEdit, Ui, Widget},
     emath::{Numeric, format_with_decimals_in_range},
 };
 
@@ -100,7 +100,7 @@ impl<'a> Field<'a> {
             let size = egui::vec2(column, ui.spacing().interact_size.y);
             let label = ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
                 ui.set_min_width(column);
-                ui.label(self.label).id
+                ui.add(Label::new(self.label).wrap()).id
             });
             ui.vertical(|ui| add(ui, label.inner)).inner
         })
@@ -199,9 +199,11 @@ impl<'a> Field<'a> {
     /// Draws radio buttons, with all options visible.
     pub fn radio<T: Clone + PartialEq>(self, ui: &mut Ui, value: &mut T, all: &[(T, &str)]) {
         self.show(ui, |ui, _| {
-            for (one, text) in all {
-                ui.radio_value(value, one.clone(), *text);
-            }
+            ui.horizontal_wrapped(|ui| {
+                for (one, text) in all {
+                    ui.radio_value(value, one.clone(), *text);
+                }
+            });
         });
     }
 

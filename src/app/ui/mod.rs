@@ -42,12 +42,12 @@ pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, entry, number};
 pub use history::History;
 pub use page::{
-    Bench, Step, action, ask, begin_frame, end_frame, entered, escaped, footer, heading, keyed, main_action, modal,
-    neutral_primary, page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
+    Bench, Step, action, ask, begin_frame, end_frame, entered, escaped, folded, footer, heading, keyed, main_action,
+    modal, neutral_primary, page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
-pub use saving::{Saving, ending, full, open, saved};
+pub use saving::{Saving, full, open, saved};
 pub use screen::{ScreenFields, window_px};
 pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};

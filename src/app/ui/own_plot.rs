@@ -89,8 +89,11 @@ impl OwnPlot {
         }
         if log {
             plot = plot
-                .y_grid_spacer(|grid| {
-                    round_levels(grid.bounds).map(|value| GridMark { value, step_size: 1.0 }).collect()
+                .y_grid_spacer(move |grid| {
+                    let round: Vec<f64> = round_levels(grid.bounds).collect();
+                    // A short axis has no two round levels, so its ends are marked.
+                    let marks = if round.len() < 2 { vec![low, high] } else { round };
+                    marks.into_iter().map(|value| GridMark { value, step_size: 1.0 }).collect()
                 })
                 .y_axis_formatter(|mark, _| significant(f64::powf(10.0, mark.value)).to_string());
         } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
@@ -163,10 +166,14 @@ fn means(
     });
     let known = Some(protocol.stimulus.parameters());
     let x = names::factor(known, &along.name);
-    let by_name = by.map_or_else(|| "experiment".to_owned(), |by| names::factor(known, &by.name));
-    let caption = protocol.instructions.ratings.replace("{x}", &x).replace("{lines}", &by_name);
+    let caption = match by {
+        Some(by) if y_label == protocol.instructions.mean_rating => {
+            let lines = names::factor(known, &by.name);
+            protocol.instructions.ratings.replace("{x}", &x).replace("{lines}", &lines)
+        }
+        _ => y_label.clone(),
+    };
     let place = |level: &ParameterValue| names::level(known, &along.name, &level.to_string()).to_string();
-    let caption = if y_label == protocol.instructions.mean_rating { caption } else { y_label.clone() };
     Some(OwnPlot {
         caption,
         x_label: x,

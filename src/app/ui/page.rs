@@ -10,7 +10,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
@@ -254,6 +254,17 @@ fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) ->
         icon.paint(ui.painter(), rect, color);
     }
     shown.response
+}
+
+/// Draws what can be folded away, below its header, which shows the keyboard focus.
+pub fn folded<R>(
+    ui: &mut Ui,
+    header: egui::CollapsingHeader,
+    add: impl FnOnce(&mut Ui) -> R,
+) -> egui::CollapsingResponse<R> {
+    let shown = header.show(ui, add);
+    focus_ring(ui, &shown.header_response);
+    shown
 }
 
 /// Draws a button with its key next to it; returns whether it was clicked.

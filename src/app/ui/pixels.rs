@@ -11,10 +11,11 @@ use eframe::egui::{
 use super::{
     blit::{self, Piece},
     text::describe,
+    work::Latest,
 };
 use crate::{
     experiment::task::Layout,
-    light::{CodeImage, Quantizer},
+    light::{Bits, CodeImage, Quantizer, Transfer},
     stimulus::Stimulus,
 };
 
@@ -68,6 +69,46 @@ impl Canvas {
         let texture = load(ctx, name, pixels);
         self.made = Some((frame, texture.clone()));
         texture
+    }
+}
+
+/// Small pictures of stimuli as on an sRGB display, which are drawn on another thread. They stay until those of another
+/// key are ready.
+pub struct Drawn<K> {
+    work: Latest<K, Vec<CodeImage>>,
+    made: Option<(K, Vec<TextureHandle>)>,
+}
+
+impl<K> Default for Drawn<K> {
+    fn default() -> Self {
+        Self { work: Latest::default(), made: None }
+    }
+}
+
+impl<K: Clone + PartialEq> Drawn<K> {
+    /// Returns the key of the pictures that are ready, and the pictures; begins to draw those of `key`, with sides of
+    /// `px` physical pixels.
+    pub fn get(
+        &mut self,
+        ctx: &egui::Context,
+        key: K,
+        px: u32,
+        stimuli: impl FnOnce() -> Vec<Stimulus>,
+    ) -> Option<&(K, Vec<TextureHandle>)> {
+        self.work.want(ctx, key.clone(), || {
+            let stimuli = stimuli();
+            move || {
+                let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
+                Ok(stimuli.iter().map(|stimulus| stimulus.codes(px, &quantizer)).collect())
+            }
+        });
+        if let Some(Ok(images)) = self.work.get(&key)
+            && self.made.as_ref().is_none_or(|(of, _)| *of != key)
+        {
+            let textures = images.iter().map(|image| texture_of(ctx, "drawn", image)).collect();
+            self.made = Some((key, textures));
+        }
+        self.made.as_ref()
     }
 }
 

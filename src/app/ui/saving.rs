@@ -11,7 +11,7 @@ use crate::store::{StoreError, Writer};
 ///
 /// # Errors
 /// If the ending is not among `known`, all in lowercase.
-pub fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str, StoreError> {
+fn ending(path: &Path, known: &[&'static str]) -> Result<&'static str, StoreError> {
     let is_ending = |ending: &&&str| path.extension().is_some_and(|typed| typed.eq_ignore_ascii_case(**ending));
     known.iter().find(is_ending).copied().ok_or_else(|| StoreError::Protected {
         path: path.to_owned(),
@@ -64,6 +64,20 @@ impl Saving {
     ) -> Option<Writer> {
         let button = Button::new(self.caption(caption, path));
         ui.add_enabled(enabled, button).clicked().then(|| self.writer(path, inputs))
+    }
+
+    /// Draws the button that writes a file, whose ending must be among `known`. `write` gets the ending.
+    pub fn export(
+        &mut self,
+        ui: &mut Ui,
+        caption: &str,
+        path: &Path,
+        known: &[&'static str],
+        write: impl FnOnce(&Writer, &str) -> Result<(), StoreError>,
+    ) {
+        let Some(writer) = self.button(ui, caption, true, path, &[]) else { return };
+        let written = ending(path, known).and_then(|ending| write(&writer, ending));
+        self.finish(path, written.map(|()| saved(path)));
     }
 
     /// Returns the text of the button: `caption`, or the question whether to replace the file.

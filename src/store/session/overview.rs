@@ -25,6 +25,8 @@ pub struct SessionState {
     pub csv: PathBuf,
     /// Name of the experiment.
     pub experiment: String,
+    /// The hash of its definition.
+    pub definition_sha256: String,
     pub identity: Identity,
     /// Number of rated trials.
     pub rated: usize,
@@ -119,6 +121,7 @@ impl SessionState {
         Ok(Self {
             csv,
             experiment: protocol.name.clone(),
+            definition_sha256: sidecar.definition_sha256,
             identity,
             rated,
             planned,

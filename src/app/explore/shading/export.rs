@@ -11,7 +11,7 @@ use super::{
     measures::{SHORTER_SIDE_DEG, SIDE_PX},
 };
 use crate::{
-    app::ui::{Field, Saving, ending, saved},
+    app::ui::{Field, Saving},
     light::CodeImage,
     store::{self, StoreError},
 };
@@ -38,18 +38,14 @@ impl Export {
             *self = Self { typed: Some(name.clone()).filter(|name| !name.trim().is_empty()), ..Self::default() };
         }
         let path = PathBuf::from(name.trim());
-        if let Some(writer) = self.saving.button(ui, "Export", true, &path, &[]) {
+        self.saving.export(ui, "Export", &path, &["png"], |writer, _| {
             let not_ready = || StoreError::Protected {
                 path: path.clone(),
                 what: "this view is not ready yet; try again in a moment".to_owned(),
             };
-            let view = ending(&path, &["png"]).and_then(|_| view().ok_or_else(not_ready));
-            let written = view.and_then(|(image, parameters)| {
-                let transfers = compared.transfer.clone().into();
-                store::image::write_shaded(&writer, &path, &image, &transfers, &parameters)
-            });
-            self.saving.finish(&path, written.map(|()| saved(&path)));
-        }
+            let (image, parameters) = view().ok_or_else(not_ready)?;
+            store::image::write_shaded(writer, &path, &image, &compared.transfer.clone().into(), &parameters)
+        });
         self.saving.show(ui);
     }
 }

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Step, escaped, hint,
+        Bench, Dialog, Field, FileKind, History, Step, escaped, folded, hint,
         pixels::Canvas,
         say, secondary, text,
         theme::{self, BODY, SECTION, ink},
@@ -375,7 +375,7 @@ impl ShadingPage {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
         let details = egui::CollapsingHeader::new(secondary("Details")).id_salt("numbers").open(Some(self.details));
-        if details.show(ui, |_| ()).header_response.clicked() {
+        if folded(ui, details, |_| ()).header_response.clicked() {
             self.details = !self.details;
         }
         if !self.details {
