@@ -76,7 +76,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         (
             "threshold",
             "",
-            "Level with F = 1/2; empty if the most probable one lies outside the interval, and with all that follows if no function describes the answers.",
+            "Level with F = 1/2; empty if the most probable one lies outside the interval. No estimate is given if no function describes the answers.",
         ),
         ("threshold_low", "", "Lower end of its 95 % interval."),
         ("threshold_high", "", "Upper end of its 95 % interval."),
@@ -110,7 +110,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
                 .map(Cell::from),
         );
         row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
-        row.push(u64::from(function.beyond.is_some()).into());
+        row.push(u64::from(fit.is_some() && function.beyond.is_some()).into());
         let goodness = function.goodness;
         row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
         row
