@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{
     Columns, FileError, FileErrors, StoreError,
     error::RowErrors,
-    ratings::{Header, Layout, checked, has_session_rows, is_mark, is_missing},
+    ratings::{Header, Layout, checked, has_session_rows, is_mark, is_missing, with_point},
     table::{decoded, rows_from},
 };
 use crate::{experiment::SIMULATED, text::names::expected_one_of};
@@ -182,8 +182,7 @@ impl Places {
             return Ok(None);
         }
         let wrong = |cell: usize, expected: &str| (cell, format!("is {:?}; expected {expected}", text(cell)));
-        // In a table with semicolons, numbers may have decimal commas.
-        let point = |cell: usize| if separator == b';' { text(cell).replace(',', ".") } else { text(cell) };
+        let point = |cell: usize| with_point(&text(cell), separator).into_owned();
         let count = |cell: usize, expected: &str| {
             let number = match point(cell) {
                 truth if truth.eq_ignore_ascii_case("true") => Some(1.0),

@@ -23,4 +23,4 @@ pub use reader::{read, read_columns};
 pub(super) use rows::checked;
 pub(super) use selection::has_session_rows;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
-pub(super) use values::is_missing;
+pub(super) use values::{is_missing, with_point};
