@@ -88,7 +88,7 @@ def _in_python(message: str, known: list[str]) -> str:
 
 
 #: The names of the parameters of all kinds of stimulus.
-_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind)}
+_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind, [])}
 
 
 def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
@@ -143,7 +143,7 @@ def value(name: str, given: object) -> float | str:
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1 and len(given) != 1:
         return ",".join(text(name, part) for part in given)
     try:
-        if np.ndim(given) > 0:  # type: ignore[arg-type]
+        if np.ndim(given) > 0 or isinstance(given, (bytes, bytearray)):  # type: ignore[arg-type]
             raise TypeError
         # A number of NumPy is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
         return float(str(given) if isinstance(given, np.floating) else given)  # type: ignore[arg-type]
@@ -162,8 +162,9 @@ def number(name: str, given: object) -> float:
 
 def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     """Return an array of numbers."""
-    array = np.asarray(unmasked(name, given))
+    given = unmasked(name, given)
     try:
+        array = np.asarray(given)
         if array.dtype.kind in "USc":
             raise TypeError
         return array.astype(np.float64, copy=False)

@@ -71,13 +71,6 @@ def _kind(given: object) -> str:
     return name_of("kind", given)
 
 
-def _kept(given: Any) -> Any:
-    """Return a parameter that does not change, and that is equal if it means the same."""
-    if isinstance(given, (list, tuple, np.ndarray, np.generic)):
-        given = np.asarray(given).tolist()
-    return tuple(given) if isinstance(given, list) else "inf" if given == np.inf else given
-
-
 def kinds() -> dict[Kind, str]:
     """Return the kinds of stimulus, with what each shows and who first described it.
 
@@ -94,7 +87,7 @@ def parameters(kind: Kind = "mach-band") -> dict[str, Parameter]:
     >>> parameters("mach-band")["width"].default
     0.4
     """
-    return {found[0]: Parameter(*found) for found in _machband.parameters(_kind(kind))}
+    return {found[0]: Parameter(*found) for found in _machband.parameters(_kind(kind), [])}
 
 
 @suggests
@@ -287,9 +280,8 @@ class Stimulus:
         ppds = (shape[0] / degrees[0], shape[1] / degrees[1])
         if abs(ppds[0] - ppds[1]) > 1e-6 * ppds[0]:
             raise _machband.Error(f"visual_size is {visual_size} for {shape[0]} × {shape[1]} pixels; expected square ones")
-        defaults = {name: found.default for name, found in _known(kind).items()}
-        _machband.check_stimulus(_kind(kind), _parameters(parameters))
-        own = {**defaults, **{name: _kept(given) for name, given in parameters.items()}}
+        # As the library has them, so that two are equal if they mean the same.
+        own = {name: found for name, found, *_ in _machband.parameters(_kind(kind), _parameters(parameters))}
         self.kind: Kind = kind
         self._own = own
         self.shape, self.visual_size, self.ppd = shape, degrees, ppds
@@ -409,8 +401,6 @@ class Stimulus:
     def _repr_png_(self) -> bytes:
         return png(self.codes())
 
-
-_known = parameters
 
 N = TypeVar("N", int, float)
 

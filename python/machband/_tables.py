@@ -101,7 +101,7 @@ def encoded(name: str, column: Any) -> Cells:
         return Levels(list(dtype.categories), np.asarray(codes, np.int64), True)
     if hasattr(dtype, "categories") and hasattr(dtype, "ordered"):
         codes = np.asarray(getattr(column, "cat", column).codes, np.int64)
-        return Levels([_text(name, level) for level in dtype.categories], codes, bool(dtype.ordered))
+        return Levels(_texts(name, dtype.categories), codes, bool(dtype.ordered))
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
     masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None
@@ -135,6 +135,12 @@ def labeled(name: str, cells: Cells) -> Levels:
         return cells
     found, codes = np.unique(cells, return_inverse=True)
     return Levels([text(name, one) for one in found], np.where(np.isnan(cells), -1, codes))
+
+
+def _texts(name: str, values: Any) -> list[str]:
+    """Return the text of each value; it is empty if the value is missing."""
+    levels, codes, _ = labeled(name, encoded(name, np.asarray(values)))
+    return [levels[code] if code >= 0 else "" for code in codes]
 
 
 def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) -> list[Any]:
@@ -190,12 +196,12 @@ def _of_arrow(name: str, column: Any) -> Any:
             return column.to_numpy()
         column = column.cast(pyarrow.large_string()).dictionary_encode()
     chunks = column.unify_dictionaries().chunks
-    found = chunks[0].dictionary.to_pylist() if chunks else []
+    found = chunks[0].dictionary if chunks else pyarrow.nulls(0)
     codes = [np.asarray(chunk.indices.cast(pyarrow.int64()).fill_null(-1)) for chunk in chunks]
     cells = np.concatenate([np.empty(0, np.int64), *codes])
     # A dictionary may have a missing value among its levels.
-    cells[np.isin(cells, [code for code, level in enumerate(found) if level is None])] = -1
-    return Levels(["" if level is None else _text(name, level) for level in found], cells, bool(column.type.ordered))
+    cells[np.isin(cells, np.flatnonzero(found.is_null()))] = -1
+    return Levels(_texts(name, found), cells, bool(column.type.ordered))
 
 
 def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:

@@ -88,10 +88,7 @@ mod _machband {
     use super::{
         DataError, Error,
         definition::{Definition, simulate},
-        light::{
-            check_stimulus, encode, interpolate, kinds, light, parameters, profile, save_stimulus, stimulus,
-            visual_angle,
-        },
+        light::{encode, interpolate, kinds, light, parameters, profile, save_stimulus, stimulus, visual_angle},
         main,
         mesh::{mesh, shade},
         study::{Analysis, analyze, export, read_results, verify, write_analysis},

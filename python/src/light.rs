@@ -80,12 +80,6 @@ fn recipe(py: Python<'_>, kind: &str, parameters: Given, image: Fields) -> PyRes
     Ok(recipe)
 }
 
-/// Checks the parameters of a stimulus.
-#[pyfunction]
-pub fn check_stimulus(kind: &str, parameters: Given) -> PyResult<()> {
-    stimulus_of(kind, parameters).map(drop)
-}
-
 /// Returns the codes of a stimulus.
 #[pyfunction]
 pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
@@ -140,13 +134,13 @@ pub fn kinds() -> Vec<(&'static str, &'static str)> {
     catalog::all().iter().map(|entry| (entry.kind, entry.about)).collect()
 }
 
-/// A parameter: its name, default, unit, meaning and range, and all its values if they are a few names.
+/// A parameter: its name, value, unit, meaning and range, and all its values if they are a few names.
 type Described = (&'static str, Option<Value>, &'static str, &'static str, &'static str, &'static [&'static str]);
 
-/// Returns the parameters of a kind.
+/// Returns the parameters of a stimulus; those that are not given have their defaults.
 #[pyfunction]
-pub fn parameters(kind: &str) -> PyResult<Vec<Described>> {
-    let stimulus = stimulus_of(kind, Vec::new())?;
+pub fn parameters(kind: &str, given: Given) -> PyResult<Vec<Described>> {
+    let stimulus = stimulus_of(kind, given)?;
     let value = |name| {
         stimulus.get(name).map(|value| match value {
             ParameterValue::Number(number) => Value::Number(number),

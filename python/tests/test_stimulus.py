@@ -228,7 +228,7 @@ def test_wrong_values_are_named(given, words):
     assert isinstance(caught.value, ValueError) and "expected" in str(caught.value)
 
 
-@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"kind": None}, {"size": True}, {"transfer": 2.2}])
+@pytest.mark.parametrize("given", [{"size": "big"}, {"size": 3.5}, {"width": None}, {"width": [[1]]}, {"width": b"0.1"}, {"kind": None}, {"size": True}, {"transfer": 2.2}])
 def test_wrong_types_are_refused(given):
     with pytest.raises(TypeError, match="expected"):
         machband.stimulus(**{"size": 32, **given})
@@ -273,6 +273,9 @@ def test_a_stimulus_does_not_change():
     assert made.light[0, 0].tolist() == [0.25, 0, 0]
     assert made == machband.stimuli.mach_band(color=[1, 0, 0], depth="inf", size=8)
     assert eval(repr(made), {"Stimulus": machband.Stimulus}) == made
+    # What means the same is the same, and a number of 32 bits is the one that it is written as.
+    of_text = machband.stimuli.mach_band(width=np.float32(0.2), orientation_deg="45", color="1,0,0", size=8)
+    assert of_text == machband.stimuli.mach_band(width=0.2, orientation_deg=45, color="red", size=8)
     with pytest.raises(AttributeError, match="width of a stimulus cannot be set; expected another"):
         made.width = 0.1
 
@@ -284,6 +287,7 @@ def test_wrong_arguments_are_named():
         (lambda: machband.visual_angle(**{**screen, "screen_cm": "50"}), "screen_cm is '50'; expected a number"),
         (lambda: machband.visual_angle(**{**screen, "px": "x"}), "px is 'x'; expected numbers"),
         (lambda: machband.interpolate("x"), "u is 'x'; expected numbers"),
+        (lambda: machband.interpolate([[0.1], [0.2, 0.3]]), "u is .*; expected numbers"),
         (lambda: machband.read_results(3), "folder is 3; expected a path"),
         (lambda: machband.Definition(3), "name_or_path is 3; expected a path"),
         (lambda: machband.Transfer(3).encode(0.5), "transfer is 3; expected text"),

@@ -269,8 +269,9 @@ def test_what_cells_mean_does_not_depend_on_their_type():
     import pyarrow
 
     frame = study(dose=np.float32([0.1, 0.2] * 24))
-    found = machband.analyze(frame, **GIVEN).tables["cells"]
-    assert found["dose"].tolist() == [0.1, 0.2]
+    categories = frame.astype({"dose": "category"})
+    for table in [frame, categories, pyarrow.Table.from_pandas(categories)]:
+        assert machband.analyze(table, **GIVEN).tables["cells"]["dose"].tolist() == [0.1, 0.2]
     assert machband.stimulus(size=8, width=np.float32(0.2)).tolist() == machband.stimulus(size=8, width=0.2).tolist()
     with pytest.raises(TypeError, match="expected a list of levels, which has an order"):
         machband.analyze(study(), **{**GIVEN, "factors": {"dose": {"none", "a lot"}}})

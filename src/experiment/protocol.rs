@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout, Method, Settings, Turn, at_level},
+    task::{Adaptive, Given, Layout, Method, Settings, Turn, at_level},
 };
 use crate::{
     stimulus::{ParameterValue, Stimulus},
@@ -29,6 +29,8 @@ const RATING_S: f64 = 3.5;
 const SETTING_S: f64 = 12.0;
 /// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
+/// What is wrong with a parameter of a task that has no effect.
+const NO_EFFECT: &str = "changes nothing that is shown; expected a parameter that has an effect here";
 
 /// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
 #[derive(Clone, Debug)]
@@ -80,9 +82,9 @@ impl Protocol {
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
-    /// Returns what is wrong with the reference of a task: that it does not differ from the target in what is shown. This
-    /// draws stimuli, so it is for definitions that are written; those of recorded sessions were checked. So was a
-    /// definition `before` this one, if what it shows is the same.
+    /// Returns what is wrong with what a task varies: the reference does not differ from the target in what is shown, or the
+    /// parameter that is adjusted or adapted changes nothing. This draws stimuli, so it is for definitions that are written;
+    /// those of recorded sessions were checked. So was a definition `before` this one, if what it shows is the same.
     #[must_use]
     pub fn reference_errors(&self, before: Option<&Self>) -> Vec<DefinitionError> {
         let mut errors = DefinitionErrors::default();
@@ -92,6 +94,7 @@ impl Protocol {
         };
         if !before.is_some_and(shown) {
             self.definition.check_reference(&self.conditions, &mut errors);
+            self.definition.check_effect(&self.conditions, &mut errors);
         }
         errors.0
     }
@@ -423,16 +426,30 @@ impl Definition {
             let mut others = reference.clone();
             others.0.remove(name);
             if !is_seen(conditions, &others) {
-                let message = format!(
-                    "{name} {value} changes nothing that is shown; expected a parameter that has an effect here"
-                );
-                errors.add(format!("task.reference.{name}"), message);
+                errors.add(format!("task.reference.{name}"), format!("{name} {value} {NO_EFFECT}"));
                 return;
             }
         }
         if !conditions.iter().all(|condition| is_seen(std::slice::from_ref(condition), &Settings::default())) {
             let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
             errors.add("task.reference", message);
+        }
+    }
+
+    /// Adds an error if the parameter that is adjusted or adapted changes nothing in what these conditions show.
+    fn check_effect(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
+        let adapted = |it: &Adaptive| ("adaptive.parameter", it.common.parameter.clone(), it.range());
+        let adjusted = self.task.dial().and_then(|dial| Some(("task.parameter", dial.parameter?, dial.range)));
+        let Some((path, name, [low, high])) = self.adaptive.as_ref().map(adapted).or(adjusted) else { return };
+        // A direction can come back to where it began.
+        let [low, middle, high] =
+            [low, f64::midpoint(low, high), high].map(|level| Settings([(name.clone(), level.into())].into()));
+        let differs = |side, shown: &Stimulus| [&middle, &high].iter().any(|to| low.differs(to, shown, side));
+        let reference = self.task.reference().cloned().unwrap_or_default();
+        let targets = conditions.iter().flat_map(|one| targets(one, &self.picks()));
+        let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
+        if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(side, &shown))) {
+            errors.add(path, format!("{name} {NO_EFFECT}"));
         }
     }
 

@@ -13,6 +13,8 @@ use super::{
     FileError, FileErrors, StoreError,
     file::{read_bytes, sha256},
     image::{self, parse_picture},
+    ratings::{Header, Layout, checked, with_point},
+    table::{Row, decoded, rows_from},
     toml::TableReader,
 };
 use crate::{
@@ -83,7 +85,8 @@ pub(super) fn gallery(
         }
     };
     if files.len() < 2 || files.len() > MAX_PICTURES {
-        failed(format!("{} matches {} PNG files; expected 2 to {MAX_PICTURES}", gallery.files, files.len()));
+        let (pattern, count) = (&gallery.files, files.len());
+        failed(format!("the number of files that {pattern} stands for is {count}; expected 2 to {MAX_PICTURES}"));
     }
     let (references, shown): (Vec<String>, _) = files.into_iter().partition(|file| Some(file.as_str()) == reference);
     let missing = reference.into_iter().map(str::to_owned).filter(|file| !references.contains(file));
@@ -154,39 +157,43 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
         return Ok(Levels::default());
     }
     let fail = |message: String| StoreError::from(FileErrors::whole(&path, message));
-    let bytes = read_bytes(&path, MAX_FILE, "a table of pictures")?;
-    let mut reader = csv::Reader::from_reader(&bytes[..]);
-    let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
-    let file = header.iter().position(|name| name == FILE);
+    let header = Header::read(&path)?;
+    let file = header.position(FILE);
     let file = file.ok_or_else(|| fail(format!("has no column {FILE:?}; expected the name of each picture in it")))?;
-    let others = |record: &csv::StringRecord| {
-        let cells = record.iter().enumerate().filter(|(at, _)| *at != file).map(|(_, cell)| cell.trim().to_owned());
-        cells.collect::<Vec<String>>()
+    let others = |cells: Vec<String>| -> Vec<String> {
+        cells.into_iter().enumerate().filter(|(at, _)| *at != file).map(|(_, cell)| cell).collect()
     };
-    let mut levels = HashMap::new();
-    for record in reader.records() {
-        let position = record.as_ref().map_or_else(csv::Error::position, csv::StringRecord::position);
-        let line = position.map_or(1, |position| position.line() as usize);
-        let fail = |message: String| StoreError::from(FileErrors(vec![FileError::at(&path, (line, 1), message)]));
-        let record = record.map_err(|error| match error.kind() {
-            csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                fail(format!("the row has {len} cells; expected {expected_len}"))
-            }
-            _ => fail(error.to_string()),
-        })?;
-        let name = record.get(file).unwrap_or_default().trim().to_owned();
+    let (mut levels, used) = (HashMap::new(), (0..header.names.len()).collect());
+    let mut add = |row: &Row<'_>| {
+        checked(row, &used, used.len(), Layout::Long)?;
+        let text = |cell| with_point(decoded(cell).trim(), header.separator).into_owned();
+        let mut cells: Vec<String> = row.record.iter().map(text).collect();
+        let name = std::mem::take(&mut cells[file]);
         // Another pattern may match the file.
-        let picture = path.with_file_name(&name);
-        if name.is_empty() || found(&picture).map_err(|error| StoreError::io(&picture, "access", error))?.is_none() {
-            return Err(fail(format!("there is no file {name:?}; expected a picture for each row")));
+        if name.is_empty() || !matches!(found(&path.with_file_name(&name)), Ok(Some(_))) {
+            return Err((None, format!("there is no file {name:?}; expected a picture for each row")));
         }
-        if levels.insert(name.clone(), others(&record)).is_some() {
-            return Err(fail(format!("{name} appears twice; expected one row for each picture")));
+        match levels.insert(name.clone(), others(cells)) {
+            Some(_) => Err((None, format!("{name} appears twice; expected one row for each picture"))),
+            None => Ok(()),
         }
-    }
-    let names = others(&header);
+    };
+    let (mut wrong, mut is_header) = (None, true);
+    rows_from(header.content(&path), header.separator, header.start.as_ref(), |row| {
+        if !std::mem::take(&mut is_header) {
+            let failed = |(cell, message)| FileError::at(&path, row.place(Option::unwrap_or(cell, 0)), message);
+            wrong = add(row).err().map(failed);
+        }
+        wrong.is_none()
+    })
+    .map_err(|error| StoreError::io(&path, "read", error))?;
+    FileErrors::none(wrong.into_iter().collect())?;
+    let names = others(header.names.clone());
     if let Some(name) = names.iter().find(|name| *name == Picture::PICTURE || is_reserved(name)) {
         return Err(fail(format!("the column {name} has the name of a column of the data; expected another name")));
+    }
+    if let Some((_, name)) = names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
+        return Err(fail(format!("two columns are named {name}; expected a different name for each")));
     }
     let reserved = |name: &&String| name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if let Some(name) = names.iter().find(reserved) {

@@ -375,6 +375,14 @@ fn functions_that_rise_between_two_levels_have_a_mean_without_an_interval() {
     let people: Vec<Vec<Point>> = [30, 33, 27, 30].map(own).to_vec();
     let population = population::fit(&people, &Model { range: Some([0.0, 6.0]), ..MODEL }).unwrap();
     assert!(population.interval.is_none() && population.mean > 2.0 && population.mean < 3.0, "{population:?}");
+    // Nor do equal answers to targets say how people differ, whatever they answered in catch trials.
+    let model = Model { guess: Guess::Free, overdispersed: false, range: Some([-2.0, -0.495]), ..MODEL };
+    let people = [[1, 1], [0, 2]].map(|[alarms, catches]| {
+        let targets = [-1.699, -1.398].map(|x| Point { x, correct: 1, total: 1 });
+        [&targets[..], &[Point { x: model.unseen(), correct: alarms, total: catches }]].concat()
+    });
+    let population = population::fit(&people, &model).unwrap();
+    assert!(population.interval.is_none(), "{population:?}");
 }
 
 /// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.

@@ -652,6 +652,9 @@ fn answers_are_of_the_participants_in_the_usual_column() {
         "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that you name";
     assert_eq!(warnings, format!("warning: {expected}\n"));
     assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
+    // Who gave no answers has no part in the mean.
+    let [printed, _] = answers(folder.path(), &format!("{rows}p9,c,0,0,0\n"), "--guess 0.5 --subject who");
+    assert!(printed.contains("interval") && printed.contains("over 3 participants."), "{printed}");
 }
 
 /// Functions that fall where they should rise have no threshold anywhere, and no part in a mean.
@@ -723,6 +726,10 @@ fn a_flat_function_has_no_threshold_on_any_side() {
     let rows = "level,right,n\n1,10,20\n2,10,20\n4,10,20\n8,10,20\n";
     let [printed, _] = answers(folder.path(), rows, "--guess free --log");
     assert!(printed.contains("is not determined by the answers") && !printed.contains("lies"), "{printed}");
+    // Nor do equal answers say which end of the levels is easier.
+    let rows = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(|level| format!("{level},30,30\n")).concat();
+    let [printed, _] = answers(folder.path(), &format!("level,right,n\n{rows}"), "--guess 0.5 --log");
+    assert!(printed.contains("all: the threshold of level") && !printed.contains("easier"), "{printed}");
 }
 
 /// A threshold has as many digits as its interval determines, whatever the size of the levels.

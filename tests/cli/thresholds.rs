@@ -30,7 +30,9 @@ fn tables_of_other_programs_are_read() {
     let expected = 0.004646442173983336;
     let commas: String =
         rows.iter().map(|row| format!("{};{};{}\n", row[1].replace('.', ","), row[2], row[3])).collect();
-    fs::write(path("commas.csv"), format!("Reiz;richtig;Anzahl\n{commas}")).unwrap();
+    let commas = format!("Reiz;richtig;Anzahl\n{commas}");
+    fs::write(path("commas.csv"), &commas).unwrap();
+    fs::write(path("tabs.tsv"), commas.replace(';', "\t")).unwrap();
     let single = rows.iter().flat_map(|row| {
         let [right, total] = [2, 3].map(|at| row[at].parse::<u32>().unwrap());
         (0..total).map(move |trial| format!("-{},{}\n", row[1], u32::from(trial < right)))
@@ -39,6 +41,7 @@ fn tables_of_other_programs_are_read() {
     for (file, columns, sign) in [
         ("counts.csv", &["--level=level", "--correct=correct", "--total=total"][..], 1.0),
         ("commas.csv", &["--level=Reiz", "--correct=richtig", "--total=Anzahl"], 1.0),
+        ("tabs.tsv", &["--level=Reiz", "--correct=richtig", "--total=Anzahl"], 1.0),
         ("trials.csv", &["--level=x", "--correct=right", "--easier=low"], -1.0),
     ] {
         let out = format!("{file}.analysis");

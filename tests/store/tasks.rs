@@ -369,8 +369,10 @@ DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected o
 DEPTHS[task]\nkind = "adjust"\nparameter = "depth"\n => 12:1 => depth is a factor
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.1\nhigh = 0.2\nstep = 5\n => 11:1 => step 5 goes from one end to the other
+[task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown
 [task]\nkind = "rating"\nscale = "dial"\n => 8:1 => scale
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
+[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "constant"\nparameter = "tanh_k"\nlevels = [1, 9]\n => 11:1 => tanh_k changes nothing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICE[adaptive]\nmethod = "staircase"\nparameter = "width"\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
@@ -464,6 +466,24 @@ fn answers_are_analyzed_as_they_were_recorded() {
     let lost = analyze(&["results/tasks"]);
     assert!(text(&lost.stdout).starts_with("2 participants"), "{}", text(&lost.stdout));
     assert_eq!((lost.status.code(), text(&lost.stderr).contains("rating")), (Some(1), false), "{}", text(&lost.stderr));
+}
+
+/// One person is not several, what could not be computed is told, and small numbers are not 0.
+#[test]
+fn a_few_answers_are_told_as_they_are() {
+    let adjust = "[task]\nkind = \"adjust\"\nparameter = \"nulling\"\nlow = 0\nhigh = 0.001\nstep = 0.0001\n";
+    let repeated = format!("[design]\nrepetitions = 6\n{adjust}");
+    for (body, told) in
+        [(repeated, "for 1 participant."), (format!("{YES_NO}catch = 0.05\n"), "There is no d′, because")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+        succeeds(folder.path(), &["simulate", "tasks.toml", "--observer", "random"]);
+        let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
+        assert!(printed.contains(told) && !printed.contains("over participants"), "{printed}");
+        let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
+        assert!(!report.contains(">0.000<"), "{report}");
+    }
 }
 
 /// Where every answer is right, however hard the level, there is a threshold somewhere below, and no number for it.
@@ -631,10 +651,15 @@ fn own_pictures_are_described_by_their_question() {
         let own = write(&task, "[instructions]\ntask = \"Look.\"\n").unwrap().instructions.clone();
         assert_eq!(own.task, "Look.");
     }
+    let [truth, same] = ["truth", "same"].map(|name| folder.path().join(format!("pictures/{name}.png")));
+    fs::copy(truth, &same).unwrap();
+    let told = write(&format!("[task]\nkind = \"choice\"\n{reference}"), "").map(drop).unwrap_err().to_string();
+    assert!(told.contains("all stimuli of a trial are the same"), "{told}");
+    fs::remove_file(same).unwrap();
     let chain = "[task]\nkind = \"pair\"\npairs = \"chain\"\nalong = \"style\"";
     for (levels, pairs) in [(["x", "y", "z"], Some(2)), (["x", "x", "x"], None)] {
-        let rows = ["a", "b", "truth"].iter().zip(levels).map(|(name, level)| format!("{name}.png,{level}\n"));
-        let rows = format!("file,style\n{}", rows.collect::<String>());
+        let rows = ["a", "b", "truth"].iter().zip(levels).map(|(name, level)| format!("{name}.png;{level}\n"));
+        let rows = format!("file;style\n{}", rows.collect::<String>());
         fs::write(folder.path().join("pictures/pictures.csv"), rows).unwrap();
         let found = write(chain, "").map(|protocol| protocol.main_trials()).map_err(|errors| errors.to_string());
         match pairs {
@@ -644,8 +669,10 @@ fn own_pictures_are_described_by_their_question() {
             }
         }
     }
-    for (column, problem) in [("simulated", "has the name of a column of the data"), ("style", "")] {
-        let table = format!("file,{column}\na.png,x\nb.png,y\ntruth.png,y\n");
+    for (column, problem) in
+        [("simulated", "has the name of a column of the data"), ("of", "two columns are named of"), ("style", "")]
+    {
+        let table = format!("file,{column},of\na.png,x,1\nb.png,y,1\ntruth.png,y,2\n");
         fs::write(folder.path().join("pictures/pictures.csv"), table).unwrap();
         let told = write("", "").map(drop).map_or_else(|error| error.to_string(), |()| String::new());
         assert!(told.contains(problem) && told.is_empty() == problem.is_empty(), "{told}");

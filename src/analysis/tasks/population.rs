@@ -31,7 +31,7 @@ pub struct Population {
     /// μ, the mean threshold, on the scale of x.
     pub mean: f64,
     /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people; `None` if all people's
-    /// functions rise between the same two levels, so that no answers show where in between.
+    /// functions rise between the same two levels, so that no answers show where in between, or are the same.
     pub interval: Option<Interval>,
     /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
     pub sd: f64,
@@ -111,7 +111,8 @@ const Z_90: f64 = 1.644_853_626_951_472_7;
 const LEAST_WEIGHT: f64 = 0.1;
 /// Maximum number of nodes of the quadrature on either side of the peak.
 const MAX_NODES: u32 = 1_000;
-/// The peak of an integrand is found to this share of its width.
+/// The peak of an integrand is found to this share of its width, and thresholds that differ by less of the width of a
+/// function are the same.
 const CLOSE: f64 = 1e-4;
 
 struct Answers<'a> {
@@ -192,8 +193,11 @@ impl Answers<'_> {
             Person { threshold: mean, se: sd, contribution: x[MEAN] + spread * (equal[person] - middle) }
         };
         let people: Vec<Person> = (0..n).map(person).collect();
-        let interval = Interval::of_mean(&people.iter().map(|person| person.contribution).collect::<Vec<_>>());
-        (people, interval.filter(|_| !self.rises_between_levels(x)))
+        let contributions: Vec<f64> = people.iter().map(|person| person.contribution).collect();
+        // Equal answers give contributions that differ by rounding, which says nothing about how people differ.
+        let differ = mean_and_sd(&contributions).1 > CLOSE * self.parameters(x).width;
+        let interval = Interval::of_mean(&contributions);
+        (people, interval.filter(|_| differ && !self.rises_between_levels(x)))
     }
 
     /// The psychometric function of the population, whose width includes the differences between people.

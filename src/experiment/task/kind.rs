@@ -31,10 +31,11 @@ impl Settings {
     }
 
     /// Returns whether a stimulus of `side` pixels has other light with these parameters than with others. Pictures are
-    /// compared by their files.
+    /// compared by the content of their files.
     pub(in crate::experiment) fn differs(&self, others: &Self, stimulus: &Stimulus, side: u32) -> bool {
         match [self.apply(stimulus), others.apply(stimulus)] {
-            [Ok(one), Ok(other)] if !matches!(stimulus, Stimulus::Image(_)) => one.linear(side) != other.linear(side),
+            [Ok(Stimulus::Image(one)), Ok(Stimulus::Image(other))] => one.sha256() != other.sha256(),
+            [Ok(one), Ok(other)] => one.linear(side) != other.linear(side),
             both => both[0] != both[1],
         }
     }

@@ -35,31 +35,38 @@ pub enum OptionValue {
     Settings,
 }
 
-/// Declares the options of a task or of a method: a struct with a field for each of them, and how a form lists them.
+/// Declares the options of a task or of a method: a struct with a field for each of them, and how a form lists them. A last
+/// field can be a table that is not always there, with the options in it.
 macro_rules! options {
     (
         $(#[$meta:meta])*
         $name:ident {
             $($(#[$field_meta:meta])* $field:ident: $type:ty = $default:expr, $label:literal, $value:expr, $about:literal;)*
         }
+        $($(#[$table_meta:meta])* $table:ident: $table_type:ty = None, [
+            $($key:literal, $key_label:literal, $key_value:expr, $key_about:literal;)*
+        ])?
     ) => {
         $(#[$meta])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct $name {
             $(#[doc = $about] $(#[$field_meta])* pub $field: $type,)*
+            $($(#[$table_meta])* #[serde(skip_serializing_if = "Option::is_none")] pub $table: $table_type,)?
         }
 
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $default,)* }
+                Self { $($field: $default,)* $($table: None,)? }
             }
         }
 
         impl $name {
             /// The options, as a form lists them.
-            pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] =
-                &[$($crate::experiment::task::options::TaskOption::new(stringify!($field), $label, $value, $about),)*];
+            pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] = &[
+                $($crate::experiment::task::options::TaskOption::new(stringify!($field), $label, $value, $about),)*
+                $($($crate::experiment::task::options::TaskOption::new($key, $key_label, $key_value, $key_about),)*)?
+            ];
         }
     };
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     common::Common,
     curve::{Curve, Psychometric},
-    options::{OptionValue, TaskOption},
+    options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
 
@@ -20,32 +20,28 @@ const SHARE: f64 = 0.95;
 /// machines, and must not decide.
 const EQUAL: f64 = 1e-12;
 
-/// QUEST+ as a definition says it. Parameters are on the scale of the levels; for a logarithmic one, a threshold is the
-/// base-10 logarithm of a level.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct QuestPlus {
-    /// The levels to choose from.
-    pub levels: Vec<f64>,
-    /// The shape of the psychometric function.
-    pub function: Curve,
-    /// Possible thresholds, as levels; by default the levels.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub threshold: Vec<f64>,
-    /// Possible slopes; by default seven from shallow to steep.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub slope: Vec<f64>,
-    /// Possible guess rates; by default that of the task.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub guess: Vec<f64>,
-    /// Possible lapse rates.
-    pub lapse: Vec<f64>,
-    /// It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stop_width: Option<f64>,
+options! {
+    /// QUEST+ as a definition says it. Parameters are on the scale of the levels; for a logarithmic one, a threshold is the
+    /// base-10 logarithm of a level.
+    QuestPlus {
+        levels: Vec<f64> = Vec::new(), "Levels", OptionValue::Numbers(""), "The levels to choose from.";
+        function: Curve = Curve::Weibull, "Function", OptionValue::OneOf(Curve::NAMES), "The shape of the psychometric function.";
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        threshold: Vec<f64> = Vec::new(), "Thresholds", OptionValue::Numbers("the levels"), "Possible thresholds, as levels; by default the levels.";
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        slope: Vec<f64> = Vec::new(), "Slopes", OptionValue::Numbers("seven, from shallow to steep"), "Possible slopes; by default seven from shallow to steep.";
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        guess: Vec<f64> = Vec::new(), "Guess rates", OptionValue::Numbers("that of the task"), "Possible guess rates; by default that of the task.";
+        lapse: Vec<f64> = vec![0.0, 0.02, 0.04, 0.06], "Lapse rates", OptionValue::Numbers(""), "Possible lapse rates.";
+        #[serde(skip_serializing_if = "Option::is_none")]
+        stop_width: Option<f64> = None, "Stops at a width of", OptionValue::Optional("never"), "It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.";
+    }
     /// A second parameter, on which the threshold depends.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub second: Option<Second>,
+    second: Option<Second> = None, [
+        "second.parameter", "Second parameter", OptionValue::Parameter(true), "A second parameter, on which the threshold depends.";
+        "second.levels", "Its levels", OptionValue::Numbers(""), "The levels of the second parameter.";
+        "second.gradient", "Its gradients", OptionValue::Numbers(""), "Possible changes of the threshold for each unit of the second parameter, on the scale of the levels.";
+    ]
 }
 
 /// A second parameter of the stimulus. The threshold is t + g·(y − y₀), where y is its level, y₀ the middle of its levels
@@ -61,76 +57,12 @@ pub struct Second {
     pub gradient: Vec<f64>,
 }
 
-impl Default for QuestPlus {
-    fn default() -> Self {
-        Self {
-            levels: Vec::new(),
-            function: Curve::Weibull,
-            threshold: Vec::new(),
-            slope: Vec::new(),
-            guess: Vec::new(),
-            lapse: vec![0.0, 0.02, 0.04, 0.06],
-            stop_width: None,
-            second: None,
-        }
-    }
-}
-
 /// The default slopes of the Weibull function, per base-10 logarithm.
 const SLOPES: [f64; 7] = [1.0, 1.5, 2.2, 3.2, 4.6, 6.8, 10.0];
 /// The default guess rates of a task in which they depend on the participant.
 const GUESSES: [f64; 5] = [0.01, 0.05, 0.1, 0.2, 0.3];
 
 impl QuestPlus {
-    /// The options, as a form lists them.
-    pub const OPTIONS: &[TaskOption] = &[
-        TaskOption::new("levels", "Levels", OptionValue::Numbers(""), "The levels to choose from."),
-        TaskOption::new(
-            "function",
-            "Function",
-            OptionValue::OneOf(Curve::NAMES),
-            "The shape of the psychometric function.",
-        ),
-        TaskOption::new("lapse", "Lapse rates", OptionValue::Numbers(""), "Possible lapse rates."),
-        TaskOption::new(
-            "threshold",
-            "Thresholds",
-            OptionValue::Numbers("the levels"),
-            "Possible thresholds, as levels; by default the levels.",
-        ),
-        TaskOption::new(
-            "slope",
-            "Slopes",
-            OptionValue::Numbers("seven, from shallow to steep"),
-            "Possible slopes; by default seven from shallow to steep.",
-        ),
-        TaskOption::new(
-            "guess",
-            "Guess rates",
-            OptionValue::Numbers("that of the task"),
-            "Possible guess rates; by default that of the task.",
-        ),
-        TaskOption::new(
-            "stop_width",
-            "Stops at a width of",
-            OptionValue::Optional("never"),
-            "It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.",
-        ),
-        TaskOption::new(
-            "second.parameter",
-            "Second parameter",
-            OptionValue::Parameter(true),
-            "A second parameter, on which the threshold depends.",
-        ),
-        TaskOption::new("second.levels", "Its levels", OptionValue::Numbers(""), "The levels of the second parameter."),
-        TaskOption::new(
-            "second.gradient",
-            "Its gradients",
-            OptionValue::Numbers(""),
-            "Possible changes of the threshold for each unit of the second parameter, on the scale of the levels.",
-        ),
-    ];
-
     /// Adds every error.
     pub(super) fn check(&self, common: &Common, guess: Option<f64>, errors: &mut DefinitionErrors) {
         if self.levels.len() < 2 {

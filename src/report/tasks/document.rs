@@ -79,7 +79,8 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         let of = study.at(*condition);
         let level = level(common, population.interval);
         let interval = with_interval(population.interval, &level);
-        format!("The mean threshold of {name}{of} is {}{interval} over participants.", level(population.mean))
+        let who = count(population.people.len() as u64, "participant");
+        format!("The mean threshold of {name}{of} is {}{interval} over {who}.", level(population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {

@@ -30,13 +30,17 @@ pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
     kinds.into_iter().filter_map(|kind| kind(study, results)).collect()
 }
 
+/// Returns the conditions in which there are functions.
+fn measured(study: &TaskStudy, results: &TaskResults) -> impl Iterator<Item = usize> {
+    let is_measured =
+        move |condition: &usize| results.functions.iter().any(|function| function.condition == *condition);
+    (0..study.asked.conditions.len()).filter(is_measured)
+}
+
 fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let Levels { common, range, model, .. } = study.asked.levels.as_ref()?;
     let range = range.map(|level| common.scaled(level));
-    let conditions: Vec<usize> = (0..study.asked.conditions.len())
-        .filter(|condition| results.functions.iter().any(|function| function.condition == *condition))
-        .collect();
-    let curve = |&condition: &usize| {
+    let curve = |condition: usize| {
         let own = results.functions.iter().filter(|function| function.condition == condition);
         let mut all: Vec<Point> = Vec::new();
         for point in own.clone().flat_map(PersonFunction::targets) {
@@ -62,7 +66,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
             line: line.unwrap_or_default(),
         }
     };
-    let curves: Vec<Curve> = conditions.iter().map(curve).collect();
+    let curves: Vec<Curve> = measured(study, results).map(curve).collect();
     let axis = study.asked.axis(&common.parameter, common.log);
     let caption = format!(
         "Proportion of correct answers, or of yes answers, by level; the area of a marker stands for the number of trials. \
@@ -81,10 +85,7 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 
 fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let common = &study.asked.levels.as_ref()?.common;
-    let conditions: Vec<usize> = (0..study.asked.conditions.len())
-        .filter(|condition| results.functions.iter().any(|function| function.condition == *condition))
-        .collect();
-    let series = |&condition: &usize| {
+    let series = |condition: usize| {
         let own = |person: usize| {
             let mut all = results.functions.iter();
             let function = all.find(|function| function.condition == condition && function.person == person)?;
@@ -102,7 +103,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         count(study.answers(), "answer"),
         symbols(study)
     );
-    let series: Vec<_> = conditions.iter().map(series).collect();
+    let series: Vec<_> = measured(study, results).map(series).collect();
     estimates("thresholds", &people_and_mean(study), &series, ("Thresholds", &axis, caption))
 }
 

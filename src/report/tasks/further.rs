@@ -11,7 +11,7 @@ use crate::{
         settings::Settings,
         tasks::means::Mean,
     },
-    experiment::task::Dial,
+    experiment::task::{Dial, Measures},
     report::{
         document::{
             Section, Shown,
@@ -26,18 +26,23 @@ use crate::{
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let (two, guess) = (|value: f64| fixed(value, 2), unit(study.asked.guess));
     let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), |_| unit);
-    let of_share = |(at, mean)| {
-        format!("The proportion of correct answers{at} is {mean} on average over participants; guessing gives {guess}.")
-    };
+    let of_share = |(at, mean)| format!("The proportion of correct answers{at} is {mean}; guessing gives {guess}.");
     let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
     let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), |_| two).into_iter();
-    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d′{at} is {mean} on average over participants.")));
+    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d′{at} is {mean}.")));
+    let has_none =
+        |condition: &usize| !results.sensitivity.iter().any(|own| own.condition == *condition && own.found.is_some());
+    let is_wanted = study.asked.measures == Measures::Detection && study.asked.levels.is_none();
+    let without = (0..study.asked.conditions.len()).filter(|condition| is_wanted && has_none(condition));
+    all.extend(without.map(|condition| {
+        format!("There is no d′{}, because no participant had both targets and catch trials.", study.at(condition))
+    }));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
     if let Some(dial) = study.asked.dial.as_ref() {
         let format = |interval| scaled(dial.log, interval);
         let (what, kind) = (set(study, dial), if dial.log { "geometric mean" } else { "mean" });
         let settings = means(study, &results.settings, Some(scaled_ends(dial)), |own| Some(own.mean), format);
-        let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean} over participants.");
+        let of_setting = |(at, mean)| format!("The {kind} {what}{at} is {mean}.");
         all.extend(settings.into_iter().map(of_setting));
         all.extend(direction(results, dial));
     }
@@ -63,7 +68,7 @@ pub(super) fn over_people(values: &[f64], ends: Option<[f64; 2]>) -> Option<Mean
     (!values.is_empty()).then(|| ends.map_or_else(|| Mean::new(values), |ends| Mean::bounded(values, ends)))
 }
 
-/// Returns ` at CONDITION` and the mean over people of one value of each, with its interval.
+/// Returns ` at CONDITION`, and the mean over people of one value of each with its interval and their number.
 fn means<T, F: Fn(f64) -> Shown>(
     study: &TaskStudy,
     all: &[OfPerson<T>],
@@ -75,7 +80,11 @@ fn means<T, F: Fn(f64) -> Shown>(
         let own = all.iter().filter(|own| own.condition == condition);
         let found = over_people(&own.filter_map(|own| value(&own.found)).collect::<Vec<_>>(), ends)?;
         let format = format(found.interval);
-        let mean = format!("{}{}", format(found.mean), with_interval(found.interval, &format));
+        let over = match found.people {
+            1 => " for 1 participant".to_owned(),
+            people => format!(", averaged over {}", count(people as u64, "participant")),
+        };
+        let mean = format!("{}{}{over}", format(found.mean), with_interval(found.interval, &format));
         Some((study.at(condition), mean))
     };
     (0..study.asked.conditions.len()).filter_map(of_condition).collect()
@@ -141,17 +150,13 @@ fn direction(results: &TaskResults, dial: &Dial) -> Option<String> {
     };
     let found = over_people(&(0..people).filter_map(of_person).collect::<Vec<_>>(), None)?;
     let interval = found.interval?;
-    let format = |value: f64| if dial.log { fixed(f64::powf(10.0, value), 2) } else { fixed(value, 3) };
-    let value = format!("{}{}", format(found.mean), with_interval(Some(interval), format));
+    let format = scaled(dial.log, Some(interval));
+    let value = format!("{}{}", format(found.mean), with_interval(Some(interval), &format));
     let clear = interval.low > 0.0 || interval.high < 0.0;
     let verdict = if clear { "so the start matters" } else { "so it is not clear that the start matters" };
     let that_began = "settings that began in the upper half of the range";
-    Some(match dial.log {
-        true => format!("The ratio of {that_began} to other settings is {value} on average, {verdict}."),
-        false => {
-            format!("The difference between {that_began} and other settings is {value} on average, {verdict}.")
-        }
-    })
+    let (kind, and) = if dial.log { ("ratio of", "to") } else { ("difference between", "and") };
+    Some(format!("The {kind} {that_began} {and} other settings is {value} on average, {verdict}."))
 }
 
 /// Returns the sections for which there are data.
@@ -264,8 +269,9 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
     let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
     let row = |own: &OfPerson<Settings>| {
         let Settings { n, mean, sd, direction } = own.found;
-        let start = has_start.then(|| fixed(direction, 3));
-        let numbers = [whole(n as u64), scaled(dial.log, None)(mean), fixed(sd, 3)];
+        let plain = scaled(false, None);
+        let start = has_start.then(|| direction.map_or_else(|| fixed(None, 0), &plain));
+        let numbers = [whole(n as u64), scaled(dial.log, None)(mean), plain(sd)];
         begun(study, own).into_iter().chain(numbers).chain(start).collect()
     };
     let numbers = [heading, "Mean", "SD", "Effect of the start"];

@@ -297,7 +297,7 @@ fn points(
 ) -> Vec<OfPerson<Vec<Point>>> {
     let counted = |answer: &TaskAnswered| match *answer {
         TaskAnswered::Seen { level: Some(level), is_target: true, seen } => Some((level, u32::from(seen), 1)),
-        TaskAnswered::Counted { level, seen, total } => Some((level, seen, total)),
+        TaskAnswered::Counted { level, seen, total } if total > 0 => Some((level, seen, total)),
         _ => None,
     };
     let mut all = by_person(study, counted, |points, (level, seen, total)| {
@@ -362,7 +362,8 @@ fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
     let trend = sum(&|point| f64::from(point.correct) * (point.x - middle));
     let spread = sum(&|point| f64::from(point.total) * (point.x - middle).powi(2));
     let z = trend / (share * (1.0 - share) * spread).sqrt();
-    if (if model.falls { -z } else { z }) < -CLEAR {
+    // If all answers are the same, there is no trend, and rounding must not make one.
+    if share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR {
         return Some(Misfit::Reversed);
     }
     let Guess::Fixed(guess) = model.guess else { return None };

@@ -110,7 +110,7 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
                 .map(Cell::from),
         );
         row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
-        row.push(u64::from(function.beyond.is_some()).into());
+        row.push(u64::from(fit.is_some() && function.beyond.is_some()).into());
         let goodness = function.goodness;
         row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
         row

@@ -71,7 +71,7 @@ fn common_form(id: &str) -> String {
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
 /// a decimal comma, as in spreadsheets from many countries.
-pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
+pub(in crate::store) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
     // One comma, so that `1,234,567` stays text.
     if separator != b',' && text.matches(',').count() == 1 {
         let number = text.replace(',', ".");
