@@ -266,7 +266,7 @@ const MAX_HEAD: u64 = 1 << 16;
 
 /// The head of a file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Header {
+pub(in crate::store) struct Header {
     /// Names of the columns.
     pub names: Vec<String>,
     /// The separator: a comma, a semicolon, a tab, or what the first line says.

@@ -253,7 +253,12 @@ impl RowError {
 /// # Errors
 /// A quote is not closed, or the number of cells differs from the header's; a cell that is used contains a zero byte, or
 /// is not UTF-8 although this program wrote the file.
-fn checked(row: &Row<'_>, used: &BTreeSet<usize>, width: usize, layout: Layout) -> Result<(), (Option<usize>, String)> {
+pub(in crate::store) fn checked(
+    row: &Row<'_>,
+    used: &BTreeSet<usize>,
+    width: usize,
+    layout: Layout,
+) -> Result<(), (Option<usize>, String)> {
     let found = row.record.len();
     if row.is_open() {
         return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
