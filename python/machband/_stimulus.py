@@ -389,6 +389,10 @@ class Stimulus:
         """Compare what reproduces them."""
         return isinstance(other, Stimulus) and (self.kind, self.parameters) == (other.kind, other.parameters)
 
+    def __hash__(self) -> int:
+        """Hash what reproduces it."""
+        return hash((self.kind, *self.parameters.values()))
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what reproduces it."""
         return partial(Stimulus, self.kind, **self.parameters), ()
