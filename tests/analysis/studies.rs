@@ -133,7 +133,7 @@ fn a_slip_changes_no_group() {
         for person in 0..people {
             let group = person < in_b;
             for place in 0..2 {
-                let of = if (person, place) == (people - 1, 1) { !group } else { group };
+                let of = if (person, place) == (0, 1) { !group } else { group };
                 let rating = (person * 5 + place) % 3 + usize::from(group);
                 let level = ["a", "b"][usize::from(of)];
                 builder.add_counts(&format!("P{person}"), &[level], &rating.to_string(), 1).unwrap();

@@ -243,7 +243,7 @@ fn the_last_page_has_a_plot_of_what_was_measured() {
                      method = \"staircase\"\nparameter = \"width\"\nstart = 0.4\nlow = 0.3\nhigh = 0.5\ntrials = 2\n";
     for (factors, task, caption, mark) in [
         ("width = [0.1, 0.8]", "", "mean rating", "0.8"),
-        ("orientation_deg = [0]", staircase, "The levels that you saw", "0.4"),
+        ("orientation_deg = [0]", staircase, "The levels that you saw", "0.5"),
     ] {
         let text = format!(
             "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n{factors}\n{task}[design]\n\

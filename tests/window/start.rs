@@ -101,7 +101,8 @@ impl Desk {
             presses += 1;
             assert!(presses < 200, "Tab does not reach {label:?}; there is {:?}", pane::texts(&self.copy));
         }
-        self.harness.xdotool(&["key", "--repeat", &presses.to_string(), "--delay", "60", "Tab"]);
+        // Two presses within one frame would move the focus once.
+        self.harness.xdotool(&["key", "--repeat", &presses.to_string(), "--delay", "150", "Tab"]);
         std::thread::sleep(Duration::from_millis(300));
     }
 
