@@ -281,7 +281,8 @@ class Stimulus:
         if abs(ppds[0] - ppds[1]) > 1e-6 * ppds[0]:
             raise _machband.Error(f"visual_size is {visual_size} for {shape[0]} × {shape[1]} pixels; expected square ones")
         # As the library has them, so that two are equal if they mean the same.
-        own = {name: found for name, found, *_ in _machband.parameters(_kind(kind), _parameters(parameters))}
+        all_parameters = _machband.parameters(_kind(kind), _parameters(parameters))
+        own: dict[str, Any] = {name: found for name, found, *_ in all_parameters}
         self.kind: Kind = kind
         self._own = own
         self.shape, self.visual_size, self.ppd = shape, degrees, ppds

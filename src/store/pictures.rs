@@ -13,7 +13,7 @@ use super::{
     FileError, FileErrors, StoreError,
     file::{read_bytes, sha256},
     image::{self, parse_picture},
-    ratings::{Header, Layout, checked, with_point},
+    ratings::{Header, with_point},
     table::{Row, decoded, rows_from},
     toml::TableReader,
 };
@@ -165,7 +165,7 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
     };
     let (mut levels, used) = (HashMap::new(), (0..header.names.len()).collect());
     let mut add = |row: &Row<'_>| {
-        checked(row, &used, used.len(), Layout::Long)?;
+        row.check(&used, used.len(), false)?;
         let text = |cell| with_point(decoded(cell).trim(), header.separator).into_owned();
         let mut cells: Vec<String> = row.record.iter().map(text).collect();
         let name = std::mem::take(&mut cells[file]);

@@ -3,6 +3,7 @@
 use std::{
     borrow::Cow,
     cell::Cell,
+    collections::BTreeSet,
     io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
     path::Path,
 };
@@ -143,6 +144,35 @@ impl<'a> Row<'a> {
         self.last
             && self.record.iter().next_back().is_some_and(|cell| cell.contains(&b'\n'))
             && !self.slice(self.end.saturating_sub(4)).trim_ascii_end().ends_with(b"\"")
+    }
+
+    /// Checks the row of a table with this number of columns. Only the cells in the columns that are used matter.
+    ///
+    /// # Errors
+    /// A quote is not closed, or the number of cells differs from the header's; a cell that is used contains a zero byte, or
+    /// is not UTF-8 although it must be.
+    pub fn check(&self, used: &BTreeSet<usize>, width: usize, is_utf8: bool) -> Result<(), (Option<usize>, String)> {
+        let found = self.record.len();
+        if self.is_open() {
+            return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
+        }
+        if found != width {
+            let cells = if found == 1 { "cell" } else { "cells" };
+            return Err((None, format!("the row has {found} {cells}; expected {width}, as in the header")));
+        }
+        let first = |is: fn(&[u8]) -> bool| used.iter().copied().find(|cell| self.record.get(*cell).is_some_and(is));
+        if self.record.as_slice().contains(&0)
+            && let Some(cell) = first(|cell| cell.contains(&0))
+        {
+            return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
+        }
+        if is_utf8
+            && self.text().is_err()
+            && let Some(cell) = first(|cell| std::str::from_utf8(cell).is_err())
+        {
+            return Err((Some(cell), "the cell is not UTF-8 text; expected UTF-8".to_owned()));
+        }
+        Ok(())
     }
 
     /// Returns the position of the next line.

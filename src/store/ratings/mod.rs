@@ -20,6 +20,5 @@ mod workbook;
 pub(super) use files::Header;
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
-pub(super) use rows::checked;
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
 pub(super) use values::with_point;

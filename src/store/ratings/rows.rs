@@ -130,7 +130,7 @@ impl Rows {
                     row.decoded()
                 });
                 let record = foreign.as_ref().unwrap_or(row.record);
-                let text = match checked(row, &used, header.names.len(), input.layout) {
+                let text = match row.check(&used, header.names.len(), input.layout == Layout::Results) {
                     Ok(()) => std::str::from_utf8(record.as_slice()).ok(),
                     Err((cell, message)) => {
                         let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
@@ -246,40 +246,6 @@ impl RowError {
             }
         }
     }
-}
-
-/// Checks a row of a table with this number of columns. Only the cells in the columns that are used matter.
-///
-/// # Errors
-/// A quote is not closed, or the number of cells differs from the header's; a cell that is used contains a zero byte, or
-/// is not UTF-8 although this program wrote the file.
-pub(in crate::store) fn checked(
-    row: &Row<'_>,
-    used: &BTreeSet<usize>,
-    width: usize,
-    layout: Layout,
-) -> Result<(), (Option<usize>, String)> {
-    let found = row.record.len();
-    if row.is_open() {
-        return Err((Some(found - 1), "a quote is never closed; expected a closing quote".to_owned()));
-    }
-    if found != width {
-        let cells = if found == 1 { "cell" } else { "cells" };
-        return Err((None, format!("the row has {found} {cells}; expected {width}, as in the header")));
-    }
-    let first = |is: fn(&[u8]) -> bool| used.iter().copied().find(|cell| row.record.get(*cell).is_some_and(is));
-    if row.record.as_slice().contains(&0)
-        && let Some(cell) = first(|cell| cell.contains(&0))
-    {
-        return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
-    }
-    if layout == Layout::Results
-        && row.text().is_err()
-        && let Some(cell) = first(|cell| std::str::from_utf8(cell).is_err())
-    {
-        return Err((Some(cell), "the cell is not UTF-8 text; expected UTF-8".to_owned()));
-    }
-    Ok(())
 }
 
 /// Says that a row with an error in this cell was left behind by an interrupted write. In a table from elsewhere, the last
