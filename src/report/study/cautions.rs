@@ -4,6 +4,7 @@ use std::{collections::BTreeSet, path::Path};
 
 use super::{
     findings::{self, ALPHA},
+    interactions,
     names::{self, first_word, who},
     sittings,
 };
@@ -96,7 +97,7 @@ fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String>
 
 /// Warns that a missing effect proves nothing: absence of evidence is not evidence of absence.
 fn nothing_found(results: &Results) -> Option<String> {
-    let unclear = findings::unclear(results);
+    let unclear = interactions::unclear(results);
     let what = match results.people() {
         1 => "These trials of one participant".to_owned(),
         people => format!("This study, with {},", count(people as u64, "participant")),
@@ -113,13 +114,13 @@ fn about_model(results: &Results) -> Vec<String> {
         Err(error) => return vec![format!("There is no model: {error}.")],
     };
     let mut cautions = Vec::new();
-    let dependences = findings::dependences(results);
+    let dependences = interactions::dependences(results);
     cautions.extend(dependences.iter().filter(|found| found.is_clear() && !found.is_modeled).map(|found| {
         let together = found.names(results);
         format!(
             "The model is additive, although the effects of {together} depend on each other: its coefficients and \
              comparisons of each are averages over the other. A term such as {} models the interaction.",
-            findings::product(results, &found.names)
+            interactions::product(results, &found.names)
         )
     }));
     cautions.extend(report.checks.as_ref().filter(|checks| checks.is_poor()).map(|_| {
@@ -135,7 +136,7 @@ fn about_model(results: &Results) -> Vec<String> {
         } else if names.len() == 2 && report.interactions.iter().all(|test| test.p.is_some_and(|p| p >= ALPHA)) {
             ", perhaps because effects differ along the scale".to_owned()
         } else {
-            let all = findings::product(results, &names);
+            let all = interactions::product(results, &names);
             format!(", perhaps because effects depend on each other: {all} has all interactions")
         };
         format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
@@ -172,7 +173,7 @@ fn about_model(results: &Results) -> Vec<String> {
             order.drift_p.map(p_is).unwrap_or_default()
         )
     }));
-    let unclear = findings::unclear(results);
+    let unclear = interactions::unclear(results);
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
         let term = names::term(results, &test.term);

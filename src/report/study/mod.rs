@@ -11,6 +11,7 @@ mod exclusions;
 mod findings;
 mod fit;
 mod health;
+mod interactions;
 mod methods;
 mod model;
 mod names;

@@ -2,7 +2,7 @@
 
 use super::{
     cautions::{cautions, simulated},
-    exclusions, findings, health, names,
+    exclusions, findings, health, interactions, names,
 };
 use crate::{
     analysis::{
@@ -50,13 +50,14 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
 /// Summarizes a study.
 pub fn summary(source: &Source, results: &Results) -> Summary {
     // Where effects depend on each other, no factor has an effect of its own.
-    let dependences = findings::dependences(results);
+    let dependences = interactions::dependences(results);
     let (clear, others): (Vec<_>, Vec<_>) = dependences.iter().partition(|found| found.is_clear());
-    let mut findings: Vec<String> = clear.iter().filter_map(|found| findings::interaction(results, found)).collect();
-    let alone = names::varied(results).filter(|factor| !findings::is_dependent(&dependences, &factor.name));
+    let mut findings: Vec<String> =
+        clear.iter().filter_map(|found| interactions::interaction(results, found)).collect();
+    let alone = names::varied(results).filter(|factor| !interactions::is_dependent(&dependences, &factor.name));
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
-    findings.extend(results.covariates.iter().filter_map(|name| findings::covariate(results, &dependences, name)));
-    findings.extend(others.iter().filter_map(|found| findings::interaction(results, found)));
+    findings.extend(results.covariates.iter().filter_map(|name| interactions::covariate(results, &dependences, name)));
+    findings.extend(others.iter().filter_map(|found| interactions::interaction(results, found)));
     findings.extend(between_participants(results));
     findings.extend(repetition(results));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }

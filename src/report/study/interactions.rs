@@ -1,0 +1,311 @@
+//! Describes interactions in sentences: whether effects depend on each other, and the effect of one factor at each level
+//! of the other.
+
+use super::{
+    findings::{
+        ALPHA, evidence, is_clustered, is_slope, likelihood_ratio, main_effect, on_scale, over_range, range_of,
+        ratio_test, verdict,
+    },
+    names,
+};
+use crate::{
+    analysis::{
+        Comparison, Note, Results, Withheld, find_factor,
+        results::{FactorResults, factor_results},
+        summary::Group,
+        terms::{Term, Variable},
+    },
+    report::document::numbers::{fixed, list, mean, p_is, with_interval},
+    statistics::{holm, mean_and_sd},
+};
+
+/// Factors whose effects may depend on each other, and the test of it.
+pub(super) struct Dependence<'a> {
+    /// Names of the factors and covariates.
+    pub names: Vec<&'a str>,
+    /// The factors. If there are two, the effect of the first is described at each level of the second.
+    pub factors: Vec<&'a FactorResults>,
+    /// The test and its statistic.
+    test: String,
+    pub p: Option<f64>,
+    withheld: Option<Withheld>,
+    /// Whether the model has this interaction.
+    pub is_modeled: bool,
+}
+
+impl Dependence<'_> {
+    pub fn is_clear(&self) -> bool {
+        self.p.is_some_and(|p| p < ALPHA)
+    }
+
+    /// Returns the names of the factors, such as `width and depth`.
+    pub fn names(&self, results: &Results) -> String {
+        list(&self.names.iter().map(|name| names::factor(results, name)).collect::<Vec<_>>())
+    }
+}
+
+/// Returns all interactions that were tested: those in the model, and those that it leaves out.
+pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
+    let Ok(report) = &results.model else { return Vec::new() };
+    let find = |name: &&str| results.factors.iter().find(|factor| factor.name == *name);
+    let counts = results.modeled();
+    let in_model = |term: &Term| {
+        let name = |variable: &Variable| Some(counts.factors[find_factor(counts, variable).ok()?.0].name.as_str());
+        let names: Vec<&str> = term.variables.iter().map(name).collect::<Option<_>>()?;
+        let test = report.terms.iter().find(|test| test.term == term.to_string())?;
+        Some(Dependence {
+            factors: names.iter().filter_map(find).collect(),
+            names,
+            test: ratio_test(test),
+            p: test.p,
+            withheld: test.withheld,
+            is_modeled: true,
+        })
+    };
+    let terms = results.spec.terms.iter().filter(|term| term.variables.len() > 1);
+    let shown = !results.is_inferential() || is_clustered(results);
+    let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
+    for test in &report.interactions {
+        let name = if test.by_signs { "score test over the participants’ signs" } else { "likelihood-ratio test" };
+        let names: Vec<&str> = test.factors.iter().map(String::as_str).collect();
+        all.push(Dependence {
+            factors: names.iter().filter_map(find).collect(),
+            names,
+            test: format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1)),
+            p: test.p,
+            withheld: test.withheld,
+            is_modeled: false,
+        });
+    }
+    // What holds for some of the factors on average says nothing where all of them depend on each other.
+    let clear: Vec<Vec<&str>> = all.iter().filter(|found| found.is_clear()).map(|found| found.names.clone()).collect();
+    let is_part = |names: &[&str]| clear.iter().any(|c| c.len() > names.len() && names.iter().all(|n| c.contains(n)));
+    all.retain(|found| !is_part(&found.names));
+    for Dependence { factors, is_modeled, .. } in &mut all {
+        // Without the interaction in the model, only effects within participants have tests.
+        factors.sort_by_key(|factor| {
+            let is_tested = *is_modeled || factor.within;
+            (is_slope(results, &factor.name) != *is_modeled, !is_tested, std::cmp::Reverse(factor.levels.len()))
+        });
+    }
+    all
+}
+
+/// Returns the term of an interaction with all its parts. What is a number in the model is one here.
+pub(super) fn product(results: &Results, names: &[&str]) -> String {
+    let in_model = |name: &str| main_effect(results, name)?.variables.first().cloned();
+    let variable = |name: &&str| in_model(name).unwrap_or_else(|| Variable::Factor((*name).to_owned()));
+    names.iter().map(|name| variable(name).to_string()).collect::<Vec<_>>().join("*")
+}
+
+/// Returns whether the effect of a factor or covariate depends on another one, so that it has no single size.
+pub(super) fn is_dependent(dependences: &[Dependence<'_>], name: &str) -> bool {
+    dependences.iter().any(|found| found.is_clear() && found.names.contains(&name))
+}
+
+/// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
+pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
+    let together = found.names(results);
+    let what = if results.is_inferential() { "This study" } else { "These trials" };
+    let Some(p) = found.p else {
+        let reason = found.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+        return Some(format!("Whether the effects of {together} depend on each other could not be tested{reason}."));
+    };
+    if p >= ALPHA {
+        let text = format!("{what} cannot tell whether the effects of {together} depend on each other ({}).", p_is(p));
+        return found.is_modeled.then_some(text);
+    }
+    let whose = if results.is_inferential() { "" } else { " for this participant" };
+    let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
+    let number = found.names.iter().find(|name| found.is_modeled && is_slope(results, name));
+    match (&found.factors[..], number) {
+        ([.., at], Some(number)) if found.names.len() == 2 && !is_slope(results, &at.name) => {
+            text.extend(slopes(results, number, at));
+        }
+        ([of, at], _) if found.names.len() == 2 => {
+            let comparisons = results.model.as_ref().map_or(&[][..], |report| &report.comparisons);
+            let is_compared = found.is_modeled && number.is_none();
+            text += &simple_effects(results, of, at, is_compared.then_some(comparisons));
+        }
+        ([.., at], _) if found.names.len() > 2 => {
+            let level = &at.levels[0].names[0];
+            text += &format!(
+                " To describe how, analyze each level of one of them, for example with --only {}={level}.",
+                at.name
+            );
+        }
+        _ => {}
+    }
+    Some(text)
+}
+
+/// Returns a factor at each level of another one at which it varies, with the means that the tests are of.
+fn strata(
+    results: &Results,
+    of: &FactorResults,
+    at: &FactorResults,
+    comparisons: Option<&[Comparison]>,
+) -> Vec<(usize, FactorResults)> {
+    let counts = &results.measured.counts;
+    let (Some((own, _)), Some((other, _))) = (counts.factor(&of.name), counts.factor(&at.name)) else {
+        return Vec::new();
+    };
+    let stratum = |(place, group): (usize, &Group)| {
+        let level = counts.factors[other].levels.iter().position(|level| *level == group.names[0]);
+        let level = level.map(|level| level as u32);
+        let stratum = factor_results(&results.measured.filtered(|_| true, |levels| levels[other] == level), own);
+        let margin = |level: &str| match comparisons {
+            Some(_) => compared(comparisons, of, at, place).find_map(|own| own.expected_at(level)),
+            None => {
+                let own = stratum.matched.levels.iter().position(|own| own == level)?;
+                Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
+            }
+        };
+        (stratum.levels.len() > 1).then(|| (place, stratum.with_margins(margin)))
+    };
+    at.levels.iter().enumerate().filter_map(stratum).collect()
+}
+
+/// Returns the comparisons of a factor's levels at a level of another one.
+fn compared<'a>(
+    comparisons: Option<&'a [Comparison]>,
+    of: &'a FactorResults,
+    at: &'a FactorResults,
+    place: usize,
+) -> impl Iterator<Item = &'a Comparison> {
+    let is_here = move |(factor, level): &(String, String)| *factor == at.name && *level == at.levels[place].names[0];
+    let is_own = move |c: &&Comparison| c.factor == of.name && c.at.as_ref().is_some_and(is_here);
+    comparisons.unwrap_or_default().iter().filter(is_own)
+}
+
+/// Describes the effect of a factor at each level of another one, or at some of them if there are many, with the p of the
+/// model's comparisons or, if the model has no such effects, of Friedman's tests.
+fn simple_effects(
+    results: &Results,
+    of: &FactorResults,
+    at: &FactorResults,
+    comparisons: Option<&[Comparison]>,
+) -> String {
+    const MAX_SHOWN: usize = 4;
+    let strata = strata(results, of, at, comparisons);
+    if strata.is_empty() {
+        return String::new();
+    }
+    let own = |(place, stratum): &(usize, FactorResults)| {
+        let pair = stratum.contrast().0.map(|level| stratum.levels[level].names[0].as_str());
+        let mut compared = compared(comparisons, of, at, *place);
+        compared.find(|c| pair == [&*c.level, &*c.other] || pair == [&*c.other, &*c.level])
+    };
+    let corrected: Vec<Option<f64>> = match comparisons {
+        Some(_) => strata.iter().map(|stratum| own(stratum)?.p_holm).collect(),
+        // Ranks do not know of items.
+        None if results.spec.items.is_some() => vec![None; strata.len()],
+        None => holm(&strata.iter().map(|(_, stratum)| Some(stratum.friedman?.p)).collect::<Vec<_>>()),
+    };
+    let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
+    let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);
+    let last = strata.len().saturating_sub(1);
+    let is_shown = |place: usize| last < MAX_SHOWN || place == 0 || place == last / 2 || place == last;
+    let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
+        let ([first, second], _) = stratum.contrast();
+        let mean_at = |index: usize| {
+            let level = names::level_of(results, of, &stratum.levels[index]);
+            format!("{} at {} {level}", mean(stratum.means()[index]), names::factor(results, &of.name))
+        };
+        let level = names::level_of(results, at, &at.levels[*level]);
+        let p = p.map_or_else(String::new, |p| format!(" ({})", p_is(p)));
+        let what = match (stratum.marginal.is_some(), comparisons.is_some()) {
+            _ if place > 0 && are_alike => "it",
+            (true, true) => "the rating that the model expects",
+            (true, false) => "the mean rating in the same conditions",
+            (false, _) => "the mean rating",
+        };
+        is_shown(place).then(|| {
+            format!(
+                "at {} {level}, {what} is {} and {}{p}",
+                names::factor(results, &at.name),
+                mean_at(first),
+                mean_at(second)
+            )
+        })
+    };
+    let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().filter_map(part).collect();
+    let of_all =
+        if last < MAX_SHOWN { String::new() } else { format!(" ({} of {} levels)", parts.len(), strata.len()) };
+    let withheld = strata.iter().filter_map(|stratum| own(stratum)?.withheld).next();
+    let test = match (comparisons, withheld) {
+        (_, Some(reason)) => format!(" These differences have no p: {reason}."),
+        _ if corrected.iter().all(Option::is_none) => String::new(),
+        (Some(_), None) => format!(
+            " Each p is that of this difference in the model, corrected for all comparisons of {} with Holm’s method.",
+            names::factor(results, &of.name)
+        ),
+        (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
+    };
+    let at_which = match strata.iter().filter(|stratum| is_raw(stratum)).count() {
+        raw if raw == strata.len() => None,
+        0 => Some("each level"),
+        _ => Some("some levels"),
+    };
+    let raw = at_which.map_or_else(String::new, |at_which| {
+        let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
+        format!(
+            " The raw means by {of} at {at_which} of {at} are not comparable: not everyone rated all levels in the same \
+             conditions."
+        )
+    });
+    let text = names::capitalized(&parts.join("; "));
+    format!(" {text}{of_all}.{raw}{test}")
+}
+
+/// Describes the effect of a number over its range at each level of a factor with which it interacts in the model.
+fn slopes(results: &Results, number: &str, at: &FactorResults) -> Option<String> {
+    let (_, what) = range_of(results, main_effect(results, number)?.variables.first()?)?;
+    let value = |estimate: f64| on_scale(results, estimate);
+    let at_level = |level: &Group| {
+        let place = Some((&at.name, level.names.first()?));
+        let is_own = |c: &&Comparison| c.factor == number && c.at.as_ref().map(|(name, level)| (name, level)) == place;
+        let found = results.model.as_ref().ok()?.comparisons.iter().find(is_own)?;
+        let (factor, level) = (names::factor(results, &at.name), names::level_of(results, at, level));
+        Some(format!("{}{} at {factor} {level}", value(found.estimate), with_interval(found.interval, value)))
+    };
+    let levels: Vec<String> = at.levels.iter().filter_map(at_level).collect();
+    (!levels.is_empty()).then(|| format!(" {what} {}.", list(&levels)))
+}
+
+/// Describes the effect of a covariate, unless it depends on a factor. Its mean effect over a factor has no size.
+pub(super) fn covariate(results: &Results, dependences: &[Dependence<'_>], name: &str) -> Option<String> {
+    let report = results.model.as_ref().ok()?;
+    let term = main_effect(results, name).filter(|_| !is_dependent(dependences, name))?;
+    let shown = names::factor(results, name);
+    let test = likelihood_ratio(results, term)?;
+    let Some(p) = test.p else {
+        let reason = test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+        return Some(format!("The effect of {shown} could not be tested{reason}."));
+    };
+    let size = over_range(results, report, term).filter(|_| !results.spec.terms.is_marginal(term));
+    let size = size.map_or_else(String::new, |size| format!(" {}.", size.text));
+    Some(verdict(&shown, &ratio_test(test), p) + &size)
+}
+
+/// Returns the names of the factors and covariates of which no effect was found, and of which only a linear one was
+/// sought.
+pub(super) fn unclear(results: &Results) -> Vec<String> {
+    let dependences = dependences(results);
+    let of_factor = |factor: &FactorResults| {
+        let evidence = evidence(results, factor)?;
+        let is_linear = !evidence.is_rank_test && is_slope(results, &factor.name);
+        Some((factor.name.clone(), evidence.p, if is_linear { " as a linear trend" } else { "" }))
+    };
+    let of_covariate =
+        |name: &String| Some((name.clone(), likelihood_ratio(results, main_effect(results, name)?)?.p?, ""));
+    let notes = results.model.iter().flat_map(|report| &report.model.notes);
+    // The effect of a factor includes that of what it determines.
+    let nested: Vec<&String> =
+        notes.filter_map(|note| if let Note::Nested { factor, .. } = note { Some(factor) } else { None }).collect();
+    let is_unclear = |(name, p, _): &(String, f64, &str)| {
+        *p >= ALPHA && !is_dependent(&dependences, name) && !nested.contains(&name)
+    };
+    let all = names::varied(results).filter_map(of_factor).chain(results.covariates.iter().filter_map(of_covariate));
+    all.filter(is_unclear).map(|(name, _, linear)| format!("{}{linear}", names::factor(results, &name))).collect()
+}
