@@ -170,7 +170,10 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
         let mut cells: Vec<String> = row.record.iter().map(text).collect();
         let name = std::mem::take(&mut cells[file]);
         // Another pattern may match the file.
-        if name.is_empty() || !matches!(found(&path.with_file_name(&name)), Ok(Some(_))) {
+        let picture = found(&path.with_file_name(&name)).map_err(|error| {
+            (None, format!("{name:?} cannot be accessed: {error}; expected a picture for each row"))
+        })?;
+        if name.is_empty() || picture.is_none() {
             return Err((None, format!("there is no file {name:?}; expected a picture for each row")));
         }
         match levels.insert(name.clone(), others(cells)) {

@@ -39,7 +39,7 @@ pub struct AnswerRow {
     pub factors: Vec<String>,
     /// The level.
     pub level: f64,
-    /// Number of right answers.
+    /// Number of correct answers.
     pub correct: u32,
     /// Number of trials.
     pub total: u32,
