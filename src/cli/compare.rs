@@ -78,11 +78,15 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
         }
         vec![Case::of_steps(&found)?]
     } else {
-        let found = request.pair(None, &bar)?;
-        if let Some(path) = map {
+        // A picture that cannot be judged is a result too, which JSON and JUnit tell.
+        let found = match request.pair(None, &bar) {
+            Err(error) if error.is::<RequestError>() => return Err(error),
+            found => found,
+        };
+        if let (Some(path), Ok(found)) = (map, &found) {
             store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
         }
-        vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?]
+        vec![Case::of_pair(&request.picture, request.picture.display().to_string(), found)?]
     };
     bar.clear();
     if let Some(path) = junit {

@@ -123,6 +123,9 @@ fn folders_are_compared_in_pairs() {
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
     assert!(errors.contains("old/d.png: is not a PNG; expected a PNG"), "{errors}");
+    fails(folder.path(), &split("compare new/d.png old/d.png --window 3 --junit d.xml"), 1);
+    let xml = fs::read_to_string(folder.path().join("d.xml")).unwrap();
+    assert!(xml.contains("errors=\"1\"") && xml.contains("is not a PNG"), "{xml}");
     // What is left out is named.
     fs::create_dir(folder.path().join("new/more")).unwrap();
     fs::write(folder.path().join("new/e.jpg"), b"\xff\xd8\xff").unwrap();

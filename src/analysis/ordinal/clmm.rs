@@ -61,8 +61,8 @@ pub(super) struct Evaluation {
 struct Subject<'a> {
     link: Link,
     loadings: &'a Loadings,
-    /// The weights of the effects, for each row and slot.
-    weights: &'a [f64],
+    /// The effects in each row, with their weights.
+    weights: &'a [(usize, f64)],
     observations: &'a [Observation],
     /// The category of each observation at u = 0.
     categories: Vec<Category>,
@@ -90,11 +90,10 @@ struct Point {
 impl Subject<'_> {
     /// Returns aᵀu in a row.
     fn effect(&self, row: usize, u: &DVector<f64>) -> f64 {
-        let slots = self.loadings.slots(row);
-        slots.iter().zip(self.weights_of(row)).map(|(&effect, weight)| weight * u[effect]).sum()
+        self.weights_of(row).iter().map(|&(effect, weight)| weight * u[effect]).sum()
     }
 
-    fn weights_of(&self, row: usize) -> &[f64] {
+    fn weights_of(&self, row: usize) -> &[(usize, f64)] {
         let slots = self.loadings.slots_per_row();
         &self.weights[row * slots..(row + 1) * slots]
     }
@@ -128,11 +127,12 @@ impl Subject<'_> {
         let mut slope = -u;
         let mut curvature = DMatrix::identity(u.len(), u.len());
         for sums in &point.rows {
-            let (slots, weights) = (self.loadings.slots(sums.row), self.weights_of(sums.row));
-            for (&i, wi) in slots.iter().zip(weights) {
+            let weights = self.weights_of(sums.row);
+            for &(i, wi) in weights {
                 slope[i] -= sums.g1 * wi;
-                for (&j, wj) in slots.iter().zip(weights) {
-                    curvature[(i, j)] -= sums.g2 * wi * wj;
+                let (column, by) = (&mut curvature.as_mut_slice()[i * u.len()..], sums.g2 * wi);
+                for &(j, wj) in weights {
+                    column[j] -= by * wj;
                 }
             }
         }
@@ -152,8 +152,8 @@ impl Subject<'_> {
             let (slope, curvature) = self.slope_and_curvature(&u, &point)?;
             let mut step = curvature.solve(&slope);
             // After a Newton step, the error is of the order of the step squared.
-            let small = 1e-9 * (1.0 + u.amax());
-            if step.amax() < small {
+            let scale = 1.0 + u.amax();
+            if step.amax() < 1e-7 * scale {
                 return Some(u + step);
             }
             loop {
@@ -165,7 +165,7 @@ impl Subject<'_> {
                 }
                 step /= 2.0;
                 // The limit of precision is reached, or the integrand is not a number.
-                if step.amax().is_nan() || step.amax() < 1e-4 * small {
+                if step.amax().is_nan() || step.amax() < 1e-13 * scale {
                     return point.h.is_finite().then_some(u);
                 }
             }
@@ -203,8 +203,8 @@ impl ClmmData {
         &self.offset + &self.x * parameters.rows(self.thresholds(), self.x.ncols())
     }
 
-    /// Returns the weight of each slot of each row.
-    pub fn weights(&self, parameters: &DVector<f64>) -> Vec<f64> {
+    /// Returns the effects in each row, with their weights.
+    pub fn weights(&self, parameters: &DVector<f64>) -> Vec<(usize, f64)> {
         self.loadings.weights(&parameters.as_slice()[self.first_psi()..])
     }
 
@@ -213,7 +213,7 @@ impl ClmmData {
         range: &Range<usize>,
         thresholds: &[f64],
         location: &DVector<f64>,
-        weights: &'a [f64],
+        weights: &'a [(usize, f64)],
     ) -> Subject<'a> {
         let observations = &self.observations[range.clone()];
         let category = |observation: &Observation| {
@@ -272,12 +272,13 @@ impl ClmmData {
         for ((sums, spread_weights), variance) in
             point.rows.iter().zip(spread_weights.chunks_mut(slots)).zip(&mut variances)
         {
-            let (effects, weights) = (self.loadings.slots(sums.row), subject.weights_of(sums.row));
-            for ((&i, wi), spread) in effects.iter().zip(weights).zip(&mut *spread_weights) {
-                *spread = effects.iter().zip(weights).map(|(&j, wj)| inverse[(i, j)] * wj).sum();
+            let weights = subject.weights_of(sums.row);
+            for (&(i, wi), spread) in weights.iter().zip(&mut *spread_weights) {
+                let column = &inverse.as_slice()[i * u.len()..];
+                *spread = weights.iter().map(|&(j, wj)| column[j] * wj).sum();
                 *variance += wi * *spread;
             }
-            for (&i, wi) in effects.iter().zip(weights) {
+            for &(i, wi) in weights {
                 by_mode[i] -= 0.5 * sums.g3 * *variance * wi;
             }
         }
@@ -289,9 +290,9 @@ impl ClmmData {
                 let ((sums, spread_weights), variance) = rows.next()?;
                 row = observation.row;
                 (mode_in_row, variance_in_row) = (subject.effect(row, &by_mode), *variance);
-                let effects = self.loadings.slots(row);
+                let weights = subject.weights_of(row);
                 for entry in self.loadings.entries(row) {
-                    let effect = effects[entry.slot];
+                    let effect = weights[entry.slot].0;
                     let (du, ds) = (entry.value * u[effect], entry.value * by_mode[effect]);
                     let spread = 2.0 * sums.g2 * entry.value * spread_weights[entry.slot] - sums.g3 * du * variance;
                     sum.gradient[self.first_psi() + entry.parameter] +=
@@ -349,7 +350,7 @@ impl ClmmData {
             let mut information = vec![(0, 0.0); self.loadings.effects()];
             for sums in subject.at(u).rows {
                 for entry in self.loadings.entries(sums.row) {
-                    let own = &mut information[self.loadings.slots(sums.row)[entry.slot]];
+                    let own = &mut information[subject.weights_of(sums.row)[entry.slot].0];
                     *own = (entry.parameter, own.1 - sums.g2 * entry.value * entry.value);
                 }
             }
@@ -376,45 +377,47 @@ impl ClmmData {
             let subject = self.subject(range, thetas, &location, &weights);
             let point = subject.at(u);
             let inverse = subject.slope_and_curvature(u, &point)?.1.inverse();
-            let mut by_mode = DMatrix::zeros(effects, size);
-            for observation in subject.observations {
-                let row = observation.row;
-                let (slots, weights) = (self.loadings.slots(row), subject.weights_of(row));
-                let (a, b) = category_bounds(thetas, observation.category);
+            // The derivatives of the bounds of category k are upper = shift + e_k and lower = shift + e_(k−1). The curvature
+            // is (aa upper + ab lower) upperᵀ + (ab upper + bb lower) lowerᵀ.
+            let mut by_mode = DMatrix::zeros(size, effects);
+            for of_row in subject.observations.chunk_by(|one, other| one.row == other.row) {
+                let row = of_row[0].row;
+                let weights = subject.weights_of(row);
                 let by = location[row] + subject.effect(row, u);
-                let cell = self.link.cell(a - by, b - by);
                 let mut shift = DVector::zeros(size);
-                for c in 0..self.x.ncols() {
-                    shift[thresholds + c] = -self.x[(row, c)];
-                }
+                shift.rows_mut(thresholds, self.x.ncols()).copy_from(&-self.x.row(row).transpose());
                 for entry in self.loadings.entries(row) {
-                    shift[first_psi + entry.parameter] -= entry.value * u[slots[entry.slot]];
+                    shift[first_psi + entry.parameter] -= entry.value * u[weights[entry.slot].0];
                 }
-                let (mut upper, mut lower) = (shift.clone(), shift);
-                if observation.category < thresholds {
-                    upper[observation.category] = 1.0;
-                }
-                if observation.category > 0 {
-                    lower[observation.category - 1] = 1.0;
-                }
-                let count = observation.count;
-                add_product(&mut sum, -count * cell.aa, &upper, &upper);
-                add_product(&mut sum, -count * cell.bb, &lower, &lower);
-                add_product(&mut sum, -count * cell.ab, &upper, &lower);
-                add_product(&mut sum, -count * cell.ab, &lower, &upper);
-                for (&effect, weight) in slots.iter().zip(weights) {
-                    for parameter in 0..size {
-                        by_mode[(effect, parameter)] -= weight
-                            * count
-                            * ((cell.aa + cell.ab) * upper[parameter] + (cell.ab + cell.bb) * lower[parameter]);
+                let mut of_shift = DVector::zeros(size);
+                let mut slope = 0.0;
+                for &Observation { category, count, .. } in of_row {
+                    let (a, b) = category_bounds(thetas, category);
+                    let cell = self.link.cell(a - by, b - by);
+                    slope += count * (cell.a + cell.b);
+                    let (upper, lower) = (category, category.wrapping_sub(1));
+                    for (own, by_own, other) in [(upper, cell.aa, lower), (lower, cell.bb, upper)] {
+                        let mut bound = &shift * (by_own + cell.ab);
+                        for (place, by) in [(own, by_own), (other, cell.ab)] {
+                            if place < thresholds {
+                                bound[place] += by;
+                            }
+                        }
+                        of_shift.axpy(count, &bound, 1.0);
+                        if own < thresholds {
+                            sum.column_mut(own).axpy(-count, &bound, 1.0);
+                        }
                     }
                 }
+                add_product(&mut sum, -1.0, &of_shift, &shift);
+                for &(effect, weight) in weights {
+                    by_mode.column_mut(effect).axpy(-weight, &of_shift, 1.0);
+                }
                 for entry in self.loadings.entries(row) {
-                    by_mode[(slots[entry.slot], first_psi + entry.parameter)] -=
-                        count * (cell.a + cell.b) * entry.value;
+                    by_mode[(first_psi + entry.parameter, weights[entry.slot].0)] -= slope * entry.value;
                 }
             }
-            sum -= by_mode.tr_mul(&(&inverse * &by_mode));
+            sum -= &by_mode * &inverse * by_mode.transpose();
             self.add_determinant_curvature(&mut sum, &subject, &point, &inverse);
         }
         Some(sum)
@@ -433,10 +436,10 @@ impl ClmmData {
         let mut first = vec![DMatrix::zeros(effects, effects); self.loadings.parameters()];
         let mut second = vec![0.0; self.loadings.parameters()];
         for sums in &point.rows {
-            let (slots, weights) = (self.loadings.slots(sums.row), subject.weights_of(sums.row));
+            let weights = subject.weights_of(sums.row);
             for entry in self.loadings.entries(sums.row) {
-                let effect = slots[entry.slot];
-                for (&other, weight) in slots.iter().zip(weights) {
+                let effect = weights[entry.slot].0;
+                for &(other, weight) in weights {
                     first[entry.parameter][(effect, other)] -= sums.g2 * entry.value * weight;
                     first[entry.parameter][(other, effect)] -= sums.g2 * entry.value * weight;
                 }

@@ -62,7 +62,7 @@ struct Residuals<'a> {
     layout: Layout,
     thresholds: Vec<f64>,
     location: Vec<f64>,
-    weights: Vec<f64>,
+    weights: Vec<(usize, f64)>,
     modes: Option<&'a Modes>,
     known: HashMap<(u32, u32), Vec<Residual>>,
 }
@@ -102,7 +102,8 @@ impl<'a> Residuals<'a> {
                 true if slot < own => modes[0][subject as usize * own + slot],
                 true => modes[0][people * own + slot - own],
             };
-            let slots = loadings.slots(row).iter().zip(&weights[row * loadings.slots_per_row()..]);
+            let slots = loadings.slots_per_row();
+            let slots = weights[row * slots..(row + 1) * slots].iter();
             let effect: f64 = modes.map_or(0.0, |modes| slots.map(|(slot, weight)| weight * mode(modes, *slot)).sum());
             let link = fitted.spec.link;
             let at = location[row] + effect;

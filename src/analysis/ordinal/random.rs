@@ -413,11 +413,6 @@ impl Loadings {
         self.slots_per_row
     }
 
-    /// Returns the effect of each slot in a row.
-    pub fn slots(&self, row: usize) -> &[usize] {
-        &self.slots[row * self.slots_per_row..(row + 1) * self.slots_per_row]
-    }
-
     pub fn entries(&self, row: usize) -> &[Entry] {
         &self.entries[row * self.entries_per_row..(row + 1) * self.entries_per_row]
     }
@@ -433,13 +428,13 @@ impl Loadings {
         ((deviation..deviation + self.effects() - column).collect(), [column].into())
     }
 
-    /// Returns the weight of each slot, row by row.
-    pub fn weights(&self, psi: &[f64]) -> Vec<f64> {
-        let mut weights = vec![0.0; self.slots.len()];
+    /// Returns the effect of each slot with its weight, row by row.
+    pub fn weights(&self, psi: &[f64]) -> Vec<(usize, f64)> {
+        let mut weights: Vec<(usize, f64)> = self.slots.iter().map(|&effect| (effect, 0.0)).collect();
         let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.entries_per_row.max(1)));
         for (weights, entries) in rows {
             for entry in entries {
-                weights[entry.slot] += psi[entry.parameter] * entry.value;
+                weights[entry.slot].1 += psi[entry.parameter] * entry.value;
             }
         }
         weights

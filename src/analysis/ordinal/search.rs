@@ -162,7 +162,7 @@ impl<'a> Search<'a> {
             indices.into_iter().filter(|&i| !rough && self.at[i] == 0.0 && free.contains(&i)).collect();
         let mut moved = false;
         for index in zeros {
-            for sigma in [0.05, 0.2, 0.5] {
+            for sigma in [0.05, 0.5] {
                 let before = self.value.loglik;
                 let kept = (self.at.clone(), self.value.clone(), self.modes.clone());
                 let mut to = self.at.clone();
