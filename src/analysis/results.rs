@@ -148,14 +148,16 @@ impl FactorResults {
     }
 
     /// Returns the same results with the marginal means of the levels, if their raw means cannot be compared.
-    pub fn with_margins(&self, margin: impl Fn(&str) -> Option<f64>) -> Self {
+    /// `is_adjusted`: the model holds a covariate constant that differs between the levels.
+    pub fn with_margins(&self, margin: impl Fn(&str) -> Option<f64>, is_adjusted: bool) -> Self {
         // If the ratings are separated, there may be no expected rating.
         let own = |level: &Group| margin(&level.names[0]).filter(|mean| mean.is_finite());
         let marginal: Option<Vec<f64>> = self.levels.iter().map(own).collect();
-        let with = Self { marginal, ..self.clone() };
+        let with = Self { marginal, comparable: false, ..self.clone() };
+        let is_same = (self.course(), self.extremes()) == (with.course(), with.extremes());
         // If a factor varies only between participants, none of them could rate all levels.
-        let is_same = !self.within && (self.course(), self.extremes()) == (with.course(), with.extremes());
-        if self.comparable || is_same { self.clone() } else { with }
+        let is_raw = if self.comparable { is_same || !is_adjusted } else { is_same && !self.within };
+        if is_raw { self.clone() } else { with }
     }
 
     /// Returns Kendall's τ-a between the means and the positions of the levels, if there is at least a tendency; 1 if the
@@ -240,7 +242,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
     let agreed = items.map(|_| measured.without_factors(&covariates).counts);
-    let left_out: Vec<usize> = covariates.into_iter().chain(items).collect();
+    let left_out: Vec<usize> = covariates.iter().copied().chain(items).collect();
     let (measured, whole) =
         if left_out.is_empty() { (measured, None) } else { (measured.without_factors(&left_out), Some(measured)) };
     let counts = &measured.counts;
@@ -258,6 +260,12 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         factor_results(&measured.without_factors(&tied), place)
     };
     let factors: Vec<FactorResults> = (0..counts.factors.len()).into_par_iter().map(described).collect();
+    let with_margins = |factor: &FactorResults, margins: &[Margin]| {
+        let is_own = |margin: &&Margin, level: &str| margin.factor == factor.name && margin.level == level;
+        let differs = |own: usize| covariates.iter().any(|&covariate| modeled.differs_between(covariate, own));
+        let is_adjusted = modeled.factor(&factor.name).is_some_and(|(own, _)| differs(own));
+        factor.with_margins(|level| Some(margins.iter().find(|margin| is_own(margin, level))?.mean), is_adjusted)
+    };
     let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
         let pair = |(index, factor): (usize, &FactorResults)| {
             let level = |place: usize| {
@@ -265,7 +273,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
                 let (_, own) = modeled.factor(&counts.factors[index].name)?;
                 own.levels.iter().position(|level| level == name).map(|level| level as u32)
             };
-            let ([first, second], _) = factor.with_margins(of_factor(margins, &factor.name)).contrast();
+            let ([first, second], _) = with_margins(factor, margins).contrast();
             // The later level minus the earlier one, as in all comparisons.
             let (later, earlier) = (level(first.max(second))?, level(first.min(second))?);
             (later != earlier).then(|| (factor.name.clone(), [later, earlier]))
@@ -307,7 +315,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let described = |factor: &FactorResults| FactorResults {
         // Ranks do not know of items.
         friedman: factor.friedman.filter(|_| options.items.is_none()),
-        ..factor.with_margins(of_factor(margins, &factor.name))
+        ..with_margins(factor, margins)
     };
     let factors = factors.iter().map(described).collect();
     let kappas: Vec<f64> = subjects.iter().filter_map(|subject| subject.kappa).collect();
@@ -325,13 +333,6 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         whole,
         covariates: names,
         measured,
-    }
-}
-
-/// Returns the marginal mean at a level of a factor.
-fn of_factor(margins: &[Margin], factor: &str) -> impl Fn(&str) -> Option<f64> {
-    move |level| {
-        margins.iter().find(|margin| margin.factor == factor && margin.level == level).map(|margin| margin.mean)
     }
 }
 

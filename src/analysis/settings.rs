@@ -9,8 +9,8 @@ use crate::statistics::mean_and_sd;
 pub struct Settings {
     /// The mean.
     pub mean: f64,
-    /// The standard deviation between settings; 0 for a single one.
-    pub sd: f64,
+    /// The standard deviation between settings; `None` for a single one.
+    pub sd: Option<f64>,
     /// The number of settings.
     pub n: usize,
     /// The mean of those that began above, minus the mean of those that began below; `None` without both.
@@ -30,7 +30,7 @@ impl Settings {
         };
         let (mean, sd) = mean_and_sd(&values);
         let direction = from(true).zip(from(false)).map(|(above, below)| above - below);
-        let sd = if values.len() > 1 { sd } else { 0.0 };
+        let sd = (values.len() > 1).then_some(sd);
         (!values.is_empty()).then_some(Self { mean, sd, n: values.len(), direction })
     }
 }

@@ -91,7 +91,10 @@ fn factors(protocol: &Protocol) -> String {
 }
 
 /// Says how many people are tested, if some number tried is enough for all effects.
-fn decision(tried: &[u32], enough: impl Fn(u32) -> bool, target: f64) -> String {
+fn decision(tried: &[u32], has_effects: bool, enough: impl Fn(u32) -> bool, target: f64) -> String {
+    if !has_effects {
+        return "[N] participants will be tested. No effect is planned for, so no power decides the number.".to_owned();
+    }
     // More people can only help, so a number is enough if all larger ones are.
     let least = tried.iter().rev().take_while(|people| enough(**people)).last();
     let target = format!("{:.0} %", 100.0 * target);
@@ -167,7 +170,8 @@ impl Planned {
         };
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
         tried.dedup();
-        let decision = decision(&tried, enough, self.target);
+        let has_effects = self.effects().any(|hypothesis| hypothesis.effect.is_some());
+        let decision = decision(&tried, has_effects, enough, self.target);
         format!(
             "{decision} The data are not analyzed before all have been tested. [Say why effects of this size are of interest.] The \
              simulation found:\n\n{}",
@@ -338,7 +342,7 @@ impl PlannedThresholds {
         format!(
             "{} Each answers {} of each condition. The data are not analyzed before all have been tested. [Say why differences of \
              this size are of interest.] {} simulated studies of each size found, in {}:\n\n{}",
-            decision(&people, enough, self.target),
+            decision(&people, self.differences().any(|(_, truth)| truth != 0.0), enough, self.target),
             count(most.into(), "trial"),
             self.sampling.studies,
             self.unit(),
@@ -350,7 +354,7 @@ impl PlannedThresholds {
         let model = Model::of(&self.protocol).map_or_else(String::new, |model| model_of_a_person(&model));
         format!(
             "{model}\n\n{MODEL_OVER_PEOPLE} {MODEL_OF_DIFFERENCES}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
-             comparisons are not corrected for their number. Everything else is exploratory and will be called so."
+             comparisons are not corrected for their number; the sentences of the report are (Holm), so they may find fewer differences. Everything else is exploratory and will be called so."
         )
     }
 

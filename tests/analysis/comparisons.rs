@@ -135,9 +135,9 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
 #[test]
 fn settings_are_averaged_over_people() {
     let own = Settings::of(&[(1.0, Some(true)), (3.0, Some(false)), (2.0, Some(true))]).unwrap();
-    assert_eq!((own.mean, own.sd, own.n, own.direction), (2.0, 1.0, 3, Some(-1.5)));
+    assert_eq!((own.mean, own.sd, own.n, own.direction), (2.0, Some(1.0), 3, Some(-1.5)));
     let single = Settings::of(&[(2.0, None)]).unwrap();
-    assert_eq!((single.sd, single.direction), (0.0, None));
+    assert_eq!((single.sd, single.direction), (None, None));
     assert!(Settings::of(&[]).is_none());
     let mut rng = ChaCha8Rng::seed_from_u64(2);
     let studies: Vec<(Interval, f64)> = (0..2000)

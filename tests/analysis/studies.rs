@@ -208,6 +208,50 @@ fn a_crossed_interaction_leads() {
     }
 }
 
+/// Without its parts, a term compares all combinations, also if effects add up: that is no interaction.
+#[test]
+fn a_term_without_its_parts_is_no_interaction() {
+    let additive = |_: usize, row: usize| Some([-1.5, 0.0, 0.0, 1.5][row]);
+    for terms in ["a:b", "a,a:b"] {
+        let results = analyze(study(&["a", "b"], &CROSSED, (8, 6, 5), additive), &options(Some(terms)));
+        let findings = said(&results).findings;
+        assert!(!findings.concat().contains("depend on each other"), "{terms}: {findings:?}");
+    }
+}
+
+/// B has more of a covariate, so its raw ratings are higher; at equal values of the covariate, those of A are.
+#[test]
+fn a_covariate_within_people_turns_no_direction_round() {
+    let design: [&[&str]; 6] = [&["1", "A"], &["2", "A"], &["3", "A"], &["2.5", "B"], &["3.5", "B"], &["4.5", "B"]];
+    let latent = |_: usize, row: usize| Some([-1.3, 0.2, 1.7, -0.5, 1.0, 2.5][row] - 1.0);
+    let measured = study(&["lum", "side"], &design, (10, 6, 5), latent);
+    let finding = said(&analyze(measured, &options(Some("num:lum,side")))).findings.join(" ");
+    assert!(finding.contains("The raw means by side") && finding.contains("the covariate lum differs"), "{finding}");
+    assert!(!finding.contains("is higher at B"), "{finding}");
+}
+
+/// With all ratings of a cell in the lowest category, an interaction has no finite estimate in some codings, and simulated
+/// studies would say that it is clear. R's glm gives p = .26.
+#[test]
+fn a_cell_at_the_floor_is_no_interaction() {
+    for levels in [["A", "B"], ["B", "A"]] {
+        let order = ("a".to_owned(), levels.map(str::to_owned).to_vec());
+        let mut builder =
+            MeasuredBuilder::new(&["a", "c"]).with_categories(&["0", "1"]).with_levels(std::slice::from_ref(&order));
+        for person in 1..=6 {
+            let ones = [0, usize::from(person % 2 == 0), usize::from(person < 3), 1];
+            for (cell, ones) in [["A", "X"], ["A", "Y"], ["B", "X"], ["B", "Y"]].iter().zip(ones) {
+                for rating in 0..3 {
+                    builder.add_counts(&format!("S{person}"), cell, if rating < ones { "1" } else { "0" }, 1).unwrap();
+                }
+            }
+        }
+        let tests = analyze(builder.finish(), &options(Some("a*c"))).model.unwrap().terms;
+        let p = tests.iter().find(|test| test.term == "a:c").unwrap().p;
+        assert!(p.is_none_or(|p| p > 0.1), "{order:?}: {tests:?}");
+    }
+}
+
 /// Contact lowers ratings, but it exists only at the action that raises them, so that its raw means rise: the means beside p
 /// are those of the model, or those in the same conditions if the model has no such effects.
 #[test]

@@ -203,6 +203,15 @@ impl Counts {
             && all.all(|(own, other)| *found.entry(own).or_insert(other) == other)
     }
 
+    /// Returns whether other levels of one factor occur at some levels of another one, `own`, than at others.
+    pub fn differs_between(&self, other: usize, own: usize) -> bool {
+        let at = |level: u32| -> BTreeSet<Option<u32>> {
+            let here = self.conditions.iter().filter(|levels| levels[own] == Some(level));
+            here.map(|levels| levels[other]).collect()
+        };
+        other != own && (0..self.factors[own].levels.len() as u32).any(|level| at(level) != at(0))
+    }
+
     /// Returns a factor among `others` that this one determines. Of two that determine each other, only the later one has
     /// such a factor.
     pub fn determined_by(&self, own: usize, others: &[usize]) -> Option<usize> {

@@ -232,7 +232,14 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
     {
         for (term, ratios) in terms.iter().zip(ratios) {
             let name = term.to_string();
-            tests.iter_mut().filter(|test| test.term == name).for_each(|test| test.calibrate(ratios));
+            for test in tests.iter_mut().filter(|test| test.term == name) {
+                let usual = test.p;
+                test.calibrate(ratios);
+                // If the ratings are separated, the simulated studies are too, and their ratios are too small.
+                if full.infinite().next().is_some() && test.p < usual && test.p.is_some() {
+                    (test.p, test.draws, test.p_error) = (usual, None, None);
+                }
+            }
         }
     }
     for (limit, term) in limits.iter_mut().zip(&terms) {
@@ -240,7 +247,8 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
         let df = report.terms.iter().find(|test| test.term == term.to_string()).map_or(1, |test| test.df);
         // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
         if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
-            *limit = limit.map(|limit| limit * simulated / chi_squared_limit(df));
+            let factor = simulated / chi_squared_limit(df);
+            *limit = limit.map(|limit| limit * if full.infinite().next().is_some() { factor.max(1.0) } else { factor });
         }
     }
 }

@@ -10,7 +10,7 @@ use super::{
     fitting::{Fitted, How, clm_data, fit_clm, fit_terms},
     model::ModelError,
     search::MixedFitEnd,
-    terms::{Term, Terms, Variable},
+    terms::{Term, Terms},
 };
 use crate::statistics::{chi_squared_quantile, chi_squared_tail};
 
@@ -112,12 +112,8 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
 /// Returns whether a term is part of larger ones, of which all parts are in the model.
 fn is_mean_effect(full: &Fitted, term: &Term) -> bool {
     let terms = &full.spec.terms;
-    let has_parts = |larger: &Term| {
-        let without = |variable: &Variable| larger.variables.iter().filter(|v| *v != variable).cloned().collect();
-        larger.variables.iter().all(|variable| terms.has(&Term { variables: without(variable) }))
-    };
     let mut larger = terms.iter().filter(|other| other.variables.len() > 1 && other.contains(term));
-    terms.is_marginal(term) && larger.all(has_parts)
+    terms.is_marginal(term) && larger.all(|larger| terms.has_parts(larger))
 }
 
 /// Returns the same model with the columns in which a term can be tested; `None` for those of the model itself.

@@ -172,6 +172,12 @@ impl Terms {
         self.0.iter().any(|other| other.same(term))
     }
 
+    /// Returns whether the parts of an interaction that lack one of its variables are terms too.
+    pub fn has_parts(&self, term: &Term) -> bool {
+        let without = |variable: &Variable| term.variables.iter().filter(|v| *v != variable).cloned().collect();
+        term.variables.iter().all(|variable| self.has(&Term { variables: without(variable) }))
+    }
+
     /// Returns all terms but this one.
     #[must_use]
     pub fn without(&self, term: &Term) -> Self {

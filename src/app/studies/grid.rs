@@ -28,6 +28,8 @@ const ANSWERS: [f32; 2] = [136.0, 208.0];
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.
 const DASH: f32 = 3.0;
+/// Number of participants by which Page Up and Page Down move.
+const PAGE: isize = 10;
 
 /// The sessions in a results folder, which are read on a separate thread.
 #[derive(Default)]
@@ -178,14 +180,17 @@ impl<'a> Grid<'a> {
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
-        if up + down + left + right == 0 {
+        let all = self.subjects.len() as isize;
+        let far = [(Key::Home, -all), (Key::End, all), (Key::PageUp, -PAGE), (Key::PageDown, PAGE)];
+        let far: isize = far.into_iter().map(|(key, by)| presses(key) as isize * by).sum();
+        if up + down + left + right == 0 && far == 0 {
             return None;
         }
         let moved = |list: &[String], id: &String, by: isize| {
             let at = list.iter().position(|other| other == id).unwrap_or_default();
             list[at.saturating_add_signed(by).min(list.len() - 1)].clone()
         };
-        let subject = moved(&self.subjects, &selected.subject, down - up);
+        let subject = moved(&self.subjects, &selected.subject, down - up + far);
         let cell = Cell { subject, session: moved(&self.columns, &selected.session, right - left) };
         ui.memory_mut(|memory| {
             memory.request_focus(cell.id());
@@ -216,30 +221,27 @@ impl<'a> Grid<'a> {
         let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
         let is_new = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
+        let (head, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CONTROL), Sense::hover());
         // What scrolls later, in the next pass, would scroll twice if that pass asks for it as well.
-        ScrollArea::both().id_salt("grid").auto_shrink([false, true]).animated(false).show_rows(
+        let scrolled = ScrollArea::both().id_salt("grid").auto_shrink([false, true]).animated(false).show_rows(
             ui,
             CONTROL,
-            self.subjects.len() + 1,
+            self.subjects.len(),
             |ui, rows| {
-                let below = (row as f32 + 1.0 - rows.start as f32) * (CONTROL + 1.0);
+                let below = (row as f32 - rows.start as f32) * (CONTROL + 1.0);
                 let right = NAMES + GAP + answers + column as f32 * (width + GAP);
                 let place = ui.max_rect().left_top() + Vec2::new(right, below);
                 let place = Rect::from_min_size(place, Vec2::new(width, CONTROL));
                 if is_new {
                     ui.scroll_to_rect(place, None);
                 }
-                if !rows.contains(&(row + 1)) {
+                if !rows.contains(&row) {
                     // Tab reaches the selected cell also where it is not in view.
                     let ui = &mut ui.new_child(UiBuilder::new().max_rect(place));
                     chosen = self.cell(ui, selected, width, Some(1.0)).or(chosen.take());
                 }
-                for row in rows {
+                for subject in &self.subjects[rows] {
                     ui.horizontal(|ui| {
-                        let Some(subject) = row.checked_sub(1).map(|index| &self.subjects[index]) else {
-                            self.head(ui, answers, width);
-                            return;
-                        };
                         let here: Vec<_> =
                             self.sessions.iter().filter(|session| session.identity.subject() == subject).collect();
                         let color = if here.is_empty() { ink(ui).off } else { ink(ui).text };
@@ -258,6 +260,11 @@ impl<'a> Grid<'a> {
                 }
             },
         );
+        // The head stays where it is while the rows scroll.
+        let head_at = head.translate(Vec2::new(-scrolled.state.clamped_offset().x, 0.0));
+        let ui = &mut ui.new_child(UiBuilder::new().max_rect(head_at));
+        ui.shrink_clip_rect(head);
+        ui.horizontal(|ui| self.head(ui, answers, width));
         chosen
     }
 

@@ -5,8 +5,6 @@
 //! p is below [`ALPHA`] and its size has an interval. What is found is said of people; what one participant's trials show is
 //! said of that person.
 
-use std::collections::BTreeSet;
-
 use super::names;
 use crate::{
     analysis::{
@@ -150,18 +148,13 @@ fn caveat(results: &Results, factor: &FactorResults, size: Option<&Size>) -> Opt
 fn incomparable(results: &Results, factor: &FactorResults) -> String {
     let (counts, lacking) = (results.modeled(), factor.matched.incomplete.len());
     let differing = |own: usize| -> Vec<String> {
-        let values_at = |level: u32, other: usize| -> BTreeSet<Option<u32>> {
-            let at = counts.conditions.iter().filter(|levels| levels[own] == Some(level));
-            at.map(|levels| levels[other]).collect()
-        };
         let name = |other: usize| {
             let name = &counts.factors[other].name;
             let is_covariate = results.covariates.contains(name);
             let is_tied = counts.determines(own, other) || counts.determines(other, own);
-            let all = 0..counts.factors[own].levels.len() as u32;
-            let differs = other != own && all.into_iter().any(|level| values_at(level, other) != values_at(0, other));
             let what = if is_covariate { "covariate" } else { "factor" };
-            (differs && (is_covariate || !is_tied)).then(|| format!("the {what} {}", names::factor(results, name)))
+            (counts.differs_between(other, own) && (is_covariate || !is_tied))
+                .then(|| format!("the {what} {}", names::factor(results, name)))
         };
         (0..counts.factors.len()).filter_map(name).collect()
     };

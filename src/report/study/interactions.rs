@@ -62,7 +62,9 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
             is_modeled: true,
         })
     };
-    let terms = results.spec.terms.iter().filter(|term| term.variables.len() > 1);
+    // Without its parts, a term compares all combinations of its levels, whether or not the effects add up.
+    let is_interaction = |term: &&Term| term.variables.len() > 1 && results.spec.terms.has_parts(term);
+    let terms = results.spec.terms.iter().filter(is_interaction);
     let shown = !results.is_inferential() || is_clustered(results);
     let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
     for test in &report.interactions {
@@ -161,7 +163,7 @@ fn strata(
                 Some(mean_and_sd(&stratum.matched.rows.iter().map(|(_, row)| row[own]).collect::<Vec<_>>()).0)
             }
         };
-        (stratum.levels.len() > 1).then(|| (place, stratum.with_margins(margin)))
+        (stratum.levels.len() > 1).then(|| (place, stratum.with_margins(margin, false)))
     };
     at.levels.iter().enumerate().filter_map(stratum).collect()
 }

@@ -98,11 +98,12 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         (study.levels(condition).join(", "), all)
     };
     let axis = study.asked.axis(&common.parameter, common.log);
-    let caption = format!(
-        "The threshold of each participant, and the mean over participants, with 95\u{a0}% intervals; {}.{}",
-        count(study.answers(), "answer"),
-        symbols(study)
-    );
+    let of_each = if study.people.len() > 1 {
+        "The threshold of each participant, and the mean over participants, with 95\u{a0}% intervals"
+    } else {
+        "Thresholds with 95\u{a0}% intervals"
+    };
+    let caption = format!("{of_each}; {}.{}", count(study.answers(), "answer"), symbols(study));
     let series: Vec<_> = measured(study, results).map(series).collect();
     estimates("thresholds", &people_and_mean(study), &series, ("Thresholds", &axis, caption))
 }

@@ -116,11 +116,12 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
     let names =
         |items: &mut dyn Iterator<Item = usize>| items.map(|item| study.name(item)).collect::<Vec<_>>().join("; ");
     let of_group = |group: &Vec<usize>| {
+        // A weak prior decides how far those are away that were always or never chosen.
+        let span = format!("The ends are {} JND apart; conditions", fixed(scale.span(group), 1));
+        let span = if scale.is_limited { "Conditions" } else { &span };
         format!(
-            "From the highest to the lowest on the scale: {}. The ends are {} JND apart; conditions one JND apart are told apart in \
-             75\u{a0}% of comparisons.",
+            "From the highest to the lowest on the scale: {}. {span} one JND apart are told apart in 75\u{a0}% of comparisons.",
             names(&mut group.iter().copied()),
-            fixed(scale.span(group), 1)
         )
     };
     let mut all: Vec<String> = order.iter().map(of_group).collect();
@@ -269,8 +270,8 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
     let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
     let row = |own: &OfPerson<Settings>| {
         let Settings { n, mean, sd, direction } = own.found;
-        let plain = scaled(false, None);
-        let start = has_start.then(|| direction.map_or_else(|| fixed(None, 0), &plain));
+        let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
+        let start = has_start.then(|| plain(direction));
         let numbers = [whole(n as u64), scaled(dial.log, None)(mean), plain(sd)];
         begun(study, own).into_iter().chain(numbers).chain(start).collect()
     };

@@ -6,6 +6,7 @@ use std::{
 };
 
 use serde_json::{Map, Value};
+use unicode_normalization::UnicodeNormalization;
 
 use crate::store::columns::Texts;
 
@@ -58,7 +59,8 @@ fn common_form(id: &str) -> String {
         return (number + 0.0).to_string();
     }
     let mut form = String::new();
-    let lower = id.to_lowercase();
+    // NFKC also makes a no-break space a space.
+    let lower = id.nfkc().collect::<String>().to_lowercase();
     let mut rest = lower.chars().peekable();
     while let Some(char) = rest.next() {
         let is_first = !form.ends_with(|before: char| before.is_ascii_digit() || before == '.');

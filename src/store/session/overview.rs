@@ -100,10 +100,10 @@ impl SessionState {
         let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
         let (_, sidecar, protocol) = described(&csv)?;
         let planned = protocol.main_trials() + protocol.design.practice as usize;
-        // A complete session was rated to the end, so its rows need not be read unless some are missing.
+        // A complete session was rated to the end, so its rows need not be read unless the file has another size since.
         let complete = sidecar.is_complete();
         let size = found(&csv).map_err(io(&csv, "read"))?.map_or(0, |metadata| metadata.len());
-        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size >= seal.data_bytes);
+        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size == seal.data_bytes);
         let rated = if complete && is_whole {
             planned
         } else {
