@@ -148,7 +148,7 @@ impl FactorResults {
     }
 
     /// Returns the same results with the marginal means of the levels, if their raw means cannot be compared.
-    /// `is_adjusted`: the model holds a covariate constant that differs between the levels.
+    /// `is_adjusted`: the model holds a number constant that differs between the levels.
     pub fn with_margins(&self, margin: impl Fn(&str) -> Option<f64>, is_adjusted: bool) -> Self {
         // If the ratings are separated, there may be no expected rating.
         let own = |level: &Group| margin(&level.names[0]).filter(|mean| mean.is_finite());
@@ -242,7 +242,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
     let agreed = items.map(|_| measured.without_factors(&covariates).counts);
-    let left_out: Vec<usize> = covariates.iter().copied().chain(items).collect();
+    let left_out: Vec<usize> = covariates.into_iter().chain(items).collect();
     let (measured, whole) =
         if left_out.is_empty() { (measured, None) } else { (measured.without_factors(&left_out), Some(measured)) };
     let counts = &measured.counts;
@@ -260,9 +260,11 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         factor_results(&measured.without_factors(&tied), place)
     };
     let factors: Vec<FactorResults> = (0..counts.factors.len()).into_par_iter().map(described).collect();
+    let is_number = |other: &usize| spec.terms.has_number(&modeled.factors[*other].name);
+    let numbers: Vec<usize> = (0..modeled.factors.len()).filter(is_number).collect();
     let with_margins = |factor: &FactorResults, margins: &[Margin]| {
         let is_own = |margin: &&Margin, level: &str| margin.factor == factor.name && margin.level == level;
-        let differs = |own: usize| covariates.iter().any(|&covariate| modeled.differs_between(covariate, own));
+        let differs = |own: usize| numbers.iter().any(|&number| modeled.differs_between(number, own));
         let is_adjusted = modeled.factor(&factor.name).is_some_and(|(own, _)| differs(own));
         factor.with_margins(|level| Some(margins.iter().find(|margin| is_own(margin, level))?.mean), is_adjusted)
     };

@@ -226,7 +226,7 @@ fn a_covariate_within_people_turns_no_direction_round() {
     let latent = |_: usize, row: usize| Some([-1.3, 0.2, 1.7, -0.5, 1.0, 2.5][row] - 1.0);
     let measured = study(&["lum", "side"], &design, (10, 6, 5), latent);
     let finding = said(&analyze(measured, &options(Some("num:lum,side")))).findings.join(" ");
-    assert!(finding.contains("The raw means by side") && finding.contains("the covariate lum differs"), "{finding}");
+    assert!(finding.contains("The raw means by side") && finding.contains("the factor lum differs"), "{finding}");
     assert!(!finding.contains("is higher at B"), "{finding}");
 }
 

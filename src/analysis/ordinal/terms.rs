@@ -172,6 +172,12 @@ impl Terms {
         self.0.iter().any(|other| other.same(term))
     }
 
+    /// Returns whether a factor enters as a number.
+    pub fn has_number(&self, factor: &str) -> bool {
+        let is_own = |variable: &Variable| matches!(variable, Variable::Number(name) if name == factor);
+        self.0.iter().flat_map(|term| &term.variables).any(is_own)
+    }
+
     /// Returns whether the parts of an interaction that lack one of its variables are terms too.
     pub fn has_parts(&self, term: &Term) -> bool {
         let without = |variable: &Variable| term.variables.iter().filter(|v| *v != variable).cloned().collect();

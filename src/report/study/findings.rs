@@ -150,10 +150,9 @@ fn incomparable(results: &Results, factor: &FactorResults) -> String {
     let differing = |own: usize| -> Vec<String> {
         let name = |other: usize| {
             let name = &counts.factors[other].name;
-            let is_covariate = results.covariates.contains(name);
             let is_tied = counts.determines(own, other) || counts.determines(other, own);
-            let what = if is_covariate { "covariate" } else { "factor" };
-            (counts.differs_between(other, own) && (is_covariate || !is_tied))
+            let what = if results.covariates.contains(name) { "covariate" } else { "factor" };
+            (counts.differs_between(other, own) && (results.spec.terms.has_number(name) || !is_tied))
                 .then(|| format!("the {what} {}", names::factor(results, name)))
         };
         (0..counts.factors.len()).filter_map(name).collect()
