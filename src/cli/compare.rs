@@ -78,15 +78,20 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
         }
         vec![Case::of_steps(&found)?]
     } else {
-        // A picture that cannot be judged is a result too, which JSON and JUnit tell.
-        let found = match request.pair(None, &bar) {
-            Err(error) if error.is::<RequestError>() => return Err(error),
-            found => found,
-        };
-        if let (Some(path), Ok(found)) = (map, &found) {
+        let found = request.pair(None, &bar);
+        // JUnit also tells of a picture that cannot be judged.
+        if let (Err(error), Some(path)) = (&found, junit)
+            && !error.is::<RequestError>()
+        {
+            let name = request.picture.display().to_string();
+            let case = Case::of_pair(&request.picture, name, Err(anyhow::anyhow!("{error:#}")))?;
+            writer.write(path, document(&[case], request.max).as_bytes())?;
+        }
+        let found = found?;
+        if let Some(path) = map {
             store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
         }
-        vec![Case::of_pair(&request.picture, request.picture.display().to_string(), found)?]
+        vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?]
     };
     bar.clear();
     if let Some(path) = junit {

@@ -391,6 +391,6 @@ fn a_preregistration_says_what_was_planned() {
     let line = "quick --participants 2 --studies 100 --terms orientation_deg --preregistration none.md";
     succeeds(folder.path(), line, "2");
     let text = std::fs::read_to_string(folder.path().join("none.md")).unwrap();
-    assert!(text.contains("[N] participants will be tested. At no number tried (2) does"), "{text}");
+    assert!(text.contains("[N] participants will be tested. No effect is planned for"), "{text}");
     fails(folder.path(), &split(&format!("plan {line}")), 2);
 }
