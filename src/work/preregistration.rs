@@ -354,7 +354,8 @@ impl PlannedThresholds {
         let model = Model::of(&self.protocol).map_or_else(String::new, |model| model_of_a_person(&model));
         format!(
             "{model}\n\n{MODEL_OVER_PEOPLE} {MODEL_OF_DIFFERENCES}\n\nA difference is found if its 95 % interval excludes 0. The intervals of different \
-             comparisons are not corrected for their number; the sentences of the report are (Holm), so they may find fewer differences. Everything else is exploratory and will be called so."
+             comparisons are not corrected for their number; the sentences of the report are (Holm), so they may find fewer differences. \
+             Everything else is exploratory and will be called so."
         )
     }
 

@@ -767,24 +767,8 @@ mod elsewhere {
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let ids = [
-            " MAR1",
-            "mar1",
-            "MAR1 ",
-            "01",
-            "1",
-            "1.0",
-            "001",
-            "10",
-            "1.05",
-            "1.5",
-            "S1",
-            "S01",
-            "S10",
-            "0",
-            "+1",
-            "1e0",
-            "caf\u{e9}",
-            "cafe\u{301}",
+            " MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0", "+1",
+            "1e0", "\u{e9}", "e\u{301}",
         ];
         let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
@@ -794,7 +778,7 @@ mod elsewhere {
             "cond",
             ReadOptions::default(),
         );
-        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0; caf\u{e9}, cafe\u{301}; MAR1, mar1; S1, S01 differ only in capitals, in the form of a number or in how characters are encoded, and are different participants; expected one ID for each participant";
+        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0; MAR1, mar1; S1, S01; \u{e9}, e\u{301} differ only in capitals, in the form of a number or in how characters are encoded, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
         assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 17));
         let expected = "the levels -2, -2.0 of cond differ only in capitals, in the form of a number or in how characters are encoded, and are different levels; expected one form of each level";

@@ -227,6 +227,8 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
         what.nominal.iter().map(|term| ratio(&report.proportional_odds, term)).collect(),
     ];
     let [of_terms, nominal] = simulate(full, &what, &observed, settings, &progress);
+    // If the ratings are separated, those of the simulated studies are too, and their ratios are too small.
+    let is_separated = full.infinite().next().is_some();
     for (tests, terms, ratios) in
         [(&mut report.terms, &what.terms, &of_terms), (&mut report.proportional_odds, &what.nominal, &nominal)]
     {
@@ -235,8 +237,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
             for test in tests.iter_mut().filter(|test| test.term == name) {
                 let usual = test.p;
                 test.calibrate(ratios);
-                // If the ratings are separated, the simulated studies are too, and their ratios are too small.
-                if full.infinite().next().is_some() && test.p < usual && test.p.is_some() {
+                if is_separated && test.p < usual && test.p.is_some() {
                     (test.p, test.draws, test.p_error) = (usual, None, None);
                 }
             }
@@ -248,7 +249,7 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
         // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
         if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
             let factor = simulated / chi_squared_limit(df);
-            *limit = limit.map(|limit| limit * if full.infinite().next().is_some() { factor.max(1.0) } else { factor });
+            *limit = limit.map(|limit| limit * if is_separated { factor.max(1.0) } else { factor });
         }
     }
 }

@@ -191,8 +191,8 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
     let others = if alike.len() > groups.len() { " and others" } else { "" };
     let message = format!(
-        "the {names} {}{others}{of} differ only in capitals, in the form of a number or in how characters are encoded, and are different {different}; \
-         expected one {expected}",
+        "the {names} {}{others}{of} differ only in capitals, in the form of a number or in how characters are encoded, and \
+         are different {different}; expected one {expected}",
         groups.join("; ")
     );
     (!groups.is_empty()).then(|| FileError::whole(file, message))
