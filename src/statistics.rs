@@ -35,10 +35,11 @@ impl Interval {
         (self.low..=self.high).contains(&value)
     }
 
-    /// Returns the interval of the negative estimate.
+    /// Returns the interval of a multiple of the estimate.
     #[must_use]
-    pub fn negative(self) -> Self {
-        Self { low: -self.high, high: -self.low }
+    pub fn scaled(self, by: f64) -> Self {
+        let (one, other) = (by * self.low, by * self.high);
+        Self { low: one.min(other), high: one.max(other) }
     }
 
     /// Returns the 95 % t interval of the mean of a sample, one value for each participant. `None` if there are fewer

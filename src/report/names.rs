@@ -34,7 +34,7 @@ pub(crate) fn term(known: Known, text: &str) -> String {
     variables.collect::<Vec<_>>().join(" × ")
 }
 
-/// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
+/// Formats a level, such as `45°`, `∞` or `−0.4`; `(none)` if the value is missing.
 pub(crate) fn level(known: Known, factor: &str, level: &str) -> Shown {
     let number = number_of(level);
     let text = match level {
@@ -47,7 +47,8 @@ pub(crate) fn level(known: Known, factor: &str, level: &str) -> Shown {
                     |number| format!("{number:.*e}", DIGITS - 1).parse().ok().map(|number: f64| number.to_string()),
                 );
             let unit = if number.is_some() && parameter(known, factor).is_some_and(is_degrees) { "°" } else { "" };
-            format!("{}{unit}", rounded.as_deref().unwrap_or(level))
+            let shown = rounded.as_deref().unwrap_or(level);
+            if number.is_some() { format!("{}{unit}", shown.replace('-', "−")) } else { shown.to_owned() }
         }
     };
     Shown::new(number.map_or_else(|| Cell::from(level), Cell::Number), text)

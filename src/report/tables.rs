@@ -179,16 +179,22 @@ pub fn tests(results: &Results) -> Table {
             rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, &numbers, "", &note));
         }
         if let Some(order) = &report.order {
-            let note = match order.drift_p {
-                Some(_) => "p from the participants' signs",
-                None => "no p: there are fewer than six participants",
+            let note = match (order.drift, order.drift_p) {
+                (None, _) => "no estimate: the conditions tell the place of every trial",
+                (_, Some(_)) => "p from the participants' signs",
+                (_, None) => "no p: there are fewer than six participants",
             };
             let (drift, lag_one) =
                 ("change of the latent rating over a session", "correlation of successive residuals");
-            let with_p = |p: Option<f64>, effect: f64| [None, None, p, None, Some(effect)];
+            let with_p = |p: Option<f64>, effect: Option<f64>| [None, None, p, None, effect];
             for (test, numbers, what, note) in [
                 ("drift", with_p(order.drift_p, order.drift), drift, note),
-                ("lag-one", with_p(Some(order.lag_one_p), order.lag_one), lag_one, "p from the normal distribution"),
+                (
+                    "lag-one",
+                    with_p(Some(order.lag_one_p), Some(order.lag_one)),
+                    lag_one,
+                    "p from the normal distribution",
+                ),
             ] {
                 rows.push(test_row([test, "", "", ""], order.ratings, &numbers, what, note));
             }

@@ -191,6 +191,22 @@ fn tests_between_few_people_are_withheld() {
     }
 }
 
+/// With one rating of each person, ratings are independent: the model is R's `clm`, and its test is believed.
+#[test]
+fn one_rating_of_each_person_needs_no_random_intercept() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut builder = MeasuredBuilder::new(&["group"]).with_categories(&["0", "1", "2", "3"]);
+    for person in 0..60 {
+        let rating = rate([-1.0, 1.0][person % 2], &mut rng);
+        builder.add_counts(&person.to_string(), &[["x", "y"][person % 2]], &rating, 1).unwrap();
+    }
+    let results = analyze(builder.finish(), &quick());
+    let model = &results.model.as_ref().unwrap().model;
+    assert!(model.random.is_none() && model.notes == [Note::OneRatingEach], "{:?}", model.notes);
+    let summary = summary(&source(&[]), &results);
+    assert!(summary.findings[0].contains("likelihood-ratio test") && summary.cautions.is_empty(), "{summary:?}");
+}
+
 /// If the test of a term is withheld, nothing else about it is significant: before, comparisons and intervals rejected in 30 %
 /// of studies without an effect. A slope is needed only where somebody rated a level twice.
 #[test]
@@ -325,6 +341,9 @@ fn interactions_have_simple_effects() {
     assert!(at("l").p_holm.unwrap() < 0.05 && at("r").p_holm.unwrap() > 0.05, "{comparisons:?}");
     assert!((at("l").estimate - 2.0).abs() < 0.8 && at("l").interval.unwrap().low > 0.0);
     assert!(comparisons.iter().all(|c| c.p_holm.unwrap() >= c.p.unwrap()) && comparisons.len() == 4);
+    // The effect at the baseline is a coefficient, too, and has one interval.
+    let coefficients = &results.model.as_ref().unwrap().model.coefficients;
+    assert_eq!(coefficients[0].interval, at("l").interval, "{coefficients:?}");
 }
 
 /// The probability of superiority by numerical integration, and its symmetry.

@@ -682,7 +682,7 @@ fn items_are_a_sample_too() {
 #[test]
 fn the_order_of_trials_is_examined() {
     const TRIALS: usize = 40;
-    let of = |people: usize, drift: f64, follow: f64| {
+    let of = |people: usize, drift: f64, follow: f64, is_blocked: bool| {
         let mut rng = ChaCha8Rng::seed_from_u64(31);
         let mut builder = MeasuredBuilder::new(&["level"]).with_categories(&["0", "1", "2", "3"]);
         for person in 0..people {
@@ -690,10 +690,11 @@ fn the_order_of_trials_is_examined() {
             for trial in 0..TRIALS {
                 noise = follow * noise + rng.random_range(-1.5..1.5);
                 let latent = drift * (trial as f64 / (TRIALS - 1) as f64 - 0.5) + noise;
+                let level = if is_blocked { 2 * trial / TRIALS } else { rng.random_range(0..2) };
                 builder
                     .add(&RatingRow {
                         subject: &format!("S{person:02}"),
-                        values: &[["a", "b"][rng.random_range(0..2)]],
+                        values: &[["a", "b"][level]],
                         rating: &rate(latent, &mut rng),
                         count: 1,
                         place: None,
@@ -707,15 +708,16 @@ fn the_order_of_trials_is_examined() {
         let order = results.model.as_ref().unwrap().order.clone().unwrap();
         (order, said(&results).cautions.join(" "))
     };
-    let (none, cautions) = of(8, 0.0, 0.0);
+    let (none, cautions) = of(8, 0.0, 0.0, false);
     assert!(!none.is_dependent() && !none.is_drifting() && !cautions.contains("Successive"), "{none:?} {cautions}");
-    let (drift, cautions) = of(8, -2.5, 0.0);
-    assert!(
-        drift.is_drifting() && drift.drift < -1.5 && cautions.contains("Ratings fall during a session"),
-        "{drift:?}"
-    );
+    // Conditions in blocks take nothing from a drift within them.
+    for is_blocked in [false, true] {
+        let (drift, cautions) = of(8, -2.5, 0.0, is_blocked);
+        assert!(drift.is_drifting() && drift.drift.is_some_and(|by| by < -1.5), "{drift:?}");
+        assert!(cautions.contains("Ratings fall during a session"), "{cautions}");
+    }
     for people in [1, 8] {
-        let (order, cautions) = of(people, 0.0, 0.8);
+        let (order, cautions) = of(people, 0.0, 0.8, false);
         assert!(order.is_dependent() && order.lag_one > 0.2, "{people}: {order:?}");
         assert!(cautions.contains("Successive ratings are related"), "{cautions}");
         assert_eq!(order.drift_p.is_some(), people > 5);

@@ -385,6 +385,27 @@ fn functions_that_rise_between_two_levels_have_a_mean_without_an_interval() {
     assert!(population.interval.is_none(), "{population:?}");
 }
 
+/// A guess rate of 0 with a low threshold is a maximum of its own: 8 people whose rate is ½ and whose thresholds are about 0.
+#[test]
+fn an_estimated_guess_rate_is_that_of_the_highest_maximum() {
+    let model = Model { guess: Guess::Free, overdispersed: false, range: Some([-0.602, 0.903]), ..MODEL };
+    let right = [
+        [14, 10, 13, 20, 23, 24],
+        [11, 10, 21, 23, 23, 24],
+        [10, 17, 12, 19, 24, 23],
+        [10, 14, 20, 22, 24, 23],
+        [14, 12, 21, 23, 24, 24],
+        [11, 20, 20, 23, 24, 22],
+        [10, 18, 21, 23, 23, 22],
+        [11, 11, 13, 19, 23, 24],
+    ];
+    let x = [-0.602, -0.301, 0.0, 0.301, 0.602, 0.903];
+    let own = |right: [u32; 6]| x.into_iter().zip(right).map(|(x, correct)| Point { x, correct, total: 24 }).collect();
+    let people: Vec<Vec<Point>> = right.into_iter().map(own).collect();
+    let population = population::fit(&people, &model).unwrap();
+    assert!(population.guess > 0.3 && population.mean.abs() < 0.1, "{population:?}");
+}
+
 /// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.
 #[test]
 fn catch_trials_tell_the_guess_rate() {

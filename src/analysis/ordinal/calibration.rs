@@ -16,12 +16,13 @@ use super::{
     order::{Order, order},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Resampling, Statistics, simulate},
-    terms::Term,
+    terms::{Term, Variable},
 };
 use crate::{
     analysis::{
         counts::{Counts, Trial},
         frame::{Frame, find_factor},
+        levels::number_of,
     },
     statistics::{Interval, holm},
 };
@@ -325,8 +326,27 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     }
 }
 
-/// Gives the comparisons the profile intervals that are known, so that a difference has one interval.
+/// Gives the comparisons the profile intervals that are known, and the coefficients in an interaction those of the simple
+/// effects that they are, so that a difference has one interval.
 fn share_intervals(report: &mut ModelReport) {
+    for simple in report.comparisons.iter().filter(|own| own.at.is_some()) {
+        let values = [&simple.level, &simple.other].map(|level| number_of(level));
+        let range = if let [Some(high), Some(low)] = values { high - low } else { f64::NAN };
+        for coefficient in &mut report.model.coefficients {
+            let is_number =
+                matches!(&coefficient.parts[..], [part] if part.variable == Variable::Number(simple.factor.clone()));
+            let by = match simple {
+                _ if is_number => range,
+                _ if is_level(&coefficient.parts, &simple.factor, &simple.level) => 1.0,
+                _ if is_level(&coefficient.parts, &simple.factor, &simple.other) => -1.0,
+                _ => continue,
+            };
+            // Only the simple effect at the baseline of the other factor is the coefficient.
+            if (by * coefficient.estimate - simple.estimate).abs() < 1e-9 * simple.estimate.abs().max(1.0) {
+                coefficient.interval = simple.interval.map(|interval| interval.scaled(by.recip()));
+            }
+        }
+    }
     let Model { coefficients, contrasts, .. } = &report.model;
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.interval.is_some()) {
         let is_same = |c: &&Contrast| (&c.factor, &c.level, &c.other) == (&own.factor, &own.level, &own.other);
@@ -335,7 +355,9 @@ fn share_intervals(report: &mut ModelReport) {
         let known = match (contrasts.iter().find(is_same), of_level(&own.level), of_level(&own.other)) {
             (Some(contrast), ..) => contrast.interval,
             (None, Some(level), None) if is_own(level.estimate) => level.interval,
-            (None, None, Some(other)) if is_own(-other.estimate) => other.interval.map(Interval::negative),
+            (None, None, Some(other)) if is_own(-other.estimate) => {
+                other.interval.map(|interval| interval.scaled(-1.0))
+            }
             _ => None,
         };
         own.interval = known.or(own.interval);
@@ -363,7 +385,7 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &Limits, wanted: &[Pai
         let interval = match places {
             // The difference from the baseline is the coefficient, or its negative.
             [Some(column), None] => report.model.coefficients[column].interval,
-            [None, Some(column)] => report.model.coefficients[column].interval.map(Interval::negative),
+            [None, Some(column)] => report.model.coefficients[column].interval.map(|interval| interval.scaled(-1.0)),
             [Some(a), Some(b)] => (se.filter(|_| estimate.is_finite()).zip(limits[term].ok()))
                 .and_then(|(se, limit)| profile::interval(full, Quantity::Difference(a, b), estimate, se, [limit; 2])),
             [None, None] => None,

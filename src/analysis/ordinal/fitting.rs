@@ -63,6 +63,13 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         notes.push(Note::OneSubject);
         spec.random = Random::None;
     }
+    // Differences between participants cannot be told from chance without a second rating.
+    let of_subjects = frame.rows.chunk_by(|l, r| l.subject == r.subject);
+    let is_repeated = of_subjects.map(|own| own.iter().map(|row| row.count).sum::<u64>()).any(|ratings| ratings > 1);
+    if spec.random == Random::Subject && !is_repeated {
+        notes.push(Note::OneRatingEach);
+        spec.random = Random::None;
+    }
     if spec.random == Random::None {
         spec.slopes = Slopes::None;
         if let Some(items) = spec.items {

@@ -107,7 +107,8 @@ pub struct Coefficient {
     /// Two-sided probability of z from the normal distribution; too small with few participants.
     pub p: Option<f64>,
     /// The 95 % profile-likelihood interval; an end is infinite if the data exclude no value there. It is Wald's if there
-    /// is no profile, and always with more than 60 coefficients.
+    /// is no profile, and always with more than 60 coefficients. That of a factor in an interaction is the interval of the
+    /// simple effect at the baseline of the other factor.
     pub interval: Option<Interval>,
 }
 
@@ -304,8 +305,10 @@ pub enum Note {
     /// There is only one participant, so nothing can be said about other people.
     #[error("only one participant: no random intercept, and no inference about other people")]
     OneSubject,
-    /// The variance between participants is 0, because ratings were not repeated within participants or because
-    /// participants do not differ.
+    /// Every participant gave one rating.
+    #[error("each participant gave one rating, so there is no random intercept: all ratings are independent")]
+    OneRatingEach,
+    /// The variance between participants is 0, because participants do not differ.
     #[error("the estimated variance between participants is 0, so the random intercept has no effect")]
     NoSubjectVariance,
     /// Participants do not differ in an effect, as far as the ratings show.

@@ -2,12 +2,14 @@
 //! correlation of successive trials.
 //!
 //! The residual of a rating is the derivative of its log-probability with respect to the location, given the participant's
-//! effects. One Newton step from these gives the drift (a score test), whose distribution comes from the signs of the
-//! participants. If the order does not matter, the residuals of a session can be exchanged; the mean and the variance of
+//! effects. One step of Fisher scoring from these gives the drift (a score test), whose distribution comes from the signs of
+//! the participants. Only what the participant and the model do not already tell about a trial's place counts, so that
+//! conditions shown in blocks do not hide a drift. If the order does not matter, the residuals of a session can be exchanged; the mean and the variance of
 //! the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math. Stat. 14, 378).
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
@@ -24,9 +26,11 @@ use crate::{analysis::counts::Trial, statistics::normal_two_sided};
 pub struct Order {
     /// Number of ratings with a known place.
     pub ratings: u64,
-    /// Change of the latent rating from the first to the last trial of a session, on the scale of the link.
-    pub drift: f64,
-    /// Probability of a drift at least as large if the mean drift of participants is 0; `None` with fewer than six of them.
+    /// Change of the latent rating from the first to the last trial of a session, on the scale of the link; `None` if the
+    /// effects of the model tell the place of every trial.
+    pub drift: Option<f64>,
+    /// Probability of a drift at least as large if the mean drift of participants is 0; `None` without a drift or with
+    /// fewer than six participants.
     pub drift_p: Option<f64>,
     /// Correlation of the residuals of successive trials of a session.
     pub lag_one: f64,
@@ -42,15 +46,18 @@ impl Order {
 
     /// Returns whether ratings clearly drift.
     pub fn is_drifting(&self) -> bool {
-        self.drift_p.is_some_and(|p| p < 0.05) && self.drift.abs() >= 0.5
+        self.drift_p.is_some_and(|p| p < 0.05) && self.drift.is_some_and(|drift| drift.abs() >= 0.5)
     }
 }
+
+/// The least share of the places that the model must leave open for a drift to be estimated.
+const LEAST_LEFT: f64 = 0.01;
 
 /// The residual of a rating.
 #[derive(Clone, Copy, Default)]
 struct Residual {
     score: f64,
-    /// The information of the rating on the location.
+    /// The expected information of the rating on the location.
     information: f64,
     /// The score in units of its standard deviation.
     standard: f64,
@@ -110,13 +117,57 @@ impl<'a> Residuals<'a> {
             let categories = (0..layout.data.categories).map(|category| {
                 let (a, b) = category_bounds(thresholds, category);
                 let shift = link.shift(&link.category(a - at, b - at), 0.0, 1.0);
-                (shift.log_p.exp(), -shift.g1, -shift.g2)
+                (shift.log_p.exp(), -shift.g1)
             });
-            let categories: Vec<(f64, f64, f64)> = categories.collect();
-            let sd = categories.iter().map(|(p, score, _)| p * score * score).sum::<f64>().sqrt();
-            let residual = |(_, score, information)| Residual { score, information, standard: score / sd };
+            let categories: Vec<(f64, f64)> = categories.collect();
+            let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();
+            let residual = |(_, score)| Residual { score, information, standard: score / information.sqrt() };
             categories.into_iter().map(residual).collect()
         })
+    }
+}
+
+/// A rating in the order of the trials.
+struct Timed {
+    subject: usize,
+    /// The row of the design.
+    row: usize,
+    /// The place in the session, −½…½.
+    x: f64,
+    residual: Residual,
+}
+
+/// Subtracts from each place what the participant and the location of the model tell about it: the weighted regression on
+/// both.
+fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
+    let mut cells: BTreeMap<(usize, usize), [f64; 2]> = BTreeMap::new();
+    for one in &*timed {
+        let cell = cells.entry((one.subject, one.row)).or_default();
+        cell[0] += one.residual.information;
+        cell[1] += one.residual.information * one.x;
+    }
+    let terms = design.ncols();
+    let mut means = HashMap::new();
+    let (mut normal, mut right) = (DMatrix::zeros(terms, terms), DVector::zeros(terms));
+    let cells: Vec<_> = cells.into_iter().collect();
+    for own in cells.chunk_by(|l, r| l.0.0 == r.0.0) {
+        let all: f64 = own.iter().map(|(_, [weight, _])| weight).sum();
+        let row = |row: usize| design.row(row).transpose();
+        let mean = own.iter().map(|((_, of), [weight, _])| row(*of) * (weight / all)).sum::<DVector<f64>>();
+        let mean_x = own.iter().map(|(_, [_, product])| product).sum::<f64>() / all;
+        for ((_, of), [weight, product]) in own {
+            let centered = row(*of) - &mean;
+            normal.ger(*weight, &centered, &centered, 1.0);
+            right.axpy(product - weight * mean_x, &centered, 1.0);
+        }
+        means.insert(own[0].0.0, (mean, mean_x));
+    }
+    // A term that is constant within participants tells nothing more.
+    let tolerance = 1e-9 * normal.diagonal().max();
+    let slopes = normal.pseudo_inverse(tolerance).map_or_else(|_| DVector::zeros(terms), |inverse| inverse * right);
+    for one in timed {
+        let (mean, mean_x) = &means[&one.subject];
+        one.x -= mean_x + (design.row(one.row).transpose() - mean).dot(&slopes);
     }
 }
 
@@ -136,28 +187,27 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
     placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
     let mut residuals = Residuals::new(fitted);
     let mut scores = vec![0.0; fitted.frame.subjects.len()];
-    let (mut information, mut ratings) = (0.0, 0);
+    let mut timed = Vec::new();
     let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
     for session in placed.chunk_by(|l, r| session(l) == session(r)) {
         let Some(subject) = subjects[session[0].1.subject as usize] else { continue };
         let own = |(_, trial): &(f64, &Trial)| {
             let category = categories[usize::from(trial.rating)]?;
-            Some(residuals.of(subject as u32, trial.condition)[category])
+            let residual = residuals.of(subject as u32, trial.condition)[category];
+            Some((residuals.layout.row_of[trial.condition as usize], residual))
         };
-        let own: Vec<Residual> = session.iter().filter_map(own).collect();
+        let own: Vec<(usize, Residual)> = session.iter().filter_map(own).collect();
         // The variance below needs four trials.
         if own.len() < 4 {
             continue;
         }
         let n = own.len() as f64;
-        ratings += own.len() as u64;
-        for (index, residual) in own.iter().enumerate() {
+        timed.extend(own.iter().enumerate().map(|(index, &(row, residual))| {
             let x = index as f64 / (n - 1.0) - 0.5;
-            scores[subject] += residual.score * x;
-            information += residual.information * x * x;
-        }
-        let mean = own.iter().map(|residual| residual.standard).sum::<f64>() / n;
-        let centered: Vec<f64> = own.iter().map(|residual| residual.standard - mean).collect();
+            Timed { subject, row, x, residual }
+        }));
+        let mean = own.iter().map(|(_, residual)| residual.standard).sum::<f64>() / n;
+        let centered: Vec<f64> = own.iter().map(|(_, residual)| residual.standard - mean).collect();
         let sum = |power: i32| centered.iter().map(|e| e.powi(power)).sum::<f64>();
         let (s2, s4) = (sum(2), sum(4));
         let own_expected = -s2 / n;
@@ -169,13 +219,20 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
         variance += second - own_expected * own_expected;
         squares += s2;
     }
-    if ratings == 0 || variance <= 0.0 || information <= 0.0 {
+    let information = |timed: &[Timed]| timed.iter().map(|one| one.residual.information * one.x.powi(2)).sum::<f64>();
+    let whole = information(&timed);
+    if timed.is_empty() || variance <= 0.0 || whole <= 0.0 {
         return None;
     }
+    project(&mut timed, &residuals.layout.data.x);
+    timed.iter().for_each(|one| scores[one.subject] += one.residual.score * one.x);
+    let left = information(&timed);
+    // Where each condition has its place, a drift cannot be told from an effect.
+    let is_told = left > LEAST_LEFT * whole;
     Some(Order {
-        ratings,
-        drift: scores.iter().sum::<f64>() / information,
-        drift_p: (scores.len() >= LEAST_FOR_SIGNS).then(|| {
+        ratings: timed.len() as u64,
+        drift: is_told.then(|| scores.iter().sum::<f64>() / left),
+        drift_p: (is_told && scores.len() >= LEAST_FOR_SIGNS).then(|| {
             let mut statistics = Vec::new();
             each_block_of_signs(scores.len(), seed, |signs| {
                 let sums = signs.column_iter().map(|signs| signs.iter().zip(&scores).map(|(a, b)| a * b).sum::<f64>());

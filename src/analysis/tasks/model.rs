@@ -58,7 +58,8 @@ pub struct Model {
     pub guess: Guess,
     /// Whether F falls with x. It is mirrored, as by a negative slope in [`Psychometric`].
     pub falls: bool,
-    /// Whether η is free; otherwise it is 0. Blocks of a few trials say little about it, and single trials nothing.
+    /// Whether η is free; otherwise it is 0. Blocks of a few trials say little about it, and single trials nothing, so that
+    /// the same answers as counts have wider intervals than as trials.
     pub overdispersed: bool,
     /// The lowest and the highest level that could have been shown; those of the points if `None`. After an adaptive
     /// procedure, the points cover only a part of the range, which would make the priors too narrow.

@@ -107,6 +107,8 @@ const LAPSE: usize = 3;
 const GUESS: usize = 4;
 /// The 95 % quantile of the normal distribution: F rises from .05 to .95 over twice as many standard deviations.
 const Z_90: f64 = 1.644_853_626_951_472_7;
+/// The second start of an estimated guess rate: that of two alternatives.
+const HIGH_GUESS: f64 = 0.5;
 /// The least weight of a person, as a share of the mean weight.
 const LEAST_WEIGHT: f64 = 0.1;
 /// Maximum number of nodes of the quadrature on either side of the peak.
@@ -139,7 +141,8 @@ impl Answers<'_> {
         prior + (0..self.people.len()).map(|person| self.integral(person, x).ln).sum::<f64>()
     }
 
-    /// Searches from the parameters of each person alone, and of all people's answers together.
+    /// Searches from the parameters of each person alone, and of all people's answers together. A low guess rate with a low
+    /// threshold and a high one with a high threshold can both be maxima, so an estimated rate has two starts.
     fn search(&self, own: &[Estimate], common: &Estimate) -> [f64; 5] {
         let (mean, sd) = mean_and_sd(&self.starts);
         let [low, high] = self.priors.range;
@@ -147,7 +150,12 @@ impl Answers<'_> {
         let width = own.iter().map(|own| own.width.ln()).sum::<f64>() / own.len() as f64;
         let [lapse, guess] = [common.lapse, common.guess].map(|share| share.sqrt().min(0.2));
         let steps = [sd, sd / 2.0, 0.2, 0.1, if self.priors.has_free_guess { 0.1 } else { 0.0 }];
-        highest(|x| self.ln_density(x), [mean, sd, width, lapse, guess], steps, 1e-7).0
+        let second = self.priors.has_free_guess.then_some(HIGH_GUESS.sqrt());
+        let found = [guess]
+            .into_iter()
+            .chain(second)
+            .map(|guess| highest(|x| self.ln_density(x), [mean, sd, width, lapse, guess], steps, 1e-7));
+        found.max_by(|l, r| l.1.total_cmp(&r.1)).expect("there is a start").0
     }
 
     /// Integrates a person's likelihood over the threshold.

@@ -78,7 +78,7 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
         threshold,
         width: exp(masses.interval(WIDTH)),
         slope: model.slope_at_threshold(estimate.width, estimate.lapse, estimate.guess),
-        slope_interval: if model.falls { slope.negative() } else { slope },
+        slope_interval: if model.falls { slope.scaled(-1.0) } else { slope },
         range: [low, high],
         is_extrapolated: threshold.low < low || threshold.high > high,
     })

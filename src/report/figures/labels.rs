@@ -42,7 +42,7 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
 /// Formats a level for readers; the depth `inf` becomes ∞.
 pub(super) fn level(name: &str) -> String {
     let shown = names::level(None, "", &name.to_ascii_lowercase());
-    if number_of(name).is_some() { shown.replace('-', "−") } else { name.to_owned() }
+    if number_of(name).is_some() { shown.to_string() } else { name.to_owned() }
 }
 
 /// Returns a factor's name as used within a sentence.

@@ -143,7 +143,7 @@ fn about_model(results: &Results) -> Vec<String> {
     }));
     let notes = &report.model.notes;
     let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
-    if results.is_inferential() && report.model.random.is_none() && !is_mentioned {
+    if results.is_inferential() && !findings::is_clustered(results) && !is_mentioned {
         cautions.push(
             "The model treats all ratings as independent, although ratings by the same participant are related. Its \
              intervals are probably too narrow."
@@ -164,12 +164,13 @@ fn about_model(results: &Results) -> Vec<String> {
             p_is(order.lag_one_p)
         )
     }));
-    cautions.extend(report.order.as_ref().filter(|order| order.is_drifting()).map(|order| {
-        let verb = if order.drift > 0.0 { "rise" } else { "fall" };
+    let drifting = report.order.as_ref().filter(|order| order.is_drifting());
+    cautions.extend(drifting.and_then(|order| Some((order, order.drift?))).map(|(order, drift)| {
+        let verb = if drift > 0.0 { "rise" } else { "fall" };
         format!(
             "Ratings {verb} during a session: by an estimated {} on the latent scale from its first to its last trial ({}). \
              Conditions that come early or late are not compared fairly.",
-            fixed(order.drift.abs(), 2),
+            fixed(drift.abs(), 2),
             order.drift_p.map(p_is).unwrap_or_default()
         )
     }));

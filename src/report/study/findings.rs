@@ -8,7 +8,7 @@
 use super::names;
 use crate::{
     analysis::{
-        Link, ModelReport, Order, Results, Slopes, TermTest, find_factor, number_of,
+        Link, Model, ModelReport, Note, Order, Results, Slopes, TermTest, find_factor, number_of,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -286,9 +286,10 @@ fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String)
     })
 }
 
-/// True if the model accounts for repeated measures.
+/// True if the model accounts for repeated measures, or there are none.
 pub(super) fn is_clustered(results: &Results) -> bool {
-    results.model.as_ref().is_ok_and(|report| report.model.random.is_some())
+    let accounts = |model: &Model| model.random.is_some() || model.notes.contains(&Note::OneRatingEach);
+    results.model.as_ref().is_ok_and(|report| accounts(&report.model))
 }
 
 /// Returns whether a factor's likelihood ratio, if it is not withheld, can be relied on: the model allows for all ways in
@@ -365,7 +366,7 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     let (higher, lower) = if flip { (&contrast.other, &contrast.level) } else { (&contrast.level, &contrast.other) };
     let [higher, lower] = [higher, lower].map(|level| names::level(results, &factor.name, level));
     let estimate = contrast.estimate.abs();
-    let interval = contrast.interval.map(|i| if flip { i.negative() } else { i });
+    let interval = contrast.interval.map(|i| if flip { i.scaled(-1.0) } else { i });
     let value = |estimate: f64| on_scale(results, estimate);
     let superiority = |estimate: f64| percent((100.0 * results.spec.link.superiority(estimate)).round() / 100.0);
     let of_pairs = format!(
@@ -434,7 +435,7 @@ fn difference_of_means(results: &Results, factor: &FactorResults, evidence: &Evi
     let flip = difference < 0.0;
     let [higher, lower] =
         (if flip { [levels[1], levels[0]] } else { levels }).map(|l| names::level(results, &factor.name, l));
-    let interval = interval.map(|i| if flip { i.negative() } else { i });
+    let interval = interval.map(|i| if flip { i.scaled(-1.0) } else { i });
     // The means that were told before may be those of other conditions.
     let the = if factor.marginal.is_some() { "In the same conditions, the" } else { "The" };
     let text = match mean(difference.abs()).as_ref() {

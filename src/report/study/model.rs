@@ -142,11 +142,19 @@ fn order(section: &mut Section, report: &ModelReport) {
         || " (without a test: there are fewer than six participants)".to_owned(),
         |p| format!(" ({}, from the signs of the participants)", p_is(p)),
     );
+    let drift = order.drift.map_or_else(
+        || "Whether ratings drift cannot be told, because each condition has its place in the sessions.".to_owned(),
+        |drift| {
+            format!(
+                "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}, \
+                 beyond what the model’s effects tell about the places of the trials.",
+                fixed(drift, 2)
+            )
+        },
+    );
     section.text(format!(
-        "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}. The residuals of \
-         successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). Both use the {} whose \
-         order is known.",
-        fixed(order.drift, 2),
+        "{drift} The residuals of successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). \
+         The {} whose order is known are used.",
         unit(order.lag_one),
         p_is(order.lag_one_p),
         count(order.ratings, "rating")
@@ -239,8 +247,9 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
         "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
          whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
          the first level is higher on the latent scale, where there are no ties. d is the difference divided by the residual standard \
-         deviation, that of ratings of the same stimulus by the same participant.",
-        if odds { "The odds ratio is that of a higher rating. " } else { "" }
+         deviation, that of ratings of the same stimulus by the same participant.{}",
+        if odds { "The odds ratio is that of a higher rating. " } else { "" },
+        if script::has_numbers(results) { " The summary gives the effects of numbers over their range." } else { "" }
     ));
     let mut numbers = vec!["Superiority", "95\u{a0}% interval of superiority", "d", "95\u{a0}% interval of d"];
     if odds {
@@ -275,7 +284,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.heading("Comparisons of levels");
     section.text(format!(
         "Differences on the latent scale, in the model{}. Their p values and intervals come from the likelihood ratio of each \
-         difference or, for simple effects, from its standard error{}. Intervals are the profile intervals above where there is one, and otherwise symmetric. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
+         difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among the coefficients above; others are profile intervals where \
+         there is one. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
          corrected.",
         if report.comparisons.iter().any(|c| c.at.is_some()) {
             "; those of factors in an interaction are at each level of the other factor (simple effects)"

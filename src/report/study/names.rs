@@ -128,9 +128,14 @@ pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
 pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
     let names = match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
-        _ => counts.categories.clone(),
+        _ => counts.categories.iter().map(|category| category_name(category)).collect(),
     };
     Some((names.first()?.clone(), names.last()?.clone()))
+}
+
+/// Names a category as in a sentence.
+pub(super) fn category_name(category: &str) -> String {
+    names::level(None, "", category).to_string()
 }
 
 /// True if the categories are not numbers, so that means are computed from their positions, counted from 0.

@@ -76,17 +76,19 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
         let positions =
             if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
         let used = |category: usize| counts.rows.iter().any(|row| usize::from(row.rating) == category);
+        let name = |category: usize| names::category_name(&counts.categories[category]);
         let all = 0..counts.categories.len();
         let (first, last) = (all.clone().find(|c| used(*c)), all.clone().rev().find(|c| used(*c)));
         let is_one = first.is_some() && first == last;
         lead.push(match (first, last) {
-            (Some(only), Some(_)) if all.len() == 1 => format!("All ratings are {}.", counts.categories[only]),
+            (Some(only), Some(_)) if all.len() == 1 => format!("All ratings are {}.", name(only)),
             (Some(only), Some(_)) if is_one => {
-                format!("The scale is from {low} to {high}{positions}; all ratings are {}.", counts.categories[only])
+                format!("The scale is from {low} to {high}{positions}; all ratings are {}.", name(only))
             }
             (Some(first), Some(last)) if first > 0 || last + 1 < all.len() => format!(
                 "The scale is from {low} to {high}{positions}; ratings range from {} to {}.",
-                counts.categories[first], counts.categories[last]
+                name(first),
+                name(last)
             ),
             _ => format!("Ratings range from {low} to {high}{positions}."),
         });
@@ -137,7 +139,14 @@ fn between_participants(results: &Results) -> Option<String> {
     if least.group.summary.mean.total_cmp(&most.group.summary.mean).is_eq() {
         return None;
     }
-    let own = |subject: &SubjectResults| format!("{} ({})", mean(subject.group.summary.mean), names::who(subject));
+    let own = |subject: &SubjectResults| {
+        let is_tied = |other: &&SubjectResults| by_mean(other, &subject).is_eq();
+        let who = match results.subjects.iter().filter(is_tied).count() {
+            1 => names::who(subject),
+            tied => count(tied as u64, "participant"),
+        };
+        format!("{} ({who})", mean(subject.group.summary.mean))
+    };
     Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
 }
 

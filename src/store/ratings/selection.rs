@@ -323,7 +323,13 @@ impl Input {
     pub fn place(&self, name: &str) -> Result<usize, FileError> {
         let header = &self.header;
         let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
+        let is_title = header.names.len() == 1 && header.first.as_ref().is_some_and(|first| first.len() > 1);
         match places[..] {
+            [] if is_title => {
+                let message = "the first line has one cell, and the next has several; expected the names of the columns: remove the \
+                               lines above them";
+                Err(self.error(1, message.to_owned()))
+            }
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
                 let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
