@@ -9,11 +9,11 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, Ratings, RequestError, Watcher, changed, named, ratings::explained};
+use super::{Model, Only, Ratings, RequestError, Watcher, changed, named, ratings::explained};
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
-        counts::{Counts, Trial},
+        counts::{Counts, ExclusionError, Trial},
         find_factor, number_of, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
@@ -267,10 +267,20 @@ impl Analyze {
             // Each person's levels in a condition say in which range the priors place a threshold, as in psignifit.
             range: None,
         };
-        if let Some(one) = self.ratings.levels.iter().find(|one| !factors.contains(&one.factor)) {
+        for Only { factor, levels } in &self.ratings.levels {
             let names: Vec<&str> = factors.iter().map(String::as_str).collect();
-            let message = format!("{}: is not among the factors; {}", one.factor, expected_one_of(&one.factor, &names));
-            return Err(RequestError::value("levels", message).into());
+            let expected =
+                if names.is_empty() { "expected --factors".to_owned() } else { expected_one_of(factor, &names) };
+            let Some(place) = factors.iter().position(|name| name == factor) else {
+                let message = format!("{factor}: is not among the factors; {expected}");
+                return Err(RequestError::value("levels", message).into());
+            };
+            let known: BTreeSet<&str> = rows.iter().map(|row| row.factors[place].as_str()).collect();
+            if let Some(level) = levels.iter().find(|level| !known.contains(level.as_str())) {
+                let (level, known) = (level.clone(), known.into_iter().map(str::to_owned).collect());
+                let error = ExclusionError::Level { factor: factor.clone(), level, known };
+                return Err(RequestError::value("levels", error.to_string()).into());
+            }
         }
         let order = |factor: String| {
             let known = self.ratings.levels.iter().chain(&self.ratings.orders).find(|one| one.factor == factor);

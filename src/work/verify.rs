@@ -100,7 +100,7 @@ fn sentence(found: &verify::Verified) -> String {
     let verify::Verified { rows, rated: (rated, planned), pictures, sealed, accepted, errors, notes } = found;
     let mut parts = vec![
         // A session that could not be read has no plan.
-        if *planned == 0 {
+        if *planned == 0 && !errors.is_empty() {
             "could not be read".to_owned()
         } else {
             format!(

@@ -643,7 +643,7 @@ fn of_people(conditions: &[(&str, std::ops::Range<usize>)], threshold: f64, step
 fn answers_are_of_the_participants_in_the_usual_column() {
     let folder = tempfile::tempdir().unwrap();
     let rows = of_people(&[("c", 0..3)], 0.0, 1.0);
-    let run = |name: &str| answers(folder.path(), &rows.replace("who", name), "--guess 0.5");
+    let run = |name: &str| answers(folder.path(), &rows.replace("who", name), "--guess 0.5 --factors cond");
     let [printed, warnings] = run("subject_id");
     assert!(printed.starts_with("3 participants gave 480 answers.") && warnings.is_empty(), "{printed}{warnings}");
     let [printed, warnings] = run("Participant");
@@ -652,6 +652,10 @@ fn answers_are_of_the_participants_in_the_usual_column() {
         "answers.csv:1:1: participants are in the column Participant; expected subject_id, or a column that you name";
     assert_eq!(warnings, format!("warning: {expected}\n"));
     assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
+    let [_, warnings] = answers(folder.path(), &rows, "--guess 0.5");
+    let expected = "all rows are of one condition and are those of one participant, because no column was named; expected \
+                    --factors if who, cond tell conditions apart";
+    assert_eq!(warnings, format!("warning: answers.csv: {expected}\n"));
     // Who gave no answers has no part in the mean.
     let [printed, _] = answers(folder.path(), &format!("{rows}p9,c,0,0,0\n"), "--guess 0.5 --subject who");
     assert!(printed.contains("interval") && printed.contains("over 3 participants."), "{printed}");
@@ -692,7 +696,15 @@ fn conditions_are_compared_by_the_people_who_have_both() {
     };
     let (printed, is_method) = run(&[("A", 0..5), ("B", 1..5)]);
     assert!(printed.contains("difference of the thresholds at cond A and at cond B is "), "{printed}");
-    assert!(printed.contains(" over 4 participants, so ") && is_method, "{printed}");
+    assert!(printed.contains(" over 4 participants (p") && is_method, "{printed}");
+    // Two levels of one of several factors are compared over the conditions of the others.
+    let rows =
+        of_people(&[("A,x", 0..5), ("A,y", 0..5), ("B,x", 0..5), ("B,y", 0..5)], 0.0, 1.0).replace("cond", "one,two");
+    let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who --factors one,two");
+    for (factor, other) in [("one A and at one B", "two"), ("two x and at two y", "one")] {
+        let expected = format!("Over all levels of {other}, the difference of the thresholds at {factor} is ");
+        assert!(printed.contains(&expected), "{printed}");
+    }
     let (printed, is_method) = run(&[("A", 0..3), ("B", 3..6)]);
     assert!(printed.contains("at cond B is ") && !printed.contains("difference") && !is_method, "{printed}");
 }
@@ -808,6 +820,8 @@ fn requests_that_cannot_be_are_explained() {
             "error: --trials 12 is not a multiple of the 5 levels; expected each level equally often",
         ),
         (format!("{of_answers} --exclude p9"), 2, "--exclude p9 is not a participant; expected one of p0, p1, p2"),
+        (format!("{of_answers} --levels cond=c"), 2, "cond: is not among the factors; expected --factors"),
+        (format!("{of_answers} --factors cond --levels cond=nope"), 2, "nope is not a level of cond; expected c"),
         (format!("{of_answers} --link probit"), 2, "expected only --subject, --factors, --levels, --exclude"),
         (
             format!("{of_ratings} --terms num:foo"),

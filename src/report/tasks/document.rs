@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     analysis::tasks::{
+        means::Mean,
         population::Population,
         psychometric::{Fit, Guess, Model},
     },
@@ -17,7 +18,7 @@ use crate::{
     report::{
         document::{
             Document, Section, Shown,
-            numbers::{count, fixed, list, probability, range, short_list, unit, whole, with_interval},
+            numbers::{count, fixed, list, p_is, probability, range, short_list, unit, whole, with_interval},
         },
         figures::Figure,
         study::Provenance,
@@ -109,22 +110,41 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
     misfits(&mut section, study, results);
-    let corrected = holm(&results.differences.iter().map(|(_, difference)| difference.p()).collect::<Vec<_>>());
-    for (([one, two], difference), p) in results.differences.iter().zip(corrected) {
+    let marginal = results.marginal.iter().map(|marginal| {
+        let (asked, factor) = (&study.asked, &study.asked.factors[marginal.factor]);
+        let others = asked.factors.iter().filter(|other| other.name != factor.name);
+        let others: Vec<String> = others.map(|other| asked.factor(&other.name)).collect();
+        let name = |level: usize| {
+            let level = asked.level(&factor.name, &factor.levels[level].to_string());
+            format!("{} {level}", asked.factor(&factor.name))
+        };
+        (format!("Over all levels of {}, the", list(&others)), marginal.levels.map(name), marginal.difference)
+    });
+    compared(&mut section, common, &marginal.collect::<Vec<_>>());
+    let differences = results.differences.iter();
+    let differences =
+        differences.map(|(pair, difference)| ("The".to_owned(), pair.map(|one| study.name(one)), *difference));
+    compared(&mut section, common, &differences.collect::<Vec<_>>());
+    section
+}
+
+/// Says for each difference, with the beginning of its sentence and the names of what differs, whether it is clear.
+fn compared(section: &mut Section, common: &Common, all: &[(String, [String; 2], Mean)]) {
+    let corrected = holm(&all.iter().map(|(.., difference)| difference.p()).collect::<Vec<_>>());
+    let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
+    for ((begin, [one, two], difference), p) in all.iter().zip(corrected) {
         let Some(interval) = difference.interval else { continue };
-        let clear = p.is_some_and(|p| p < 0.05);
-        let (one, two) = (study.name(*one), study.name(*two));
         let level = level(common, Some(interval));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
-            "The {kind} at {one} and at {two} is {}{} over {}, {}.",
+            "{begin} {kind} at {one} and at {two} is {}{} over {}{}, {}.",
             level(difference.mean),
             with_interval(Some(interval), &level),
             count(difference.people as u64, "participant"),
-            if clear { "so they differ" } else { "so it is not clear that they differ" }
+            p.map(|p| format!(" ({}{corrected_by})", p_is(p))).unwrap_or_default(),
+            if p.is_some_and(|p| p < 0.05) { "so they differ" } else { "so it is not clear that they differ" },
         ));
     }
-    section
 }
 
 /// Says where beyond the levels a threshold lies.
@@ -198,10 +218,11 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
             range(population.interval, &level),
             further::scaled(false, None)(population.sd),
             further::scaled(false, None)(population.width),
+            unit(population.guess),
             unit(population.lapse),
         ]
     };
-    let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Lapse rate"];
+    let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Guess rate", "Lapse rate"];
     let rows = results.populations.iter().map(row).collect();
     section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
     if common.log {
@@ -283,7 +304,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     let beyond = told(&|function| function.described().is_some_and(|fit| fit.is_extrapolated));
     if !beyond.is_empty() {
         section.warning(format!(
-            "The interval of a threshold reaches beyond the levels that could be shown, where only the prior limits it: {}.",
+            "The interval of a threshold reaches beyond the levels, where only the prior limits it: {}.",
             short_list(&beyond, 12)
         ));
     }
@@ -298,7 +319,7 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         }
         if population.interval.is_some_and(|mean| mean.low < low || mean.high > high) {
             section.warning(format!(
-                "The interval of the mean threshold{} reaches beyond the levels that could be shown, where no answers limit it.",
+                "The interval of the mean threshold{} reaches beyond the levels, where no answers limit it.",
                 study.at(*condition)
             ));
         }
@@ -373,14 +394,15 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.differences.len() > 1 {
         section.text(
             "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
-             .05. The intervals are not corrected.",
+             .05; the means over the conditions of other factors are corrected for all pairs of their levels. The intervals are not \
+             corrected.",
         );
     }
     section
 }
 
 /// How the answers of all people are modeled.
-pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, drawn from a normal distribution; all share the width and the lapse rate. This is \
+pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, drawn from a normal distribution; all share the width, the lapse rate and the guess rate. This is \
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
      interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how informative the \
      participant’s trials are (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
@@ -401,11 +423,18 @@ pub fn model_of_a_person(model: &Model) -> String {
         Guess::Fixed(guess) => format!("the guess rate γ is {}", unit(guess)),
         Guess::Free => "the guess rate γ is estimated".to_owned(),
     };
+    let range = if model.range.is_some() { " that could be shown" } else { " of each participant" };
+    let varies = if model.overdispersed {
+        "Blocks of trials at one level may vary more than binomially, by an estimated overdispersion η (beta-binomial model), \
+         which widens the intervals of a participant; single trials cannot tell it."
+    } else {
+        "Answers vary binomially."
+    };
     format!(
         "The psychometric function is ψ(x) = γ + (1 − γ − λ)·F(x) with a {curve} F; {guess}, and the lapse rate λ is \
-         estimated. The threshold is the level with F = ½, so that guesses and lapses do not move it{}. It is the most probable one \
-         under the priors of Schütt, Harmeling, Macke & Wichmann (2016, Vision Res. 122, 105), over the range of levels that could be \
-         shown; its 95\u{a0}% interval lies between quantiles of its marginal posterior distribution. The goodness of fit compares the \
+         estimated. {varies} The threshold is the level with F = ½, so that guesses and lapses do not move it{}. It is the most probable one \
+         under the priors of Schütt, Harmeling, Macke & Wichmann (2016, Vision Res. 122, 105), over the range of the levels{range}; its \
+         95\u{a0}% interval lies between quantiles of its marginal posterior distribution. The goodness of fit compares the \
          deviance with those of 1,000 simulated studies (Wichmann & Hill 2001, Percept. Psychophys. 63, 1293).",
         match model.guess {
             Guess::Fixed(guess) if guess > 0.0 =>

@@ -119,8 +119,14 @@ fn order(study: &TaskStudy, found: &Comparisons) -> Vec<String> {
         // A weak prior decides how far those are away that were always or never chosen.
         let span = format!("The ends are {} JND apart; conditions", fixed(scale.span(group), 1));
         let span = if scale.is_limited { "Conditions" } else { &span };
+        // Then all conditions may be alike.
+        let is_open = |intervals: &Vec<Interval>| group.iter().all(|item| intervals[*item].contains(0.0));
+        let may = match found.intervals.as_ref().is_some_and(is_open) {
+            true => " All intervals include 0, the mean of the scale, so this order may be chance.",
+            false => "",
+        };
         format!(
-            "From the highest to the lowest on the scale: {}. {span} one JND apart are told apart in 75\u{a0}% of comparisons.",
+            "From the highest to the lowest on the scale: {}.{may} {span} one JND apart are told apart in 75\u{a0}% of comparisons.",
             names(&mut group.iter().copied()),
         )
     };

@@ -89,11 +89,8 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         ("slope_high", "", "Upper end of its 95 % interval."),
         ("guess", "", "Guess rate."),
         ("lapse", "", "Lapse rate."),
-        (
-            "is_beyond",
-            "",
-            "1 if the most probable threshold lies beyond the levels that could be shown, where only the prior places it.",
-        ),
+        ("overdispersion", "", "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials."),
+        ("is_beyond", "", "1 if the most probable threshold lies beyond the levels, where only the prior places it."),
         ("deviance", "", "Deviance of the best function."),
         ("p", "", "Proportion of simulated studies with at least this deviance."),
     ];
@@ -109,7 +106,8 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
             [fit.and_then(Fit::determined_slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)]
                 .map(Cell::from),
         );
-        row.extend([fit.map(|fit| fit.estimate.guess), fit.map(|fit| fit.estimate.lapse)].map(Cell::from));
+        let shares = fit.map(|Fit { estimate, .. }| [estimate.guess, estimate.lapse, estimate.overdispersion]);
+        row.extend([0, 1, 2].map(|place| Cell::from(shares.map(|shares| shares[place]))));
         row.push(u64::from(fit.is_some() && function.beyond.is_some()).into());
         let goodness = function.goodness;
         row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
@@ -126,13 +124,14 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
         ("threshold_high", "", "Upper end of its 95 % interval."),
         ("sd", "scale of the levels", "Standard deviation of people's thresholds."),
         ("function_width", "scale of the levels", "Distance of the levels with F = .05 and F = .95."),
+        ("guess", "", "Common guess rate."),
         ("lapse", "", "Common lapse rate."),
     ];
     let rows = results.populations.iter().map(|(condition, population)| {
         let mut row: Vec<Cell> = study.cells(*condition).collect();
         row.extend([(population.people.len() as u64).into(), common.level(population.mean).into()]);
         row.extend(ends(common, population.interval));
-        row.extend([population.sd, population.width, population.lapse].map(Cell::from));
+        row.extend([population.sd, population.width, population.guess, population.lapse].map(Cell::from));
         row
     });
     Table::new(columns(study, &[], &last), rows)

@@ -97,6 +97,7 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     }
     let factors = columns.factors.iter().zip(&used.factors);
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));
+    notes.extend(used.pooled(&input, columns));
     notes.extend(content(&input)?.and_then(|bytes| doubled(&input, &bytes)));
     FileErrors::none(file_errors(&input, rows, &[]))?;
     let all = found.len();
@@ -144,6 +145,25 @@ impl Used {
             factors: columns.factors.iter().map(place).collect::<Result<_, _>>()?,
             simulated: header.position(SIMULATED),
         })
+    }
+
+    /// Returns a note if rows that may be of several people or conditions are taken together, because no columns were
+    /// named.
+    fn pooled(&self, input: &Input, columns: &AnswerColumns) -> Option<FileError> {
+        const MOST: usize = 5;
+        let read = [Some(self.level), Some(self.correct), self.total, self.subject, self.simulated];
+        let unused = (0..input.header.names.len()).filter(|place| !read.contains(&Some(*place)));
+        let unused: Vec<&str> = unused.map(|place| input.header.names[place].as_str()).collect();
+        if !columns.factors.is_empty() || unused.is_empty() {
+            return None;
+        }
+        let named = unused.iter().take(MOST).copied().collect::<Vec<_>>().join(", ");
+        let more = if unused.len() > MOST { ", …" } else { "" };
+        let people = if self.subject.is_some() { "" } else { " and are those of one participant" };
+        let message = format!(
+            "all rows are of one condition{people}, because no column was named; expected --factors if {named}{more} tell conditions apart"
+        );
+        Some(FileError::whole(&input.name, message))
     }
 
     /// Returns the columns that are read.
