@@ -302,6 +302,14 @@ impl Definition {
         if design.repetitions == 0 {
             errors.add("design.repetitions", "repetitions is 0; expected at least 1");
         }
+        let adaptive = self.adaptive.as_ref().map(|adaptive| adaptive.common.trials);
+        if let Some(trials) = self.task.ranking().or(adaptive).filter(|_| design.repetitions > 1) {
+            let message = format!(
+                "repetitions is {}, but trials says that there are {trials}; expected no repetitions",
+                design.repetitions
+            );
+            errors.add("design.repetitions", message);
+        }
         if design.max_run == Some(0) {
             errors.add("design.max_run", "max_run is 0; expected at least 1");
         }

@@ -384,6 +384,10 @@ QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [1, 2], gradient = [0] }\n => 13:12 => width is varied already
 QUESTlapse = [0.9]\n => 13:10 => lapse 0.9 is outside 0…0.5
 QUESTfunction = "cubic"\n => 13:1 => function
+QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
+QUESTstop_width = 30\n => 13:1 => stop_width 30 is reached before the first trial
+CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s is that of intervals
+[design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
 "##;

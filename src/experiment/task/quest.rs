@@ -40,7 +40,7 @@ options! {
     second: Option<Second> = None, [
         "second.parameter", "Second parameter", OptionValue::Parameter(true), "A second parameter, on which the threshold depends.";
         "second.levels", "Its levels", OptionValue::Numbers(""), "The levels of the second parameter.";
-        "second.gradient", "Its gradients", OptionValue::Numbers(""), "Possible changes of the threshold for each unit of the second parameter, on the scale of the levels.";
+        "second.gradient", "Its gradients", OptionValue::Numbers(""), "Possible changes of the threshold for each unit of the second parameter, both in base-10 logarithms if steps are ratios.";
     ]
 }
 
@@ -99,8 +99,25 @@ impl QuestPlus {
         if self.lapse.is_empty() {
             errors.add("adaptive.lapse", "lapse is empty; expected at least one rate, such as [0.02]");
         }
+        let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
+        if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
+            let message = format!("no threshold lies within the levels; expected values from {low} to {high}");
+            errors.add("adaptive.threshold", message);
+        }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
+            let mut thresholds = self.grid(common, guess).thresholds;
+            thresholds.sort_by(f64::total_cmp);
+            let at = |share: f64| thresholds[((share * thresholds.len() as f64).ceil() as usize).saturating_sub(1)];
+            let before = if thresholds.is_empty() { 0.0 } else { at((1.0 + SHARE) / 2.0) - at((1.0 - SHARE) / 2.0) };
+            if width >= before {
+                let unit = if common.log { " (base-10 logarithms)" } else { "" };
+                let message = format!(
+                    "stop_width {width} is reached before the first trial; expected less than {before:.3}{unit}, the width of the \
+                     interval of the possible thresholds"
+                );
+                errors.add("adaptive.stop_width", message);
+            }
         }
         if let Some(second) = &self.second
             && (second.levels.len() < 2 || second.gradient.is_empty())
