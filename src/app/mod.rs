@@ -140,9 +140,14 @@ impl App {
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
                 let completed = matches!(&self.view, View::Session(session) if session.is_complete());
-                if matches!(&self.view, View::Session(session) if session.is_over()) {
+                if let View::Session(session) = &self.view
+                    && let Some(path) = session.saved_in()
+                {
                     let how = if completed { "finished" } else { "interrupted" };
-                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved."));
+                    // It may have been rescued, and is then not in the grid.
+                    let is_there = path.starts_with(self.studies.results());
+                    let place = if is_there { String::new() } else { format!(" in {}", path.display()) };
+                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved{place}."));
                 }
                 self.view = View::Places;
                 self.go(Place::Studies, completed);

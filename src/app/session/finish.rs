@@ -1,7 +1,7 @@
 //! The last page: thanks the participant and plots their ratings. A closed section tells the experimenter where the data
 //! are and how the frames were.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Key};
 
@@ -37,6 +37,11 @@ impl Finish {
     ) -> Self {
         let plot = OwnPlot::new(&protocol, rows);
         Self { protocol, path, complete, plot, opened: None, is_new: true, frames, error }
+    }
+
+    /// Returns the path of the data file.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Returns whether every planned trial is rated.

@@ -52,9 +52,9 @@ impl Runner {
         matches!(&self.0, Stage::Finish(finish) if finish.is_complete())
     }
 
-    /// Returns whether the last page is shown.
-    pub fn is_over(&self) -> bool {
-        matches!(self.0, Stage::Finish(_))
+    /// Returns the path of the data file once the last page is shown.
+    pub fn saved_in(&self) -> Option<&Path> {
+        if let Stage::Finish(finish) = &self.0 { Some(finish.path()) } else { None }
     }
 
     /// Returns whether an answer is only in memory.

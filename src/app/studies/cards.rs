@@ -1,6 +1,6 @@
 //! The greeting, the cards beside the grid, and the selected session below it.
 
-use eframe::egui::{self, Align, Frame, Layout, Panel, RichText, Ui};
+use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
     actions::open_file,
@@ -92,13 +92,24 @@ impl Studies {
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
                         let is_filled_in = self.form.participant == cell.subject && self.form.session == cell.session;
-                        let enter = if is_filled_in { "begins it" } else { "opens New session for it" };
-                        ui::hint(ui, format!("Not begun. Enter {enter}."));
+                        let enter = match (cell.has_keys(ui), is_filled_in) {
+                            (false, _) => "",
+                            (true, true) => " Enter begins it.",
+                            (true, false) => " Enter opens New session for it.",
+                        };
+                        ui::hint(ui, format!("Not begun.{enter}"));
                         return;
                     };
+                    if !session.is_readable {
+                        Icon::Warn.show(ui, ink(ui).bad);
+                        ui.label(RichText::new("Its files cannot be read.").small().color(ink(ui).bad));
+                        return;
+                    }
                     let SessionState { rated, planned, complete, .. } = session;
                     let (icon, color, note) = match complete {
-                        true if session.is_cut() => (Icon::Warn, ink(ui).bad, "; it was finished, so check its file"),
+                        true if session.is_damaged() => {
+                            (Icon::Warn, ink(ui).bad, "; it was finished, so check its file")
+                        }
                         true => (Icon::Done, ink(ui).text, ""),
                         false => (Icon::Part, ink(ui).warn, ""),
                     };
@@ -124,7 +135,8 @@ impl Studies {
     /// Draws what is planned against what is there, the last check, and the stimuli.
     pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let people = self.sessions.participants(&protocol.name);
-        let finished = self.sessions.of(&protocol.name).filter(|session| session.complete && !session.is_cut()).count();
+        let finished =
+            self.sessions.of(&protocol.name).filter(|session| session.complete && !session.is_damaged()).count();
         let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
             theme::card(ui).show(ui, |ui| {
                 ui.set_width(ui.available_width());
@@ -147,8 +159,8 @@ impl Studies {
             let all = planned.map_or(begun, |planned| (planned * protocol.plan.sessions) as usize);
             if planned.is_some() {
                 let share = finished as f32 / all.max(1) as f32;
-                let bar = egui::ProgressBar::new(share).desired_height(4.0).fill(ink(ui).dim);
-                ui.add(bar);
+                let fill = if finished > 0 { ink(ui).dim } else { Color32::TRANSPARENT };
+                ui.add(egui::ProgressBar::new(share).desired_height(4.0).fill(fill));
             }
             if all > 0 {
                 ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
@@ -158,7 +170,11 @@ impl Studies {
                 ui::note(ui, format!("Simulated (a program answered): {}.", count(simulated as u64, "session")));
             }
             let hash = definition::hash(protocol);
-            let others = self.sessions.of(&protocol.name).filter(|session| session.definition_sha256 != hash).count();
+            let others = self
+                .sessions
+                .of(&protocol.name)
+                .filter(|session| session.is_readable && session.definition_sha256 != hash)
+                .count();
             if others > 0 {
                 let others = count(others as u64, "session");
                 ui::note(

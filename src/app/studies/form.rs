@@ -20,7 +20,7 @@ use crate::{
         definition,
         session::{Changes, SessionStore},
     },
-    system::found,
+    system::{found, may_write},
 };
 
 /// Width of the column of labels, points.
@@ -161,6 +161,10 @@ impl SessionForm {
         let mut resume = false;
         if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
             errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
+            if self.participant.is_empty() {
+                // It could not be suggested, for that reason.
+                errors.remove(&SessionField::Participant);
+            }
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {
@@ -267,6 +271,5 @@ fn results_error(results: &Path) -> Option<String> {
     if !metadata.is_dir() {
         return Some(format!("{} is a file. Enter the path of a folder.", existing.display()));
     }
-    let read_only = metadata.permissions().readonly();
-    read_only.then(|| format!("{} is read-only. Choose a folder that you may write to.", existing.display()))
+    (!may_write(existing)).then(|| format!("You may not write to {}. Choose another folder.", existing.display()))
 }

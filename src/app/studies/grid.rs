@@ -98,6 +98,13 @@ impl Cell {
     fn id(&self) -> Id {
         Id::unique(("session", self))
     }
+
+    /// Returns whether keys go to the grid in which this cell is selected: no other control has the focus.
+    pub fn has_keys(&self, ui: &Ui) -> bool {
+        ui.memory(|memory| {
+            memory.focused().is_none_or(|id| id == self.id()) && memory.allows_interaction(ui.layer_id())
+        }) && !Popup::is_any_open(ui.ctx())
+    }
 }
 
 /// What the user did in the grid.
@@ -168,7 +175,7 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Returns what a key does in the grid, which has the keys while no other control has the focus.
+    /// Returns what a key does in the grid.
     fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<Chosen> {
         let presses = |key| ui.input(|input| input.num_presses(key));
         // A dialog that opens in this frame must not take Enter for its answer.
@@ -183,7 +190,8 @@ impl<'a> Grid<'a> {
         let all = self.subjects.len() as isize;
         let far = [(Key::Home, -all), (Key::End, all), (Key::PageUp, -PAGE), (Key::PageDown, PAGE)];
         let far: isize = far.into_iter().map(|(key, by)| presses(key) as isize * by).sum();
-        if up + down + left + right == 0 && far == 0 {
+        // Without participants, as in a folder that cannot be read, there is nowhere to go.
+        if up + down + left + right == 0 && far == 0 || self.subjects.is_empty() {
             return None;
         }
         let moved = |list: &[String], id: &String, by: isize| {
@@ -208,11 +216,7 @@ impl<'a> Grid<'a> {
         let answers = if is_wide { (room - columns * (CELL[1] + GAP)).clamp(ANSWERS[0], ANSWERS[1]) } else { 0.0 };
         let room = room - answers;
         let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
-        let focused = ui.memory(|memory| memory.focused());
-        let has_keys = has_keys
-            && focused.is_none_or(|id| id == selected.id())
-            && ui.memory(|memory| memory.allows_interaction(ui.layer_id()))
-            && !Popup::is_any_open(ui.ctx());
+        let has_keys = has_keys && selected.has_keys(ui);
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
         let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
         let selected = moved.as_ref().unwrap_or(selected);
@@ -223,7 +227,7 @@ impl<'a> Grid<'a> {
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
         let (head, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CONTROL), Sense::hover());
         // What scrolls later, in the next pass, would scroll twice if that pass asks for it as well.
-        let scrolled = ScrollArea::both().id_salt("grid").auto_shrink([false, true]).animated(false).show_rows(
+        let scrolled = ScrollArea::both().id_salt("grid").auto_shrink(true).animated(false).show_rows(
             ui,
             CONTROL,
             self.subjects.len(),
@@ -238,7 +242,7 @@ impl<'a> Grid<'a> {
                 if !rows.contains(&row) {
                     // Tab reaches the selected cell also where it is not in view.
                     let ui = &mut ui.new_child(UiBuilder::new().max_rect(place));
-                    chosen = self.cell(ui, selected, width, Some(1.0)).or(chosen.take());
+                    chosen = self.cell(ui, selected, width, Some(false)).or(chosen.take());
                 }
                 for subject in &self.subjects[rows] {
                     ui.horizontal(|ui| {
@@ -253,7 +257,7 @@ impl<'a> Grid<'a> {
                         }
                         for session in &self.columns {
                             let cell = Cell { subject: subject.clone(), session: session.clone() };
-                            let ring = (*selected == cell).then_some(if has_keys { 2.0 } else { 1.0 });
+                            let ring = (*selected == cell).then_some(has_keys);
                             chosen = self.cell(ui, &cell, width, ring).or(chosen.take());
                         }
                     });
@@ -279,8 +283,8 @@ impl<'a> Grid<'a> {
         heads.into_iter().for_each(|head| text(ui, width, head));
     }
 
-    /// Draws a cell. `ring` is the width of the ring around the selected one, the only cell that Tab reaches.
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<f32>) -> Option<Chosen> {
+    /// Draws a cell. The selected one, the only cell that Tab reaches, has a ring, which tells whether keys go to the grid.
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<Chosen> {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
@@ -289,7 +293,10 @@ impl<'a> Grid<'a> {
             State::Recorded(session) if self.wrong.contains(&session.csv) => {
                 (Icon::Warn, session.rated.to_string(), ink.bad, "check failed".to_owned())
             }
-            State::Recorded(session) if session.is_cut() => {
+            State::Recorded(session) if !session.is_readable => {
+                (Icon::Warn, "unreadable".to_owned(), ink.bad, "cannot be read".to_owned())
+            }
+            State::Recorded(session) if session.is_damaged() => {
                 let SessionState { rated, planned, .. } = session;
                 let said = format!("was finished, but only {rated} of {planned} trials are left");
                 (Icon::Warn, format!("{rated} of {planned}"), ink.bad, said)
@@ -320,7 +327,7 @@ impl<'a> Grid<'a> {
             let outline = rect.shrink(0.5);
             match self.state(cell) {
                 _ if is_selected => {
-                    let ring = Stroke::new(ring.unwrap_or_default(), ink.ink);
+                    let ring = if ring == Some(true) { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
                     _ = painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
                 }
                 State::Recorded(_) => {}

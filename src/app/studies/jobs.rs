@@ -133,7 +133,7 @@ impl Job {
     ) -> Self {
         let state = Arc::<State>::default();
         let watcher = state.clone();
-        let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| format!("{error:#}")));
+        let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| error.to_string()));
         Self { what, state, work, writes: true }
     }
 

@@ -215,7 +215,8 @@ impl Studies {
         let again = self.form.check(now.monitor);
         if again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
             let (subject, session) = (request.identity.subject(), request.identity.session());
-            let is_taken = again.resume || again.is_wrong(SessionField::Session);
+            let is_taken =
+                (again.resume || again.is_wrong(SessionField::Session)) && !again.is_wrong(SessionField::Results);
             self.refresh(false, now.settings);
             self.error = is_taken
                 .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));

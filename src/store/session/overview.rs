@@ -40,6 +40,9 @@ pub struct SessionState {
     pub simulated: bool,
     /// What the participant answered before the first page, without their consent: `24, right`.
     pub answers: String,
+    /// Whether its files can be read. If not, only the experiment and the identity are known, from the path, and the session
+    /// counts as `complete`, because it cannot be resumed.
+    pub is_readable: bool,
 }
 
 impl SessionState {
@@ -86,14 +89,33 @@ impl SessionState {
         Ok(())
     }
 
-    /// Returns whether the session was finished, but some of its trials are missing now.
-    pub fn is_cut(&self) -> bool {
-        self.complete && self.rated < self.planned
+    /// Returns whether the session cannot be read, or was finished, but some of its trials are missing now.
+    pub fn is_damaged(&self) -> bool {
+        !self.is_readable || self.complete && self.rated < self.planned
     }
 
     /// Returns whether nothing was ever rated, so that the session can be removed.
     pub fn is_empty(&self) -> bool {
         self.rated == 0 && !self.complete
+    }
+
+    /// Returns what the path tells about a session that cannot be read; `None` if it tells nothing.
+    fn unreadable(csv: PathBuf) -> Option<Self> {
+        let (_, identity) = identity(&csv).ok()?;
+        let experiment = csv.ancestors().nth(2)?.file_name()?.to_str()?.to_owned();
+        Some(Self {
+            csv,
+            experiment,
+            definition_sha256: String::new(),
+            identity,
+            rated: 0,
+            planned: 0,
+            complete: true,
+            started_at: String::new(),
+            simulated: false,
+            answers: String::new(),
+            is_readable: false,
+        })
     }
 
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
@@ -129,6 +151,7 @@ impl SessionState {
             started_at,
             simulated,
             answers,
+            is_readable: true,
         })
     }
 }
@@ -164,10 +187,9 @@ impl Overview {
             csv.ancestors().nth(3) == Some(results) && csv.parent().is_some_and(|data| data.ends_with("data"))
         };
         for csv in listed.files.into_iter().filter(is_own) {
-            match SessionState::read(csv) {
-                Ok(session) => overview.sessions.push(session),
-                Err(error) => overview.errors.push(error.to_string()),
-            }
+            let read = SessionState::read(csv.clone());
+            overview.errors.extend(read.as_ref().err().map(ToString::to_string));
+            overview.sessions.extend(read.ok().or_else(|| SessionState::unreadable(csv)));
         }
         overview.sessions.sort_by_cached_key(|session| (session.complete, Reverse(session.started_at.clone())));
         overview
