@@ -36,7 +36,8 @@ pub struct Plan {
     /// An effect to find: NAME=VALUE or FACTOR:LEVEL=LOGITS; can be repeated.
     #[arg(long = "effect", value_name = "NAME=VALUE", value_parser = effect)]
     pub effects: Vec<Assignment>,
-    /// How much people differ in the effect of a factor, as the standard deviation in logits; can be repeated.
+    /// How much people differ in the effect of a factor, as the standard deviation in logits or, for thresholds, on the
+    /// scale of the levels; can be repeated.
     #[arg(long = "slope", value_name = "FACTOR=SD", value_parser = deviation)]
     pub deviations: Vec<Assignment>,
     /// Number of studies to simulate for each number of participants.

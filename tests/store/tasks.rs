@@ -537,6 +537,8 @@ fn what_no_trial_could_show_is_refused() {
         (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.7)), Some("low")),
         (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.5)), None),
         (format!("[presentation]\nduration_s = 1\n{CHOICE}"), Some("[presentation] does not apply to intervals")),
+        (adjust("foo", 0.5), Some("foo = 0.1 sets a parameter that mach-band does not have")),
+        (format!("{CHOICE}{}", stairs.replace("depth", "vertices")), Some("vertices is not known")),
         (adjust("orientation_deg", 190.0), Some("goes around half a turn or more")),
         (adjust("orientation_deg", 180.0), None),
         (format!("{CHOICE}{quest}lapse = [0.5]\n"), Some("expected a sum below 1")),

@@ -64,7 +64,10 @@ fn ended(signal: Signal, rows: Option<&Path>) -> String {
 fn lost(reason: &str, rows: Option<&Path>) -> String {
     let (place, expected) = match rows {
         Some(rows) => (rows.display().to_string(), RESUME),
-        None => ("display".to_owned(), "expected a window system and graphics driver that keep running"),
+        None => (
+            "display".to_owned(),
+            "expected a window system and graphics driver that keep running; if they do, please report this error",
+        ),
     };
     format!("{place}: the window was lost ({reason}); {expected}")
 }

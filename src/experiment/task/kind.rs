@@ -215,6 +215,7 @@ pub(in crate::experiment) fn at_level(mut stimulus: Stimulus, name: &str, level:
 pub(super) fn whole_only(stimulus: &Stimulus, name: &str, [low, high]: [f64; 2]) -> Option<String> {
     // No whole number lies at an irrational share of the way from one to another. Without both ends, that is told.
     let between = Some(low + (high - low) / 7.0_f64.sqrt()).filter(|between| between.is_finite())?;
+    stimulus.get(name)?;
     stimulus.clone().set(name, &between.into()).err()?;
     Some(format!("{name} has whole numbers only; expected a parameter that can have every number from {low} to {high}"))
 }
@@ -283,8 +284,11 @@ impl Given<'_> {
         let ([low, high], before) = (dial.range, errors.0.len());
         for (key, value) in [("low", low), ("high", high)] {
             if let Err(error) = self.stimulus.clone().set(name, &value.into()) {
-                let known = self.stimulus.get(name).is_some();
-                errors.add(if known { format!("task.{key}") } else { "task.parameter".to_owned() }, error.to_string());
+                if self.stimulus.get(name).is_none() {
+                    errors.add("task.parameter", error.to_string());
+                    break;
+                }
+                errors.add(format!("task.{key}"), error.to_string());
             }
         }
         if let Some(message) = whole_only(self.stimulus, name, dial.range).filter(|_| errors.0.len() == before) {

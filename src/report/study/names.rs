@@ -10,7 +10,7 @@ use crate::{
         summary::Group,
         terms::TermPart,
     },
-    experiment::Protocol,
+    experiment::{Category, Protocol},
     report::{
         document::{
             Shown,
@@ -118,10 +118,14 @@ pub(super) fn first_word(who: String) -> String {
     if who.starts_with("participant") { capitalized(&who) } else { who }
 }
 
-/// Returns the answers of a definition, such as `0 (No band)`.
+/// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.
 pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     let categories = protocol.response.categories.iter().enumerate();
-    categories.map(|(rating, category)| format!("{rating} ({})", category.label)).collect()
+    let name = |(rating, category): (usize, &Category)| match category.label == rating.to_string() {
+        true => rating.to_string(),
+        false => format!("{rating} ({})", category.label),
+    };
+    categories.map(name).collect()
 }
 
 /// Returns the lowest and the highest category, with their labels if there is a definition.
