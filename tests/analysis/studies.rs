@@ -690,7 +690,9 @@ fn the_order_of_trials_is_examined() {
             for trial in 0..TRIALS {
                 noise = follow * noise + rng.random_range(-1.5..1.5);
                 let latent = drift * (trial as f64 / (TRIALS - 1) as f64 - 0.5) + noise;
-                let level = if is_blocked { 2 * trial / TRIALS } else { rng.random_range(0..2) };
+                // One person rates one condition.
+                let random = rng.random_range(0..people.min(2));
+                let level = if is_blocked { 2 * trial / TRIALS } else { random };
                 builder
                     .add(&RatingRow {
                         subject: &format!("S{person:02}"),

@@ -164,7 +164,9 @@ fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
     }
     // A term that is constant within participants tells nothing more.
     let tolerance = 1e-9 * normal.diagonal().max();
-    let slopes = normal.pseudo_inverse(tolerance).map_or_else(|_| DVector::zeros(terms), |inverse| inverse * right);
+    // Without terms, there is no matrix to invert.
+    let inverse = if terms > 0 { normal.pseudo_inverse(tolerance).ok() } else { None };
+    let slopes = inverse.map_or_else(|| DVector::zeros(terms), |inverse| inverse * right);
     for one in timed {
         let (mean, mean_x) = &means[&one.subject];
         one.x -= mean_x + (design.row(one.row).transpose() - mean).dot(&slopes);
