@@ -29,13 +29,18 @@ impl Monitor {
 
     /// Says what [`Monitor::assumed_width_cm`] assumes.
     pub fn assumption(&self) -> String {
-        let per_inch = (96.0 * self.scale).round();
+        let per_inch = self.assumed_per_inch();
         let scaled =
             if self.scale == 1.0 { String::new() } else { format!(", from the system's scale of {}", self.scale) };
         format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before an actual study")
     }
 
-    /// Returns the width in cm if its pixels are 1/96 inch apart, as systems assume for unknown screens.
+    /// Returns the pixels per inch that systems assume for unknown screens.
+    pub fn assumed_per_inch(&self) -> f64 {
+        (96.0 * self.scale).round()
+    }
+
+    /// Returns the width in cm with as many pixels per inch.
     pub fn assumed_width_cm(&self) -> f64 {
         f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
     }

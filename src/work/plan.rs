@@ -121,7 +121,7 @@ fn deviation(text: &str) -> Result<Assignment, String> {
 /// Parses a proportion between 0 and 1, exclusive.
 fn proportion(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|number| *number > 0.0 && *number < 1.0);
-    number.ok_or_else(|| "expected a number between 0 and 1, such as 0.05".to_owned())
+    number.ok_or_else(|| "expected a number between 0 and 1".to_owned())
 }
 
 /// The simulated powers of a plan, and the settings they depend on.

@@ -71,13 +71,14 @@ fn a_copy_is_edited_and_saved() {
     wait_for(&mut window, "9 conditions");
     window.get_by_label("width 0.05; high 0.75; depth ∞");
     type_into(&mut window, "Folder", folder.path().to_str().unwrap());
-    // An existing file is replaced only after a question.
+    // An existing file is never replaced: a study with sessions may need it.
     let path = folder.path().join("my-study.toml");
     std::fs::write(&path, "precious").unwrap();
     click(&mut window, "Save");
-    window.get_by_label_contains("my-study.toml already exists");
+    window.get_by_label_contains("my-study.toml: already exists; expected another name");
     assert_eq!(std::fs::read(&path).unwrap(), b"precious");
-    click(&mut window, "Replace");
+    std::fs::remove_file(&path).unwrap();
+    click(&mut window, "Save");
     is_left(&mut window, path.to_str().unwrap());
 
     let original = definition::BUILT_IN.iter().find(|built_in| built_in.name == "quick").unwrap().text;

@@ -478,7 +478,7 @@ fn a_few_answers_are_told_as_they_are() {
     let adjust = "[task]\nkind = \"adjust\"\nparameter = \"nulling\"\nlow = 0\nhigh = 0.001\nstep = 0.0001\n";
     let repeated = format!("[design]\nrepetitions = 6\n{adjust}");
     for (body, told) in
-        [(repeated, "for 1 participant."), (format!("{YES_NO}catch = 0.05\n"), "There is no d′, because")]
+        [(repeated, "for 1 participant."), (format!("{YES_NO}catch = 0.05\n"), "There is no d’, because")]
     {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();

@@ -12,6 +12,7 @@ use crate::{
         terms::{Terms, Variable},
     },
     app::ui::{Field, folded, show_error, text::name},
+    report::names,
     work::{Analyze, Model},
 };
 
@@ -68,6 +69,7 @@ impl Filters {
     pub fn sentence(&self, counts: &Counts) -> String {
         let people = format!("{} of {} participants", self.people(counts), counts.subjects.len());
         let levels = self.0.only.iter().map(|(factor, kept)| {
+            let kept: Vec<String> = kept.iter().map(|level| shown(level)).collect();
             let kept = if kept.is_empty() { "none".to_owned() } else { kept.join(", ") };
             format!("{factor} {kept}")
         });
@@ -87,7 +89,7 @@ impl Filters {
             list(ui, &factor.name, &title, &mut levels, |ui, levels| {
                 ui.horizontal_wrapped(|ui| {
                     for (checked, level) in levels.iter_mut().zip(&names) {
-                        check(ui, checked, &factor.name, level);
+                        check(ui, checked, &factor.name, &shown(level));
                     }
                 });
             });
@@ -139,6 +141,11 @@ fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl F
         });
         add(ui, list);
     });
+}
+
+/// Returns a level as it is read, such as ∞.
+fn shown(level: &str) -> String {
+    names::level(None, "", level).to_string()
 }
 
 fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {

@@ -66,7 +66,11 @@ impl GeometryPage {
             }
         });
         if fields.width_is_assumed(monitor) {
-            note(ui, "This width assumes 96 pixels per inch. Measure it, or check it with the ruler below.");
+            let per_inch = monitor.assumed_per_inch();
+            note(
+                ui,
+                format!("This width assumes {per_inch} pixels per inch. Measure it, or check it with the ruler below."),
+            );
         }
         Field::new("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         Field::new("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);

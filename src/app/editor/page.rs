@@ -8,7 +8,7 @@ use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbn
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Saving, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
-    store::definition,
+    store::{StoreError, Writer, definition},
 };
 
 /// In a window narrower than this, in points, the summary is below the form.
@@ -223,7 +223,14 @@ impl Editor {
         let written = saves.then(|| {
             let text = form.draft().text();
             if self.copy {
-                return self.saving.writer(&path, &[self.of.clone().into()]).write(&path, text.as_bytes());
+                // What would be replaced may be the definition of a study with sessions.
+                let written = Writer::new(Vec::new(), false).write(&path, text.as_bytes());
+                return written.map_err(|error| match error {
+                    StoreError::Occupied(path) => {
+                        StoreError::Protected { path, what: "already exists; expected another name".to_owned() }
+                    }
+                    error => error,
+                });
             }
             definition::save(Path::new(&self.of), &self.before.0, &path, &text)
         });

@@ -289,7 +289,12 @@ impl Gallery {
         if field.changed() {
             self.saving = Saving::default();
         }
+        // What is shown is the stimulus before the errors.
+        let is_shown = self.faults.is_empty();
         ui.horizontal_wrapped(|ui| {
+            if !is_shown {
+                ui.disable();
+            }
             let path = Path::new(self.out.trim());
             self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());

@@ -25,7 +25,7 @@ pub struct Request {
     pub display: DisplayProfile,
     /// Viewing distance, cm.
     pub distance_cm: f64,
-    /// Width of the screen in cm; `None` to assume 96 pixels per inch.
+    /// Width of the screen in cm; `None` to assume what the system does.
     pub screen_width_cm: Option<f64>,
     /// Whether to resume an interrupted session.
     pub resume: bool,

@@ -42,7 +42,7 @@ const SCALE_ABOVE: f32 = 116.0;
 const DIAL_KEYS: [(Key, f64); 4] =
     [(Key::ArrowLeft, -1.0), (Key::ArrowDown, -1.0), (Key::ArrowRight, 1.0), (Key::ArrowUp, 1.0)];
 /// How the keys of a dial are named to participants.
-const DIAL_HINT: &str = "← → ↵";
+const DIAL_HINT: &str = "⬅ ➡ Enter";
 
 /// A running session.
 pub struct Trials {

@@ -1,6 +1,6 @@
 //! The title of a study, and what can be done with it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Align, Layout, Popup, TextStyle, Ui, text::LayoutJob};
 
@@ -192,8 +192,7 @@ impl Studies {
     /// Returns the dialog that simulates a pilot.
     fn pilot(&self, protocol: &Protocol) -> RequestForm<Simulate> {
         // Simulated sessions never lie among those of people.
-        let beside = |number: u32| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name));
-        let free = (1..).map(beside).find(|folder| !matches!(found(folder), Ok(Some(_)))).unwrap_or_default();
+        let free = free(|number| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
         // The findings of the paper are about ratings.
         let observer = if protocol.task.is_default() { "paper" } else { "vision" };
         let participants = protocol.plan.participants.unwrap_or(PARTICIPANTS).to_string();
@@ -266,14 +265,22 @@ fn facts(file: String, protocol: &Protocol) -> String {
     parts.join(" · ")
 }
 
+/// Returns the first of the numbered folders that does not exist.
+fn free(numbered: impl Fn(u32) -> PathBuf) -> PathBuf {
+    (1..).map(numbered).find(|folder| !matches!(found(folder), Ok(Some(_)))).unwrap_or_default()
+}
+
 /// Returns the dialog that exports the study in a folder.
 fn export(folder: &Path) -> RequestForm<Export> {
     let name = folder.file_name().unwrap_or_default().display().to_string();
     let beside = folder.parent().and_then(Path::parent).unwrap_or(Path::new(""));
-    let out = beside.join(format!("{name}-export")).display().to_string();
+    let out = free(|number| match number {
+        1 => beside.join(format!("{name}-export")),
+        _ => beside.join(format!("{name}-export-{number}")),
+    });
     let shown = [
         ("format", "Format", "psych-ds".to_owned()),
-        ("out", "New folder", out),
+        ("out", "New folder", out.display().to_string()),
         ("complete_only", "Only finished sessions", String::new()),
     ];
     let given = [("folder", folder.display().to_string())];

@@ -157,7 +157,7 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     let value = |own: &Option<Detection>| Some((*own)?.d_prime);
-    by_person(study, &results.sensitivity, None, value, ("detection", "Sensitivity", "d′"), ["d′", "answer"])
+    by_person(study, &results.sensitivity, None, value, ("detection", "Sensitivity", "d’"), ["d’", "answer"])
 }
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {

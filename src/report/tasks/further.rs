@@ -29,13 +29,13 @@ pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
     let of_share = |(at, mean)| format!("The proportion of correct answers{at} is {mean}; guessing gives {guess}.");
     let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
     let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), |_| two).into_iter();
-    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d′{at} is {mean}.")));
+    all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d’{at} is {mean}.")));
     let has_none =
         |condition: &usize| !results.sensitivity.iter().any(|own| own.condition == *condition && own.found.is_some());
     let is_wanted = study.asked.measures == Measures::Detection && study.asked.levels.is_none();
     let without = (0..study.asked.conditions.len()).filter(|condition| is_wanted && has_none(condition));
     all.extend(without.map(|condition| {
-        format!("There is no d′{}, because no participant had both targets and catch trials.", study.at(condition))
+        format!("There is no d’{}, because no participant had both targets and catch trials.", study.at(condition))
     }));
     all.extend(results.comparisons.iter().flat_map(|found| order(study, found)));
     if let Some(dial) = study.asked.dial.as_ref() {
@@ -197,12 +197,12 @@ fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Secti
 fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
     let mut section = Section::new("detection", "Detection");
     section.text(if study.asked.levels.is_some() {
-        "The levels of the targets differ, so there is no d′ and no criterion over all of them: they would describe how the levels were \
+        "The levels of the targets differ, so there is no d’ and no criterion over all of them: they would describe how the levels were \
          chosen, not any stimulus. The false alarms are those of catch trials."
     } else {
-        "d′ is the distance between targets and catch trials in standard deviations of the noise; c is the criterion, above 0 if yes is said \
+        "d’ is the distance between targets and catch trials in standard deviations of the noise; c is the criterion, above 0 if yes is said \
          less readily than by an unbiased observer. Half an answer is added to each count (Hautus 1995), so that proportions of 0 and 1 stay \
-         finite; with few trials, this pulls d′ toward 0."
+         finite; with few trials, this pulls d’ toward 0."
     });
     section.figures(figures, &["detection"]);
     let row = |(own, OfPerson { found, .. }): (&OfPerson<Answers>, &OfPerson<Option<Detection>>)| {
@@ -213,7 +213,7 @@ fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Se
             .chain(Detection::numbers(*found).map(|value| fixed(value, 2)))
             .collect()
     };
-    let numbers = ["Hits", "Misses", "False alarms", "Correct rejections", "d′", "SE of d′", "c", "SE of c"];
+    let numbers = ["Hits", "Misses", "False alarms", "Correct rejections", "d’", "SE of d’", "c", "SE of c"];
     let rows = results.detection.iter().zip(&results.sensitivity).map(row).collect();
     section.table("Detection by each participant", &["Participant", "Condition"], &numbers, rows);
     section

@@ -1,7 +1,7 @@
 //! The image on the page, with dragging and overlays.
 
 use eframe::egui::{
-    self, Color32, CursorIcon, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
+    self, Color32, CursorIcon, EventFilter, Id, Key, Popup, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
 };
 
 use super::comparison::Comparison;
@@ -101,6 +101,8 @@ pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
     (rect, [size.x as u32, size.y as u32])
 }
 
+const ARROWS: [Key; 4] = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
+
 /// Lets the pointer and the keys move the target; returns whether a drag is in progress.
 pub fn interact(
     ui: &egui::Ui,
@@ -111,7 +113,11 @@ pub fn interact(
 ) -> bool {
     let response = ui.interact(rect, Id::unique("shading picture"), Sense::click_and_drag());
     describe(&response, label);
-    if response.drag_started() || response.clicked() {
+    // While nothing has the focus, the arrow keys are for the picture.
+    let is_free = ui.memory(|memory| memory.focused().is_none() && memory.allows_interaction(ui.layer_id()));
+    let turns =
+        is_free && !Popup::is_any_open(ui.ctx()) && ARROWS.iter().any(|key| ui.input(|input| input.key_pressed(*key)));
+    if response.drag_started() || response.clicked() || turns {
         response.request_focus();
     }
     let target = if response.dragged_by(egui::PointerButton::Secondary) { DragTarget::Light } else { settings.target };
@@ -121,7 +127,7 @@ pub fn interact(
         drag(&response, rect, target, compared, settings);
     }
     zoom(ui, &response, rect, settings);
-    if response.has_focus() {
+    if response.has_focus() || turns {
         keys(ui, &response, compared, settings);
         ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::ink(ui).text), egui::StrokeKind::Outside);
     }
@@ -192,8 +198,8 @@ fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings:
 fn arrows(ui: &egui::Ui, response: &Response) -> [f64; 2] {
     let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
     ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-    let pressed = |key| ui.input(|input| input.num_presses(key) as f64);
-    [pressed(Key::ArrowRight) - pressed(Key::ArrowLeft), pressed(Key::ArrowDown) - pressed(Key::ArrowUp)]
+    let [left, right, up, down] = ARROWS.map(|key| ui.input(|input| input.num_presses(key) as f64));
+    [right - left, down - up]
 }
 
 /// Handles dragging and keys on the divider; returns whether it is being dragged.
