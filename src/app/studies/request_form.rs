@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use clap::{Arg, ArgAction, Command};
-use eframe::egui::{Context, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Context, Response, ScrollArea, TextEdit, Ui};
 use serde_json::{Map, Value};
 
 use crate::{
@@ -41,6 +41,8 @@ pub struct RequestForm<T> {
     given: Map<String, Value>,
     error: Option<RequestError>,
     dialog: Dialog,
+    /// Whether no frame was drawn yet, so that the first text field gets the focus.
+    is_new: bool,
     request: PhantomData<T>,
 }
 
@@ -64,7 +66,7 @@ impl<T: Request> RequestForm<T> {
         let fields = shown.iter().filter_map(field).collect();
         let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
         let (error, dialog, request) = Default::default();
-        Self { title, action, about, fields, given, error, dialog, request }
+        Self { title, action, about, fields, given, error, dialog, is_new: true, request }
     }
 
     /// Sets what is shown in a field while nothing is typed.
@@ -86,7 +88,10 @@ impl<T: Request> RequestForm<T> {
             // The buttons stay in view in a low window.
             ScrollArea::vertical().max_height(height - BUTTONS).show(ui, |ui| {
                 for field in &mut self.fields {
-                    field.show(ui, self.error.as_ref(), &mut self.dialog);
+                    let text = field.show(ui, self.error.as_ref(), &mut self.dialog);
+                    if let Some(text) = text.filter(|_| std::mem::take(&mut self.is_new)) {
+                        text.request_focus();
+                    }
                 }
             });
             self.dialog.missing_error(ui);
@@ -114,7 +119,8 @@ impl<T: Request> RequestForm<T> {
 }
 
 impl Shown {
-    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) {
+    /// Draws the field; returns its response if it is a line of text.
+    fn show(&mut self, ui: &mut Ui, error: Option<&RequestError>, dialog: &mut Dialog) -> Option<Response> {
         let error = error.filter(|error| error.field.as_deref() == Some(self.argument.get_id().as_str()));
         let error = error.map(|error| error.told(|_| String::new())).unwrap_or_default();
         let error = error.trim_start_matches([' ', ':']);
@@ -149,8 +155,9 @@ impl Shown {
                 });
             });
         } else {
-            field.text(ui, &mut self.value).on_hover_text(about);
+            return Some(field.text(ui, &mut self.value).on_hover_text(about));
         }
+        None
     }
 
     /// Returns the value as the request takes it: a list for what can be repeated.

@@ -137,11 +137,15 @@ fn by_person<T>(
         (!known.is_empty()).then(|| (study.levels(condition).join(", "), all))
     };
     let series: Vec<Estimates> = (0..study.asked.conditions.len()).filter_map(series).collect();
-    let caption = format!(
-        "{what} of each participant, and the mean over participants with its 95\u{a0}% interval; {}.{}",
-        count(study.answers(), noun),
-        symbols(study)
-    );
+    let means: Vec<_> = series.iter().filter_map(|(_, all)| *all.last()?).collect();
+    let mean = match means[..] {
+        [] => "",
+        _ if means.iter().any(|(_, interval)| interval.is_some()) => {
+            ", and the mean over participants with its 95\u{a0}% interval"
+        }
+        _ => ", and the mean over participants",
+    };
+    let caption = format!("{what} of each participant{mean}; {}.{}", count(study.answers(), noun), symbols(study));
     estimates(name, &people_and_mean(study), &series, (title, axis, caption))
 }
 
@@ -172,8 +176,12 @@ fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
     };
     let series: Vec<Estimates> = groups.iter().enumerate().map(series).collect();
     let places: Vec<String> = order.iter().map(|item| study.levels(*item).join(", ")).collect();
+    let bars = match comparisons.intervals {
+        Some(_) => "Bars are 95\u{a0}% intervals over participants",
+        None => "There are no intervals, because too few participants determine a scale",
+    };
     let caption = format!(
-        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. Bars are 95\u{a0}% intervals over participants; {}, {}.{}",
+        "Scale values of Thurstone\u{2019}s Case V, lowest first; two conditions one JND apart are told apart in 75\u{a0}% of comparisons. {bars}; {}, {}.{}",
         count(study.people.len() as u64, "participant"),
         count(study.trials.len() as u64, "comparison"),
         if groups.len() > 1 { format!(" {APART}") } else { String::new() }
