@@ -273,7 +273,7 @@ impl Compare {
     pub fn steps(&self, given: Option<CodeImage>, watcher: &dyn Watcher) -> anyhow::Result<Steps> {
         let encoded = self.encoding.read(watcher)?;
         let (name, picture) = match given {
-            Some(codes) => ("picture".to_owned(), Picture::given(codes, encoded.transfers.clone())),
+            Some(codes) => ("picture".to_owned(), encoded.shows(Picture::given(codes, encoded.transfers.clone()))),
             None => (self.picture.display().to_string(), self.picture(&self.picture, &encoded)?),
         };
         watcher.stage("smoothing");
@@ -330,7 +330,7 @@ impl Compare {
 
     fn picture(&self, path: &Path, encoded: &Encoded) -> Result<Picture, StoreError> {
         let transfers = encoded.is_given.then_some(&encoded.transfers);
-        store::image::read_picture(path, transfers, self.pixels())
+        Ok(encoded.shows(store::image::read_picture(path, transfers, self.pixels())?))
     }
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
@@ -487,7 +487,11 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     match given {
         Given::Codes(codes) => {
             let light = if encoded.is_given { "as asked" } else { "sRGB is assumed" };
-            Lit::of_picture(name.to_owned(), &Picture::given(codes, encoded.transfers.clone()), light.to_owned())
+            Lit::of_picture(
+                name.to_owned(),
+                &encoded.shows(Picture::given(codes, encoded.transfers.clone())),
+                light.to_owned(),
+            )
         }
         Given::Light(image) => {
             Lit { name: name.to_owned(), image, weights: Picture::srgb_weights(), light: "given as light".to_owned() }

@@ -203,6 +203,18 @@ fn pictures_mean_what_they_say() {
         assert!(found["times_threshold"].as_f64().unwrap() < 0.01 && found["color_ignored"].is_null(), "{found}");
         assert!(found["light"].as_str().unwrap().contains(said), "{found}");
     }
+    // A profile of the display says how bright its channels are.
+    let profile = "schema = 1\nname = \"turned\"\ntransfer = \"srgb\"\n[primaries]\nred = [0.3, 0.6]\ngreen = [0.64, 0.33]\n\
+        blue = [0.15, 0.06]\nwhite = [0.3127, 0.329]\n";
+    fs::write(folder.path().join("turned.toml"), profile).unwrap();
+    let redder: Vec<u8> =
+        ramp.chunks_exact(3).enumerate().flat_map(|(i, of)| [of[0] + (i % 64 / 32 * 30) as u8, of[1], of[2]]).collect();
+    png(&folder.path().join("redder.png"), [64; 2], png::ColorType::Rgb, &redder, |_| {});
+    let [own, turned] = ["--transfer srgb", "--display turned.toml"].map(|option| {
+        let found = machband(folder.path(), &split(&format!("compare redder.png both.png --window 2 --json {option}")));
+        serde_json::from_slice::<Value>(&found.stdout).unwrap()["times_threshold"].as_f64().unwrap()
+    });
+    assert!(turned > 1.5 * own, "{turned}, expected much more than {own}");
     // An option has precedence.
     let line = "compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json";
     let other: Value = serde_json::from_str(&text(&machband(folder.path(), &split(line)).stdout)).unwrap();
