@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
     map: Option<OutPath>,
     /// Where to write the picture in 8 bits with blue-noise dither. A picture of 8 bits is smoothed first.
-    #[arg(long, value_name = "FILE.png", requires = "steps")]
+    #[arg(long, value_name = "FILE.png", requires = "steps", conflicts_with = "reference")]
     dither_out: Option<OutPath>,
     /// Write JSON: an object, or for folders a list of objects.
     #[arg(long)]
@@ -55,44 +55,19 @@ struct Case {
 
 /// Compares, and returns true if everything is within the maximum.
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool> {
-    let Arguments { request, map, dither_out, json, junit } = arguments;
+    let Arguments { request, json, junit, .. } = arguments;
     let is_folder = request.is_folder()?;
     let bar = if is_folder { Bar::new("pairs") } else { Bar::spinner("comparing") };
-    let cases = if is_folder {
-        if request.steps || map.is_some() {
-            let option = if request.steps { "steps" } else { "map" };
-            return Err(RequestError::value(option, "is for one picture; expected no folders").into());
-        }
-        let (found, left_out) = request.folders(&bar)?;
-        left_out.iter().for_each(|what| message("warning", what));
-        let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
-        found.into_iter().map(of).collect::<Result<_, _>>()?
-    } else if request.steps {
-        let found = request.steps(None, &bar)?;
-        if let Some(path) = dither_out {
-            if !found.is_srgb {
-                let message = "writes sRGB's primaries, but the picture has others; expected a picture of sRGB";
-                return Err(RequestError::value("dither_out", message).into());
-            }
-            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
-        }
-        vec![Case::of_steps(&found)?]
-    } else {
-        let found = request.pair(None, &bar);
-        // JUnit also tells of a picture that cannot be judged.
-        if let (Err(error), Some(path)) = (&found, junit)
-            && !error.is::<RequestError>()
-        {
-            let name = request.picture.display().to_string();
-            let case = Case::of_pair(&request.picture, name, Err(anyhow::anyhow!("{error:#}")))?;
-            writer.write(path, document(&[case], request.max).as_bytes())?;
-        }
-        let found = found?;
-        if let Some(path) = map {
-            store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
-        }
-        vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?]
-    };
+    let cases = judged(arguments, writer, is_folder, &bar);
+    // JUnit also tells of what cannot be judged.
+    if let (Err(error), Some(path)) = (&cases, junit)
+        && !error.is::<RequestError>()
+    {
+        let name = request.picture.display().to_string();
+        let case = Case::of_pair(&request.picture, name, Err(anyhow::anyhow!("{error:#}")))?;
+        writer.write(path, document(&[case], request.max).as_bytes())?;
+    }
+    let cases = cases?;
     bar.clear();
     if let Some(path) = junit {
         writer.write(path, document(&cases, request.max).as_bytes())?;
@@ -130,6 +105,37 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     Ok(is_within)
 }
 
+/// Judges what the arguments ask for, and writes the picture that belongs to it.
+fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) -> anyhow::Result<Vec<Case>> {
+    let Arguments { request, map, dither_out, .. } = arguments;
+    if is_folder {
+        if request.steps || map.is_some() {
+            let option = if request.steps { "steps" } else { "map" };
+            return Err(RequestError::value(option, "is for one picture; expected no folders").into());
+        }
+        let (found, left_out) = request.folders(bar)?;
+        left_out.iter().for_each(|what| message("warning", what));
+        let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
+        return found.into_iter().map(of).collect();
+    }
+    if request.steps {
+        let found = request.steps(None, bar)?;
+        if let Some(path) = dither_out {
+            if !found.is_srgb {
+                let message = "writes sRGB's primaries, but the picture has others; expected a picture of sRGB";
+                return Err(RequestError::value("dither_out", message).into());
+            }
+            store::image::write_codes(writer, path, &found.picture_dithered, &found.transfers)?;
+        }
+        return Ok(vec![Case::of_steps(&found)?]);
+    }
+    let found = request.pair(None, bar)?;
+    if let Some(path) = map {
+        store::image::write_codes(writer, path, &found.picture_of_map(), &Transfer::Srgb.into())?;
+    }
+    Ok(vec![Case::of_pair(&request.picture, found.picture.clone(), Ok(found))?])
+}
+
 impl Case {
     fn of_pair(picture: &Path, name: String, found: anyhow::Result<Compared>) -> anyhow::Result<Self> {
         let found = match found {
@@ -155,7 +161,9 @@ impl Case {
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
         let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
-        let remedy = if times < 1.0 {
+        let remedy = if found.is_below() && found.is_edges {
+            "what is judged is below threshold".to_owned()
+        } else if found.is_below() {
             format!("the steps of {written} bits are below threshold: no dither is needed")
         } else if found.dithered < times {
             "write 16 bits, or dither to 8 (--dither-out)".to_owned()

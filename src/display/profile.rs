@@ -1,6 +1,7 @@
 //! Properties of a screen: its transfer functions, luminance, colors, and size.
 
 use jiff::civil::Date;
+use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::light::{Transfer, Transfers};
@@ -72,6 +73,18 @@ pub struct Primaries {
     pub blue: [f64; 2],
     /// Chromaticity of all channels together.
     pub white: [f64; 2],
+}
+
+impl Primaries {
+    /// Returns the luminance of full red, green and blue relative to white; `None` if no screen has such primaries.
+    #[must_use]
+    pub fn weights(&self) -> Option<[f64; 3]> {
+        let xyz = |[x, y]: [f64; 2]| Vector3::new(x / y, 1.0, (1.0 - x - y) / y);
+        Matrix3::from_columns(&[self.red, self.green, self.blue].map(xyz))
+            .try_inverse()
+            .map(|inverse| <[f64; 3]>::from(inverse * xyz(self.white)))
+            .filter(|weights| weights.iter().all(|weight| (0.0..=1.0).contains(weight)))
+    }
 }
 
 /// How a screen was measured.

@@ -73,41 +73,66 @@ impl Levels {
     }
 }
 
-/// How many distances between levels are looked at on either side of one, ...
+/// How many steps are looked at on either side of one, ...
 const NEAR: usize = 3;
-/// ... and how many of them must be alike, so that it counts as a step. Colors that are only few are not evenly spaced.
+/// ... and how many of them must be alike. Colors that are only few are not evenly spaced.
 const ALIKE: usize = 3;
+/// A step leads from a level to the nearest one to which at least one in so many changes leads as to the most frequent one, ...
+const FREQUENT: usize = 4;
+/// ... if these are at least one in so many of all changes from it.
+const MANY: usize = 3;
 
-/// Returns, for each level of a channel, how far the values that were rounded to it reach below and above it: half the
-/// distance to the next level that occurs, if levels are skipped evenly there, as after posterizing or stretching the
-/// contrast, and otherwise half a level. Flat areas of a few colors are not steps: where they meet, levels mostly change by
-/// more than one.
+/// Returns, for each level of a channel, how far the values that were rounded to it reach below and above it: half of the
+/// step from it, if the steps there are even, as after posterizing or stretching the contrast, and otherwise half a level.
+/// Steps are what most often lies between neighboring pixels, so that text over a ramp does not hide its steps, and flat
+/// areas of a few colors are none. Also returns whether most changes are larger than steps.
 #[must_use]
-pub fn reaches(channel: &[f64], width: usize) -> Vec<[f64; 2]> {
-    let mut reaches = vec![[0.5; 2]; 1 << 16];
-    let levels = distinct(channel.iter().map(|level| *level as u32));
-    let mut ranks = vec![0_usize; 1 << 16];
-    levels.iter().enumerate().for_each(|(rank, level)| ranks[*level as usize] = rank);
-    let beside = [1, width].into_iter().flat_map(|by| channel.iter().zip(channel.iter().skip(by)));
-    let changes = beside.map(|(a, b)| ranks[*a as usize].abs_diff(ranks[*b as usize])).filter(|change| *change > 0);
-    let (by_one, all) = changes.fold((0, 0), |(by_one, all), change| (by_one + usize::from(change == 1), all + 1));
-    if 2 * by_one < all {
-        return reaches;
+pub fn reaches(channel: &[f64], width: usize) -> (Vec<[f64; 2]>, bool) {
+    let beside = channel.chunks_exact(width).flat_map(|row| row.iter().zip(&row[1..]));
+    let beside = beside.chain(channel.iter().zip(channel.iter().skip(width))).filter(|(a, b)| a != b);
+    let mut changes: Vec<[u16; 2]> = beside.map(|(a, b)| [a.min(*b) as u16, a.max(*b) as u16]).collect();
+    changes.sort_unstable();
+    let counts = || changes.chunk_by(PartialEq::eq).map(|alike| (alike[0].map(usize::from), alike.len()));
+    // The changes to levels below and above each level: all of them, those to the most frequent one, and the nearest one.
+    let (mut all, mut most) = (vec![[0; 2]; 1 << 16], vec![[0; 2]; 1 << 16]);
+    for ([low, high], count) in counts() {
+        for (level, side) in [(low, 1), (high, 0)] {
+            all[level][side] += count;
+            most[level][side] = count.max(most[level][side]);
+        }
     }
-    let apart: Vec<u32> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let half = |i: usize| {
-        let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
-        // It is like itself.
-        let alike = near.iter().filter(|other| other.abs_diff(apart[i]) <= 1).count() - 1;
-        0.5 * f64::from(if alike >= ALIKE { apart[i] } else { 1 })
+    let mut next = vec![[None; 2]; 1 << 16];
+    for ([low, high], count) in counts() {
+        if FREQUENT * count >= most[low][1].max(most[high][0]) {
+            let is_step = MANY * count >= all[low][1].max(all[high][0]);
+            next[low][1].get_or_insert(is_step.then_some(high));
+            next[high][0] = Some(is_step.then_some(low));
+        }
+    }
+    let step = |from: usize, side: usize| {
+        next[from][side].flatten().filter(|to: &usize| next[*to][1 - side] == Some(Some(from)))
     };
-    for (i, level) in levels.iter().enumerate() {
-        let [below, above] = [i.checked_sub(1), (i < apart.len()).then_some(i)].map(|gap| gap.map(half));
-        // The lowest and the highest level reach as far to either side.
-        let [lowest, highest] = [below.or(above), above.or(below)];
-        reaches[*level as usize] = [lowest.unwrap_or(0.5), highest.unwrap_or(0.5)];
+    let mut reaches = vec![[0.5; 2]; 1 << 16];
+    for first in (0..1 << 16).filter(|level| step(*level, 0).is_none() && step(*level, 1).is_some()) {
+        let levels: Vec<usize> = std::iter::successors(Some(first), |level| step(*level, 1)).collect();
+        let apart: Vec<usize> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let half = |i: usize| {
+            let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
+            // It is like itself.
+            let alike = near.iter().filter(|other| other.abs_diff(apart[i]) <= 1).count() - 1;
+            0.5 * if alike >= ALIKE { apart[i] as f64 } else { 1.0 }
+        };
+        for (i, level) in levels.iter().enumerate() {
+            let [below, above] = [i.checked_sub(1), (i < apart.len()).then_some(i)].map(|gap| gap.map(half));
+            // The lowest and the highest level reach as far to either side.
+            let [lowest, highest] = [below.or(above), above.or(below)];
+            reaches[*level] = [lowest.unwrap_or(0.5), highest.unwrap_or(0.5)];
+        }
     }
-    reaches
+    let is_edge = |[low, high]: &[usize; 2]| (high - low) as f64 > reaches[*low][1] + reaches[*high][0];
+    let edges = changes.iter().filter(|change| is_edge(&change.map(usize::from))).count();
+    let is_edges = 2 * edges > changes.len();
+    (reaches, is_edges)
 }
 
 /// Returns the highest code of so many bits.

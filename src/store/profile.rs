@@ -35,7 +35,7 @@ use crate::{
 /// by = "N. N."
 /// with = "a photometer"
 ///
-/// [primaries]                       # CIE 1931 x, y
+/// [primaries]                       # CIE 1931 x, y; how bright the channels are to `compare`. Stimuli have sRGB's
 /// red = [0.64, 0.33]
 /// green = [0.3, 0.6]
 /// blue = [0.15, 0.06]

@@ -1,6 +1,9 @@
 //! How visible the difference between two pictures is, and that between a picture and what its codes were rounded from.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -137,6 +140,9 @@ pub struct Steps {
     /// True if most pixels have a level beside which others are skipped evenly.
     #[serde(skip)]
     pub is_skipping: bool,
+    /// True if most changes between neighboring pixels are larger than a step, so that they count as edges.
+    #[serde(skip)]
+    pub is_edges: bool,
     /// The picture in 8 bits with blue-noise dither, and what its codes mean.
     #[serde(skip)]
     pub picture_dithered: CodeImage,
@@ -217,7 +223,7 @@ impl Compare {
     /// own result or error, in the order of their names. What else is in the folders is named in sentences.
     ///
     /// # Errors
-    /// A folder cannot be read, or a picture has no counterpart.
+    /// A folder cannot be read, or there are no pictures. That a picture has no counterpart is the error of its pair.
     pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<(Vec<Pair>, Vec<String>)> {
         let encoded = self.encoding.read(watcher)?;
         let (folder, others) = (&self.picture, self.reference()?);
@@ -228,34 +234,34 @@ impl Compare {
             (!names.is_empty()).then_some(message)
         };
         let left_out = [(folder.as_path(), left), (others, also_left)].into_iter().filter_map(left_out).collect();
-        for (of, all, wanted) in [(others, &counterparts, &names), (folder, &names, &counterparts)] {
-            let missing: Vec<&str> = wanted.iter().filter(|name| !all.contains(name)).map(String::as_str).collect();
-            if let [first, ..] = missing.as_slice() {
-                let more = if missing.len() > 1 { format!(" and {} more", missing.len() - 1) } else { String::new() };
-                anyhow::bail!("{}: lacks {first}{more}; expected the same names in both folders", of.display());
-            }
-        }
-        if names.is_empty() {
+        let all: Vec<&String> = names.iter().chain(&counterparts).collect::<BTreeSet<_>>().into_iter().collect();
+        if all.is_empty() {
             anyhow::bail!("{}: contains no PNG; expected pictures", folder.display());
         }
         let done = std::sync::atomic::AtomicU64::new(0);
-        let one = |name: &String| {
+        let one = |name: &&String| {
+            let name = name.as_str();
             let compare = || {
+                for (folder, names) in [(folder.as_path(), &names), (others, &counterparts)] {
+                    if !names.iter().any(|own| own == name) {
+                        let (folder, name) = (folder.display(), printable(name));
+                        anyhow::bail!("{folder}: lacks {name}; expected the same names in both folders");
+                    }
+                }
                 let shown = self.read(&folder.join(name), &encoded)?;
                 self.compared(shown, self.read(&others.join(name), &encoded)?, &encoded)
             };
             // A map for every pair would not fit into memory.
             let found = compare().map(|found| Compared { map: Vec::new(), ..found });
             let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-            watcher.progress(done, names.len() as u64);
-            (name.clone(), found)
+            watcher.progress(done, all.len() as u64);
+            (name.to_owned(), found)
         };
-        let is_small =
-            |name: &String| matches!(store::image::pixels(&folder.join(name)), Ok(pixels) if pixels <= SMALL_PX);
-        let found = if names.iter().all(is_small) {
-            names.par_iter().with_max_len(1).map(one).collect()
+        let is_small = |name: &&String| store::image::pixels(&folder.join(name)).unwrap_or(0) <= SMALL_PX;
+        let found = if all.iter().all(is_small) {
+            all.par_iter().with_max_len(1).map(one).collect()
         } else {
-            names.iter().map(one).collect()
+            all.iter().map(one).collect()
         };
         Ok((found, left_out))
     }
@@ -267,14 +273,14 @@ impl Compare {
     pub fn steps(&self, given: Option<CodeImage>, watcher: &dyn Watcher) -> anyhow::Result<Steps> {
         let encoded = self.encoding.read(watcher)?;
         let (name, picture) = match given {
-            Some(codes) => ("picture".to_owned(), Picture::given(codes, encoded.transfers.clone())),
+            Some(codes) => ("picture".to_owned(), encoded.shows(Picture::given(codes, encoded.transfers.clone()))),
             None => (self.picture.display().to_string(), self.picture(&self.picture, &encoded)?),
         };
         watcher.stage("smoothing");
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
         let levels = Levels::of(&picture.codes, picture.significant_bits);
-        let (smooth, is_skipping) = smooth(&picture, levels);
+        let (smooth, [is_skipping, is_edges]) = smooth(&picture, levels);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         let shown = picture.codes.light(&picture.transfers);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
@@ -305,6 +311,7 @@ impl Compare {
             bits: levels.bits,
             file_bits: picture.bits,
             is_skipping,
+            is_edges,
             is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
             picture: name,
             picture_dithered: dithered,
@@ -323,7 +330,7 @@ impl Compare {
 
     fn picture(&self, path: &Path, encoded: &Encoded) -> Result<Picture, StoreError> {
         let transfers = encoded.is_given.then_some(&encoded.transfers);
-        store::image::read_picture(path, transfers, self.pixels())
+        Ok(encoded.shows(store::image::read_picture(path, transfers, self.pixels())?))
     }
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
@@ -441,6 +448,12 @@ impl Compared {
 }
 
 impl Steps {
+    /// True if the steps of the picture in 8 bits are below threshold.
+    #[must_use]
+    pub fn is_below(&self) -> bool {
+        self.rounded.unwrap_or(self.steps) < 1.0
+    }
+
     /// Says what is unusual about the codes.
     #[must_use]
     pub fn note(&self) -> Option<String> {
@@ -448,7 +461,10 @@ impl Steps {
         let bits =
             (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"));
         let skips = "its codes skip values evenly, as after posterizing: the steps between those that occur are judged";
-        let notes: Vec<String> = bits.into_iter().chain(self.is_skipping.then(|| skips.to_owned())).collect();
+        let edges = "most changes between neighboring pixels exceed one code: they are taken as edges and not judged";
+        let said = [(self.is_skipping, skips), (self.is_edges && self.is_below(), edges)];
+        let said = said.into_iter().filter(|(holds, _)| *holds).map(|(_, text)| text.to_owned());
+        let notes: Vec<String> = bits.into_iter().chain(said).collect();
         (!notes.is_empty()).then(|| notes.join("; "))
     }
 }
@@ -471,7 +487,11 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     match given {
         Given::Codes(codes) => {
             let light = if encoded.is_given { "as asked" } else { "sRGB is assumed" };
-            Lit::of_picture(name.to_owned(), &Picture::given(codes, encoded.transfers.clone()), light.to_owned())
+            Lit::of_picture(
+                name.to_owned(),
+                &encoded.shows(Picture::given(codes, encoded.transfers.clone())),
+                light.to_owned(),
+            )
         }
         Given::Light(image) => {
             Lit { name: name.to_owned(), image, weights: Picture::srgb_weights(), light: "given as light".to_owned() }
@@ -479,9 +499,9 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the light of the smoothest picture that has the codes of this one, and whether most of its levels stand beside
-/// others that are skipped evenly.
-fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
+/// Returns the light of the smoothest picture that has the codes of this one, whether most of its levels stand beside
+/// others that are skipped evenly, and whether most changes of a channel are edges.
+fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
     let level = |code: u32| f64::from(levels.level(code));
@@ -490,9 +510,10 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
-    let mut skipping = 0;
+    let (mut skipping, mut is_edges) = (0, false);
     let mut smooth = |own: &[f64]| {
-        let reaches = reaches(own, size[0]);
+        let (reaches, has_edges) = reaches(own, size[0]);
+        is_edges |= has_edges;
         let reach = |level: f64| reaches[level as usize];
         // What is finer than 8 bits is not posterization, but a slow ramp.
         let skips = |level: &&f64| match reach(**level) {
@@ -512,7 +533,7 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let data = (0..first.len())
         .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
         .collect();
-    (LinearImage { width: *width, height: *height, data }, 2 * skipping > first.len())
+    (LinearImage { width: *width, height: *height, data }, [2 * skipping > first.len(), is_edges])
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

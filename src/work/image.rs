@@ -12,7 +12,7 @@ use crate::{
         Stimulus, ViewingConditions,
         recipe::{MAX_SIZE, Recipe},
     },
-    store,
+    store::{self, image::Picture},
     system::now,
     text::number::{whole, within},
 };
@@ -59,6 +59,14 @@ pub struct Encoded {
 }
 
 impl Encoded {
+    /// Returns a picture with the primaries of the display profile, if it has any.
+    #[must_use]
+    pub fn shows(&self, picture: Picture) -> Picture {
+        let primaries = self.profile.as_ref().and_then(|(profile, _)| profile.primaries);
+        let weights = primaries.and_then(|own| own.weights()).unwrap_or(picture.weights);
+        Picture { weights, ..picture }
+    }
+
     /// Returns how a window of this width looks: on a screen of the luminances that were asked for, otherwise of the
     /// profile's, otherwise of a typical one.
     #[must_use]

@@ -116,8 +116,16 @@ fn folders_are_compared_in_pairs() {
     assert!(xml.contains("tests=\"2\" failures=\"1\" errors=\"0\"") && xml.contains("b &amp; c.png"), "{xml}");
     // A picture without a counterpart, and one that cannot be read, are no successes.
     png(&folder.path().join("new/d.png"), [96; 2], png::ColorType::Grayscale, &waves(96, 0), |_| {});
-    let error = fails(folder.path(), &split("compare new old --window 3"), 1);
-    assert!(error.contains("old: lacks d.png"), "{error}");
+    let mixed = machband(folder.path(), &split("compare new old --window 3 --junit lacks.xml"));
+    let error = text(&mixed.stderr);
+    assert!(mixed.status.code() == Some(1) && text(&mixed.stdout).lines().count() == 2, "{error}");
+    let xml = fs::read_to_string(folder.path().join("lacks.xml")).unwrap();
+    assert!(error.contains("old: lacks d.png") && xml.contains("old: lacks d.png"), "{error} {xml}");
+    assert!(xml.contains("tests=\"3\" failures=\"0\" errors=\"1\""), "{xml}");
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    fails(folder.path(), &split("compare empty empty --window 3 --junit empty.xml"), 1);
+    let xml = fs::read_to_string(folder.path().join("empty.xml")).unwrap();
+    assert!(xml.contains("errors=\"1\"") && xml.contains("contains no PNG"), "{xml}");
     fs::write(folder.path().join("old/d.png"), "no picture").unwrap();
     let mixed = machband(folder.path(), &split("compare new old --window 3"));
     let errors = text(&mixed.stderr);
@@ -195,6 +203,18 @@ fn pictures_mean_what_they_say() {
         assert!(found["times_threshold"].as_f64().unwrap() < 0.01 && found["color_ignored"].is_null(), "{found}");
         assert!(found["light"].as_str().unwrap().contains(said), "{found}");
     }
+    // A profile of the display says how bright its channels are.
+    let profile = "schema = 1\nname = \"turned\"\ntransfer = \"srgb\"\n[primaries]\nred = [0.3, 0.6]\ngreen = [0.64, 0.33]\n\
+        blue = [0.15, 0.06]\nwhite = [0.3127, 0.329]\n";
+    fs::write(folder.path().join("turned.toml"), profile).unwrap();
+    let redder: Vec<u8> =
+        ramp.chunks_exact(3).enumerate().flat_map(|(i, of)| [of[0] + (i % 64 / 32 * 30) as u8, of[1], of[2]]).collect();
+    png(&folder.path().join("redder.png"), [64; 2], png::ColorType::Rgb, &redder, |_| {});
+    let [own, turned] = ["--transfer srgb", "--display turned.toml"].map(|option| {
+        let found = machband(folder.path(), &split(&format!("compare redder.png both.png --window 2 --json {option}")));
+        serde_json::from_slice::<Value>(&found.stdout).unwrap()["times_threshold"].as_f64().unwrap()
+    });
+    assert!(turned > 1.5 * own, "{turned}, expected much more than {own}");
     // An option has precedence.
     let line = "compare gray-linear.png gray-srgb.png --window 5 --transfer gamma:3 --json";
     let other: Value = serde_json::from_str(&text(&machband(folder.path(), &split(line)).stdout)).unwrap();
@@ -324,6 +344,21 @@ fn steps_are_those_between_the_codes_that_occur() {
             "{name}: {said}"
         );
     }
+    // Text of many codes over a part does not hide steps.
+    gray("over.png", &|i| match (i % 512, i / 512) {
+        (x, ..8) if x % 5 == 0 => f64::from(i * 37 % 251),
+        _ => (ramp(i) / 10.0).floor() * 10.0 + 4.0,
+    });
+    let [over, alone] = ["over.png", "by10.png"].map(|name| {
+        let (found, said) = run(&format!("compare {name} --steps --window 30 --json"));
+        assert!(said.contains("its codes skip values"), "{name}: {said}");
+        found["steps"].as_f64().unwrap()
+    });
+    assert!(over > 0.7 * alone, "{over}, expected about {alone}");
+    // Few levels may be colors: nothing is said about the steps between them.
+    gray("few.png", &|i| f64::from(112 + i % 512 / 128 * 4));
+    let few = machband(folder.path(), &split("compare few.png --steps --window 30"));
+    assert!(!text(&few.stdout).contains("no dither") && text(&few.stderr).contains("not judged"), "{few:?}");
     let colors = [17.0, 30.0, 96.0, 133.0, 150.0, 201.0, 222.0, 255.0];
     gray("flat.png", &|i| colors[(i % 512 / 64 * 5 % 8) as usize]);
     // Letters of two codes with soft edges.
@@ -379,6 +414,7 @@ fn impossible_comparisons_are_refused() {
         ("compare gray.png gray.png", 2, "--window"),
         ("compare gray.png --window 2", 2, "REFERENCE"),
         ("compare gray.png gray.png --steps --window 2", 2, "--steps"),
+        ("compare gray.png gray.png --window 2 --dither-out out.png", 2, "--dither-out"),
         ("compare gray.png gray.png --window=-1", 2, "--window"),
         ("compare gray.png gray.png --window 400", 1, "degrees"),
         ("compare gray.png gray.png --window 2 --mask wide.png", 2, "--mask"),

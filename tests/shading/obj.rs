@@ -127,6 +127,10 @@ fn smoothing_groups_and_crease_angles_without_effect_are_told() {
     for faces in ["s 1\nf 1 2 3\ns 1\nf 1 4 2\n", "vn 0 0 1\ns off\nf 1//1 2//1 3//1\n", "f 1 2 3\ns off\n"] {
         assert!(notes(faces, 180.0).is_empty(), "{faces}");
     }
+    // Indices of normals in a file without any, and normals without a direction, are told too.
+    let missing = ["normals were ignored that faces name but the file does not have"];
+    assert_eq!(notes("f 1/1/1 2//2 3\n", 180.0), missing);
+    assert_eq!(notes("vn 0 0 0\nf 1//1 2 3\n", 180.0), ["normals that are zero or not finite were estimated"]);
     let creased = "the crease angle has no effect, because every corner has a normal";
     assert_eq!(notes("vn 0 0 1\nf 1//1 2//1 3//1\n", 40.0), [creased]);
     assert!(notes("vn 0 0 1\nf 1//1 2//1 3\n", 40.0).is_empty() && notes("f 1 2 3\n", 40.0).is_empty());
@@ -149,10 +153,8 @@ fn errors_are_reported_with_their_position() {
             "it.obj:2:7: vertex -2 does not exist (1 so far); expected -1 for the last one, or an index from 1",
         ),
         ("v 0 0 0\nf 1 1 2", "it.obj:2:7: vertex 2 does not exist; expected 1…1"),
-        (
-            "v 0 0 0\nf 1//1 1 1",
-            "it.obj:2:3: normal 1 does not exist: the file has no normals; expected a corner without one",
-        ),
+        ("v 0 0 0\nvn 0 0 1\nf 1//2 1 1", "it.obj:3:3: normal 2 does not exist; expected 1…1"),
+        ("v 0 0 0\nf 1//a 1 1", "it.obj:2:3: \"1//a\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
         ("v 0 0 0\nf 1 1 1.5", "it.obj:2:7: \"1.5\" is not a corner of a face; expected 1, 1/1, 1//1 or 1/1/1"),
     ] {
         assert_eq!(message(text), expected, "{text}");
@@ -181,6 +183,19 @@ fn files_of_other_kinds_are_reported() {
     std::fs::write(&picture, b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR").unwrap();
     assert!(error(&picture).ends_with("picture.obj:3:1: is not text; expected an OBJ file"), "{}", error(&picture));
     assert_eq!(message(b"v 0 0 0\nv 1 \xff 2\n"), "it.obj:2:5: is not UTF-8 text; expected numbers");
+    let none = "is none of OBJ, PLY, glTF and GLB; expected one of these";
+    for (name, content) in [
+        ("it.off", "OFF\n3 1 0\n"),
+        ("it.obj", "<?xml version=\"1.0\"?>\n"),
+        ("it", "PK\x03\x04"),
+        ("it.fbx", "Kaydara FBX\0"),
+        ("it.obj.gz", "\x1f\0"),
+        ("it.txt", "v 0 0 0\n"),
+    ] {
+        let error = obj::parse(name, content.as_bytes(), 180.0).expect_err(name).to_string();
+        assert_eq!(error, format!("{name}: {none}"));
+    }
+    assert!(obj::parse("it.txt", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 180.0).is_ok());
     // Names and comments in another encoding do no harm.
     let latin = b"# \xe9crit\no \xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     assert_eq!(obj::parse("it.obj", latin, 180.0).unwrap().mesh.triangles.len(), 1);

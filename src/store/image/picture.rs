@@ -10,6 +10,7 @@ use png::{ColorType, Decoder, Info};
 
 use super::read::{content, decode};
 use crate::{
+    display::Primaries,
     light::{CodeImage, Transfer, TransferTable, Transfers},
     stimulus::recipe::MAX_SIZE,
     store::{FileErrors, StoreError, error::io, open::open_regular},
@@ -209,14 +210,9 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
 
 /// Returns the luminance of primaries relative to their white.
 fn of_primaries(given: png::SourceChromaticities) -> Result<[f64; 3], String> {
-    let xyz = |(x, y): (png::ScaledFloat, png::ScaledFloat)| {
-        let (x, y) = (f64::from(x.into_scaled()), f64::from(y.into_scaled()));
-        Vector3::new(x / y, 1.0, (1e5 - x - y) / y)
-    };
-    let weights = Matrix3::from_columns(&[given.red, given.green, given.blue].map(xyz))
-        .try_inverse()
-        .map(|inverse| <[f64; 3]>::from(inverse * xyz(given.white)))
-        .filter(|weights| weights.iter().all(|weight| (0.0..=1.0).contains(weight)));
+    let xy = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|part| f64::from(part.into_scaled()) / 1e5);
+    let [red, green, blue, white] = [given.red, given.green, given.blue, given.white].map(xy);
+    let weights = Primaries { red, green, blue, white }.weights();
     weights
         .ok_or_else(|| "has a cHRM chunk of impossible primaries; expected those of a screen, or --transfer".to_owned())
 }

@@ -466,9 +466,10 @@ impl Reader<'_> {
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
         }
         let transform = "KHR_texture_transform";
-        let of_base = base.base_color_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let of_normals =
-            material.normal_texture().map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
+        let of_base = base.base_color_texture().filter(|t| self.has_image(&t.texture()));
+        let of_base = of_base.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
+        let of_normals = material.normal_texture().filter(|t| self.has_image(&t.texture()));
+        let of_normals = of_normals.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
         let asked = [of_base.transpose()?, of_normals.transpose()?];
         let has_places = |place: &TexturePlace| get(Semantic::TexCoords(place.set)).is_some();
         let found = asked.map(|place| place.filter(has_places));
@@ -496,6 +497,15 @@ impl Reader<'_> {
             }
         }
         Ok(textures)
+    }
+
+    /// True if a texture has an image of its own; an extension may give another one.
+    fn has_image(&mut self, texture: &gltf::Texture<'_>) -> bool {
+        let image = texture.source();
+        if image.is_none() {
+            self.notes.insert("textures without an image were ignored");
+        }
+        image.is_some()
     }
 
     /// Returns the vertex of each corner of a primitive with `count` vertices.
@@ -532,14 +542,18 @@ impl Reader<'_> {
         if used.any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest)) {
             self.notes.insert("textures are interpolated, although the file asks for the nearest texel");
         }
-        if let Some(base) = base {
+        if let Some(base) = base
+            && let Some(image) = base.texture().source()
+        {
             let linear: Vec<f32> =
                 (0..=255).map(|code| Transfer::Srgb.linear_from_encoded(f64::from(code) / 255.0) as f32).collect();
-            let pixels = self.pixels(base.texture().source())?;
+            let pixels = self.pixels(image)?;
             coat.base = Some(texture(&pixels, &base.texture(), &|code| code.map(|code| linear[usize::from(code)])));
         }
-        if let Some(normals) = normals {
-            let (pixels, scale) = (self.pixels(normals.texture().source())?, normals.scale());
+        if let Some(normals) = normals
+            && let Some(image) = normals.texture().source()
+        {
+            let (pixels, scale) = (self.pixels(image)?, normals.scale());
             let component = |code: u8| f32::from(code) / 127.5 - 1.0;
             let of = |[x, y, z]: [u8; 3]| [component(x) * scale, component(y) * scale, component(z)];
             coat.normals = Some(texture(&pixels, &normals.texture(), &of));

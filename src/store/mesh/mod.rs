@@ -87,10 +87,15 @@ fn parse_in(
     if is_stl || (text.starts_with(b"solid") && text.windows(5).any(|word| word == b"facet")) {
         return Err(FileErrors::whole(file, "is an STL file; expected an OBJ, PLY, glTF or GLB file"));
     }
+    let is_other = [&b"OFF"[..], b"<", b"PK"].iter().any(|start| text.starts_with(start));
+    let is_named = Path::new(file).extension().is_none_or(|name| name.eq_ignore_ascii_case("obj"));
+    let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
     let (faces, expected) = if content.starts_with(b"glTF") || text.starts_with(b"{") {
         (gltf::parse(folder, file, content, normals == Normals::Given)?, "at least one primitive with triangles")
     } else if text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         (ply::parse(file, content)?, "an element \"face\" with a list \"vertex_indices\"")
+    } else if is_other || !is_named && !lines.any(|line| line.trim_ascii_start().starts_with(b"f ")) {
+        return Err(FileErrors::whole(file, "is none of OBJ, PLY, glTF and GLB; expected one of these"));
     } else {
         (obj::parse(file, content)?, "at least one line \"f 1 2 3\"")
     };

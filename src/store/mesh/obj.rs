@@ -91,14 +91,14 @@ struct Reader {
     /// The smoothing groups of all faces.
     groups: BTreeSet<Option<Vec<u8>>>,
     /// What was ignored.
-    notes: Vec<String>,
+    notes: BTreeSet<&'static str>,
 }
 
 impl Reader {
     fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
-        if matches!(keyword, b"usemtl") && self.notes.is_empty() {
-            self.notes.push("materials in the file were ignored".to_owned());
+        if keyword == b"usemtl" {
+            self.notes.insert("materials in the file were ignored");
         }
         if keyword == b"s" {
             let group = line.trim_ascii_start()[1..].trim_ascii();
@@ -132,6 +132,9 @@ impl Reader {
             b"vn" => {
                 let normal = statement.three_numbers(&words);
                 self.normals.push(normal.as_ref().ok().and_then(|normal| normal.try_normalize()));
+                if self.normals.ends_with(&[None]) {
+                    self.notes.insert("normals that are zero or not finite were estimated");
+                }
                 normal.map(drop)
             }
             _ => self.face(&statement, &words),
@@ -152,7 +155,13 @@ impl Reader {
             if parts.next().is_some() || !(texture.is_empty() || texture.parse::<i64>().is_ok()) {
                 return Err(statement.not_a_corner(word));
             }
-            let normal = normal.map(|normal| self.index(statement, word, 1, normal)).transpose()?;
+            let normal = match normal {
+                Some(index) if self.counts[1] == 0 && index.parse::<i64>().is_ok() => {
+                    self.notes.insert("normals were ignored that faces name but the file does not have");
+                    None
+                }
+                normal => normal.map(|normal| self.index(statement, word, 1, normal)).transpose()?,
+            };
             self.corners.push((vertex, normal));
         }
         self.ends.push(self.corners.len());
@@ -173,7 +182,6 @@ impl Reader {
             ..0 if found <= above => return Ok(above - found),
             ..0 => format!(" ({above} so far); expected -1 for the last one, or an index from 1"),
             _ if found <= count => return Ok(found - 1),
-            _ if kind == 1 && count == 0 => ": the file has no normals; expected a corner without one".to_owned(),
             _ => format!("; expected 1…{count}"),
         };
         let name = ["vertex", "normal"][kind];
@@ -182,7 +190,7 @@ impl Reader {
 
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
-        faces.notes.extend(self.notes);
+        faces.notes.extend(self.notes.into_iter().map(str::to_owned));
         let has_edges = self.groups.len() > 1 || self.groups.contains(&Some(b"0".to_vec()));
         if has_edges && self.corners.iter().all(|(_, normal)| normal.is_none()) {
             faces.notes.push("smoothing groups were ignored; a crease angle makes edges".to_owned());
