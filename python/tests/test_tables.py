@@ -350,6 +350,8 @@ def test_ordered_columns_that_are_no_factors_have_no_say():
         assert machband.analyze(table, **given).tables["by_cond"]["cond"].tolist() == conds
     assert [*machband.analyze(ordered[ordered.cond != "few"], **given).tables["by_cond"]["cond"]] == ["some", "none"]
     assert [*machband.analyze(ordered, **{**given, "factors": None}, terms=["cond"]).tables["by_cond"]["cond"]] == conds
+    colon = machband.analyze(ordered.rename(columns={"cond": "near:far"}), **{**given, "factors": None}, terms=['"near:far"'])
+    assert {name for name in colon.params.index if "far" in name} == {"near:farfew", "near:farnone"}
     rows = machband.simulate("quick", participants=2, seed=1)
     told = machband.analyze(rows, draws=99).files["by_width.csv"]
     rows["session_id"] = pandas.Categorical(rows.session_id, ordered=True)
