@@ -195,7 +195,9 @@ def texts(name: str, given: object) -> str:
     if isinstance(given, str):
         return given
     try:
-        return ",".join(_quoted(_cell(name, one)) for one in given)  # type: ignore[attr-defined]
+        cells = [_cell(name, one) for one in given]  # type: ignore[attr-defined]
+        # Terms have quotes of their own, such as those of the name "near:far".
+        return ",".join(one if name == "terms" and '"' in one else _quoted(one) for one in cells)
     except TypeError:
         raise TypeError(f"{name} is {given!r}; expected a list of texts") from None
 

@@ -20,15 +20,20 @@ fn triples<T: Copy + numpy::Element>(array: &PyReadonlyArray2<'_, T>) -> PyResul
     Ok(array.as_slice()?.as_chunks::<3>().0.to_vec())
 }
 
-/// Makes the mesh of arrays, which have three columns, and a note if it was repaired.
-fn mesh_of(Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>) -> PyResult<FoundMesh> {
-    let vectors = |array| triples(array).map(|rows| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>());
-    let normals = normals.as_ref().map(vectors).transpose()?;
-    let file =
-        store::mesh::from_arrays("mesh", &vectors(positions)?, &triples(triangles)?, normals.as_deref(), *crease_deg);
-    let file = file.map_err(error)?;
-    let note = file.note(Path::new("mesh"));
-    Ok(FoundMesh { mesh: file.mesh, note })
+/// Copies arrays, which have three columns. Returns what makes their mesh, and a note if it was repaired, without the
+/// interpreter's lock.
+fn mesh_of(
+    Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>,
+) -> PyResult<impl FnOnce() -> anyhow::Result<FoundMesh> + Send + 'static> {
+    let normals = normals.as_ref().map(triples).transpose()?;
+    let (positions, triangles, crease_deg) = (triples(positions)?, triples(triangles)?, *crease_deg);
+    Ok(move || {
+        let vectors = |rows: Vec<[f64; 3]>| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>();
+        let normals = normals.map(vectors);
+        let file = store::mesh::from_arrays("mesh", &vectors(positions), &triangles, normals.as_deref(), crease_deg)?;
+        let note = file.note(Path::new("mesh"));
+        Ok(FoundMesh { mesh: file.mesh, note })
+    })
 }
 
 /// Returns the positions, triangles and normals of the mesh that the command's options name.
@@ -58,7 +63,8 @@ pub fn shade<'py>(
     let request: Shade = request(fields)?;
     let given = mesh.as_ref().map(mesh_of).transpose()?;
     let wanted = Wanted { picture: true, metrics: measure, creases: false };
-    let shaded = job::run(py, None, false, move |job, _| request.shade(given, wanted, job))?;
+    let shaded =
+        job::run(py, None, false, move |job, _| request.shade(given.map(|of| of()).transpose()?, wanted, job))?;
     job::warn(py, &shaded.notes)?;
     let codes = shaded.picture.ok_or_else(|| error("no picture; expected one"))?;
     let metrics = shaded.metrics.as_ref().map(serde_json::to_string).transpose().map_err(error)?;

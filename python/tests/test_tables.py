@@ -228,6 +228,7 @@ def test_simulated_stays_simulated(sessions, tmp_path):
     merged = rows.merge(groups, on="subject_id")
     assert rows.simulated.all() and merged.simulated.all()
     real = rows.assign(simulated=rows.subject_id == "S001")
+    main, some = rows.phase == "main", real.assign(simulated=real.simulated & (rows.trial > 5))
     old = rows.drop(columns="simulated")
     old.attrs["simulated"] = True
     plain = {name: merged[name].to_numpy() for name in ["subject_id", "width", "rating", "simulated"]}
@@ -235,6 +236,8 @@ def test_simulated_stays_simulated(sessions, tmp_path):
         (rows, said), (merged, said), (old, said), (plain, said), (rows[["subject_id", "width", "rating"]], said),
         (rows.assign(simulated=1), said), (rows.assign(simulated="True"), said),
         (real, "Some of these data are simulated: the ratings of 1 of 6 participants (S001) come from a program"),
+        (some, f"Some of these data are simulated: {(real.simulated & some.simulated & main).sum()} of {(real.simulated & main).sum()} "
+               "ratings of 1 of 6 participants (S001) come from a program"),
     ]:
         found = machband.analyze(table, factors=["width"], draws=99)
         for text in [repr(found), found._repr_html_(), found.report]:
@@ -347,6 +350,8 @@ def test_ordered_columns_that_are_no_factors_have_no_say():
         assert machband.analyze(table, **given).tables["by_cond"]["cond"].tolist() == conds
     assert [*machband.analyze(ordered[ordered.cond != "few"], **given).tables["by_cond"]["cond"]] == ["some", "none"]
     assert [*machband.analyze(ordered, **{**given, "factors": None}, terms=["cond"]).tables["by_cond"]["cond"]] == conds
+    colon = machband.analyze(ordered.rename(columns={"cond": "near:far"}), **{**given, "factors": None}, terms=['"near:far"'])
+    assert {name for name in colon.params.index if "far" in name} == {"near:farfew", "near:farnone"}
     rows = machband.simulate("quick", participants=2, seed=1)
     told = machband.analyze(rows, draws=99).files["by_width.csv"]
     rows["session_id"] = pandas.Categorical(rows.session_id, ordered=True)

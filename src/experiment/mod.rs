@@ -32,8 +32,8 @@ pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, Visi
 pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
-    Column, Rating, RatingRow, RowContext, SECOND, SIMULATED, Seconds, TaskAnswer, TrialRecord, columns,
-    columns_by_header, is_reserved,
+    Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, Seconds, TaskAnswer, TrialRecord,
+    columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};

@@ -350,6 +350,12 @@ fn extra_factors(protocol: &Protocol) -> impl Iterator<Item = &str> {
 /// The column of a table that says whether a program answered, as the sidecars of result files do.
 pub const SIMULATED: &str = "simulated";
 
+/// The columns of a result file that have another name in BIDS, each with that name.
+pub const IN_BIDS: [(&str, &str); 3] =
+    [("phase", "trial_type"), ("response_time_s", "response_time"), ("subject_id", "participant_id")];
+/// The column of a BIDS table that names the picture.
+pub const STIM_FILE: &str = "stim_file";
+
 /// Returns whether a column of every file has this name and is not a parameter of the stimulus, or an analysis reads from it
 /// whether a program answered, so that a factor cannot have it.
 #[must_use]

@@ -57,14 +57,15 @@ impl Repair {
 }
 
 /// Says what was done.
-fn sentence(Repaired { lines, moved_to, header_restored, has_gaps }: Repaired) -> String {
+fn sentence(Repaired { lines, moved_to, header_restored, order_restored, has_gaps }: Repaired) -> String {
     let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
     let moved = moved_to.map(|path| {
         let moved = count(lines.len() as u64, "damaged line");
         format!("{moved} moved to {}: {}", path.display(), numbers.join(", "))
     });
     let header = header_restored.then(|| "the header was restored".to_owned());
+    let order = order_restored.then(|| "the order of the rows was restored".to_owned());
     let gaps = has_gaps.then(|| "no line is damaged, but rows are missing, as the sidecar now says".to_owned());
-    let done: Vec<String> = moved.into_iter().chain(header).chain(gaps).collect();
+    let done: Vec<String> = moved.into_iter().chain(header).chain(order).chain(gaps).collect();
     if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") }
 }

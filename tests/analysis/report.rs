@@ -45,7 +45,6 @@ pub fn source(factors: &[&str]) -> Source {
         definition_sha256: None,
         files: Vec::new(),
         sessions: Vec::new(),
-        simulated: Default::default(),
         errors: Vec::new(),
         warnings: Vec::new(),
     }

@@ -14,7 +14,7 @@ use machband::store::{
 };
 
 use crate::{
-    common::{change_rating, edit, everything, machband, session_csv, succeeds, text, verified},
+    common::{change_rating, edit, everything, machband, session_csv, set_cell, succeeds, text, verified},
     recording::{self, SEED, create, identity, paths, resume, sitting, small},
 };
 
@@ -338,12 +338,22 @@ fn repair_moves_damaged_lines_and_deletes_no_byte() {
     assert_eq!((files(), fs::read_to_string(&csv).unwrap()), (before, whole.clone()));
     let repeated = [&lines[..3], &lines[2..]].concat();
     assert_eq!(moved(&repeated), (vec![4], whole.clone()));
+    // Rows in another order are put back: no intact row is lost.
     let mut swapped = lines.clone();
     swapped.swap(2, 3);
-    assert_eq!(moved(&swapped).0, [4]);
+    assert_eq!(moved(&swapped), (vec![], whole.clone()));
+    let mut sorted = lines.clone();
+    sorted[1..].sort_by_key(|row| row.split(',').nth(12));
+    assert_eq!(moved(&[&sorted[..5], &["cut off\n"], &sorted[5..]].concat()), (vec![6], whole.clone()));
     let reversed: Vec<&str> = lines[..1].iter().chain(rows.iter().rev()).copied().collect();
     fs::write(&csv, reversed.concat()).unwrap();
+    let said = succeeds(folder.path(), &["repair", csv.to_str().unwrap()]);
+    assert!(said.ends_with("_data.csv: the order of the rows was restored\n"), "{said}");
+    assert_eq!(fs::read_to_string(&csv).unwrap(), whole);
+    set_cell(&csv, 4, "onset_s", "9.0000");
+    let before = everything(folder.path());
     assert!(repair(&csv).unwrap_err().to_string().contains("are not in the order"));
+    assert_eq!(everything(folder.path()), before);
     fs::write(&csv, &whole).unwrap();
     // The sidecar of another session does not make every row damaged.
     edit_sidecar(&csv, |sidecar| sidecar.seed = 8);

@@ -767,8 +767,26 @@ mod elsewhere {
     fn names_that_look_alike_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let ids = [
-            " MAR1", "mar1", "MAR1 ", "01", "1", "1.0", "001", "10", "1.05", "1.5", "S1", "S01", "S10", "0", "+1",
-            "1e0", "\u{e9}", "e\u{301}",
+            " MAR1",
+            "mar1",
+            "MAR1 ",
+            "01",
+            "1",
+            "1.0",
+            "001",
+            "10",
+            "1.05",
+            "1.5",
+            "S1",
+            "S01",
+            "S10",
+            "0",
+            "+1",
+            "1e0",
+            "\u{e9}",
+            "e\u{301}",
+            "mar\u{200b}1",
+            "\u{feff}01",
         ];
         let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
@@ -778,9 +796,9 @@ mod elsewhere {
             "cond",
             ReadOptions::default(),
         );
-        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0; MAR1, mar1; S1, S01; \u{e9}, e\u{301} differ only in capitals, in the form of a number or in how characters are encoded, and are different participants; expected one ID for each participant";
+        let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0, \\u{feff}01; MAR1, mar1, mar\\u{200b}1; S1, S01; \u{e9}, e\u{301} differ only in capitals, in the form of a number or in how characters are encoded, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
-        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 17));
+        assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 19));
         let expected = "the levels -2, -2.0 of cond differ only in capitals, in the form of a number or in how characters are encoded, and are different levels; expected one form of each level";
         assert_eq!(found[1], expected);
     }
@@ -968,6 +986,51 @@ mod errors {
         );
         let (source, rows) = read(&[folder.path()], &ReadOptions::default());
         assert_eq!((sorted(rows), source.files[2].erroneous), (expected(&files), 18));
+        // Two people with one ID are no duplicate.
+        let copy = folder.path().join("z_data.csv");
+        for line in [5, 8] {
+            let rating = common::table(&copy).1[line - 2][16].parse::<u8>().unwrap();
+            set_cell(&copy, line, "rating", &((rating + 1) % 4).to_string());
+        }
+        let said = super::errors(&[folder.path()], &ReadOptions::default());
+        assert_eq!(
+            said,
+            [
+                "z_data.csv: has the same participant, session and trials as small-one/data/subject-S1_session-1_task-smallone_data.csv, but other contents in 2 of 18 rows; expected different IDs for different participants or sessions (this file is left out)"
+            ]
+        );
+    }
+
+    #[test]
+    fn tables_with_the_same_cells_in_another_form_are_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "subject_id,cond,score\n1,0.5,1\n2,1.5,2\n";
+        file(&folder, "d/a.csv", text);
+        file(&folder, "d/b.csv", format!("\u{feff}{}", text.replace(',', ";").replace('.', ",").replace('\n', "\r\n")));
+        file(&folder, "d/c.csv", text.replace("0.5", "0.6"));
+        let how = ReadOptions { response: Some("score".to_owned()), ..with_factors(&["cond"]) };
+        let warnings = read(&[&folder.path().join("d")], &how).0.warnings;
+        let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        assert!(said.len() == 1 && said[0].contains("d/b.csv: has the same content as "), "{said:?}");
+    }
+
+    /// The participants' column may have another name, which is no factor then.
+    #[test]
+    fn a_renamed_column_of_participants_is_no_factor() {
+        let (folder, files) = study(&["S1"]);
+        let session = fs::read_to_string(&files[0]).unwrap();
+        let renamed = session.replacen("subject_id", "id", 1);
+        let without = renamed
+            .replacen("attempt", "x", 1)
+            .lines()
+            .filter(|row| !row.contains("_2,"))
+            .collect::<Vec<_>>()
+            .join("\n");
+        let how = ReadOptions { subject: Some("id".to_owned()), details: true, ..ReadOptions::default() };
+        for text in [renamed, without + "\n"] {
+            let read = Study::read(&[file(&folder, "z/renamed.csv", text)], &how).unwrap();
+            assert_eq!((read.measured.counts.total(), &read.source.errors), (MAIN, &vec![]));
+        }
     }
 
     #[test]

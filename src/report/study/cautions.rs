@@ -49,20 +49,24 @@ pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
 
 /// Says which ratings come from a program, if any do.
 pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
-    let simulated = Vec::from_iter(sittings::simulated(source, results));
+    let simulated = sittings::simulated(source, results);
     if simulated.is_empty() {
         return None;
     }
-    Some(if simulated.len() >= results.people() {
+    let is_whole = simulated.values().all(sittings::all_simulated);
+    let [from_program, all] = [0, 1].map(|which| simulated.values().map(|counts| counts[which]).sum());
+    let ratings =
+        if is_whole { "the ratings".to_owned() } else { format!("{} of {} ratings", whole(from_program), whole(all)) };
+    Some(if is_whole && simulated.len() >= results.people() {
         "These data are simulated: all ratings come from a program, and the results say nothing about people."
             .to_owned()
     } else {
         format!(
-            "Some of these data are simulated: the ratings of {} of {} ({}) come from a program. The results combine them \
+            "Some of these data are simulated: {ratings} of {} of {} ({}) come from a program. The results combine them \
              with ratings from people.",
             simulated.len(),
             count(results.people() as u64, "participant"),
-            short_list(&simulated, MAX_NAMES)
+            short_list(&Vec::from_iter(simulated.into_keys()), MAX_NAMES)
         )
     })
 }

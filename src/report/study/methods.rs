@@ -68,7 +68,8 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
 
 fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
     let people = count(results.people() as u64, "participant");
-    let who = match sittings::simulated(source, results).len() {
+    let simulated = sittings::simulated(source, results);
+    let who = match simulated.values().filter(|counts| sittings::all_simulated(counts)).count() {
         0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
         n => format!("{people}, {n} of them simulated,"),

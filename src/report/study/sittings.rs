@@ -27,11 +27,24 @@ pub(super) fn is_simulated(session: &SessionRead) -> bool {
     sittings(session).any(|sitting| sitting.observer.is_some())
 }
 
-/// Returns the analyzed participants who have any ratings from a program.
-pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeSet<&'a str> {
+/// Returns the analyzed participants who have any ratings from a program: how many, and how many ratings they have.
+pub(super) fn simulated<'a>(source: &'a Source, results: &Results) -> BTreeMap<&'a str, [u64; 2]> {
+    let recorded = source.sessions.iter().filter(|session| session.sidecar.is_some());
+    let of = |session: &SessionRead| [if is_simulated(session) { session.rated } else { 0 }, session.rated];
+    let sessions = recorded.map(|session| (&session.subject, of(session)));
+    let tables = source.files.iter().flat_map(|file| &file.simulated).map(|(subject, counts)| (subject, *counts));
+    let mut all = BTreeMap::<&str, [u64; 2]>::new();
+    for (subject, counts) in sessions.chain(tables) {
+        all.entry(subject).or_default().iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
+    }
     let subjects = &results.measured.counts.subjects;
-    let sessions = source.sessions.iter().filter(|session| is_simulated(session)).map(|session| &session.subject);
-    sessions.chain(&source.simulated).filter(|subject| subjects.contains(subject)).map(String::as_str).collect()
+    all.retain(|subject, [simulated, _]| *simulated > 0 && subjects.iter().any(|known| known == subject));
+    all
+}
+
+/// True if all ratings of a participant in [`simulated`] come from a program.
+pub(super) fn all_simulated([simulated, all]: &[u64; 2]) -> bool {
+    simulated == all
 }
 
 /// Returns the first and the last day on which a sitting began, such as `2026-11-21`.

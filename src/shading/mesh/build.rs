@@ -10,6 +10,7 @@ use super::{
     paint::{Coat, Paint, PaintedCorner},
     triangles::Mesh,
 };
+use crate::system::checkpoint;
 
 /// The largest absolute coordinate of a mesh; it leaves room for products of several coordinates.
 pub const MAX_COORDINATE: f64 = 1e30;
@@ -197,6 +198,7 @@ impl Mesh {
         let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
         let mut first = 0;
         for (face, (sites, theirs)) in polygons.iter().enumerate() {
+            checkpoint();
             let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
             let normal = normals::newell(&corners);
             for triangle in triangulated(&corners) {

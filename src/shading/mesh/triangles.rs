@@ -5,6 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 use glam::DVec3;
 
 use super::{paint::Paint, smooth::Smooth};
+use crate::system::checkpoint;
 
 /// A corner of triangles: a position, and the normal with which it is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +129,7 @@ impl Edges {
         let mut edges: Vec<Edge> = Vec::with_capacity(likely);
         let mut of_triangle = Vec::with_capacity(triangles.len());
         for (t, sites) in triangles.enumerate() {
+            checkpoint();
             let [a, b, c] = sites;
             let has_sides = a != b && b != c && c != a;
             of_triangle.push([(b, c, 0u8), (c, a, 1), (a, b, 2)].map(|(a, b, k)| {

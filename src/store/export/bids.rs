@@ -14,7 +14,7 @@ use super::{
     stimuli::{self, Stimuli},
 };
 use crate::{
-    experiment::{Column, Protocol, columns},
+    experiment::{Column, IN_BIDS, Protocol, SIMULATED, STIM_FILE, columns},
     store::{
         FileErrors, StoreError,
         dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
@@ -27,19 +27,9 @@ use crate::{
 
 /// Version of the BIDS standard.
 const VERSION: &str = "1.11.1";
-/// Our columns that have a different name in BIDS. The first two come first in the table, followed by the picture's
-/// file. Onset and duration keep our names: with the BIDS names, a behavioral table would be mistaken for a table of
-/// events.
-const RENAMED: [(&str, &str); 4] = [
-    ("phase", "trial_type"),
-    ("response_time_s", "response_time"),
-    ("subject_id", "participant_id"),
-    ("session_id", "session_id"),
-];
-/// How many of these columns come first in the table.
+/// How many of the columns with another name come first in the table, followed by the picture's file. Onset and duration
+/// keep our names: with the BIDS names, a behavioral table would be mistaken for a table of events.
 const LEADING: usize = 2;
-/// The column that names the picture.
-const STIM_FILE: &str = "stim_file";
 
 /// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
@@ -88,9 +78,16 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
 }
 
+/// Returns the columns of a result file, and the one that says whether a program answered.
+fn described_columns(protocol: &Protocol) -> Vec<Column> {
+    let description = "Whether a program answered instead of a person: 1 or 0.".to_owned();
+    let simulated = Column { name: SIMULATED.to_owned(), description, ..Column::default() };
+    columns(protocol).into_iter().chain([simulated]).collect()
+}
+
 /// Returns the columns in table order, each with its index in a row; `None` for the picture's file.
 fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
-    let leads = |column: &Column| RENAMED[..LEADING].iter().any(|(ours, _)| *ours == column.name);
+    let leads = |column: &Column| IN_BIDS[..LEADING].iter().any(|(ours, _)| *ours == column.name);
     let (leading, rest): (Vec<_>, Vec<_>) = columns.iter().enumerate().partition(|(_, column)| leads(column));
     let places = leading.iter().map(Some).chain([None]).chain(rest.iter().map(Some));
     places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
@@ -98,15 +95,18 @@ fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
 
 /// Returns the BIDS name of a column.
 fn name(column: &Column) -> &str {
-    RENAMED.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
+    IN_BIDS.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
 }
 
 fn table(session: &Recorded, stimuli: &Stimuli) -> String {
-    let columns = columns(&session.protocol);
+    let columns = described_columns(&session.protocol);
     let ordered = ordered(&columns);
     let mut text = ordered.iter().map(|(_, name)| *name).collect::<Vec<_>>().join("\t") + "\n";
     for (index, row) in session.rows.iter().enumerate() {
-        let cells = row.cells();
+        let sitting = session.sidecar.sittings.get((row.sitting as usize).wrapping_sub(1));
+        let is_simulated = sitting.is_some_and(|sitting| sitting.observer.is_some());
+        let mut cells = row.cells();
+        cells.push(u8::from(is_simulated).to_string());
         let picture = stimuli.of(session, index).unwrap_or_default();
         let cell = |(place, name): &(Option<usize>, &str)| clean(name, place.map_or(picture, |place| &cells[place]));
         text += &(ordered.iter().map(cell).collect::<Vec<_>>().join("\t") + "\n");
@@ -126,7 +126,7 @@ fn clean(name: &str, cell: &str) -> String {
 
 /// Returns the metadata that all sessions of a task share: the instructions and the meaning of the columns.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
-    let columns = columns(protocol);
+    let columns = described_columns(protocol);
     let mut entries = keys([
         ("TaskName", Some(protocol.file_task().into())),
         ("TaskDescription", Some(protocol.title.as_str().into())),

@@ -26,7 +26,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::{FileErrors, file::read_bytes};
-use crate::shading::{Mesh, Normals};
+use crate::{
+    shading::{Mesh, Normals},
+    system::checkpoint,
+};
 
 /// Maximum file size in bytes, enough for about two million triangles.
 const MAX_FILE: u64 = 1 << 28;
@@ -126,6 +129,7 @@ pub fn from_arrays(
     }
     let normal = |corner: u32| normals?[corner as usize].try_normalize();
     for (index, corners) in triangles.iter().enumerate() {
+        checkpoint();
         if let Some(corner) = corners.iter().find(|corner| **corner as usize >= positions.len()) {
             let message =
                 format!("triangle {index} refers to vertex {corner}; expected a number below {}", positions.len());

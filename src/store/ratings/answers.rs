@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::{
     files::Header,
-    reader::{alike, content, doubled, file_errors, how_read, is_mark},
+    reader::{alike, content, doubled, file_errors, how_read},
     rows::{RowError, Rows, Status},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
-    values::{is_missing, with_point},
+    values::{is_mark, is_missing, with_point},
 };
 use crate::{
     experiment::SIMULATED,

@@ -190,6 +190,9 @@ pub(super) fn add_rows(
     let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
     let (mut without_time, mut again, mut known_rows) = (0, 0, HashSet::new());
+    let marks = input.columns.simulated.map(|column| rows.columns[column].map(values::is_mark));
+    let subjects = &rows.columns[input.columns.subject];
+    let mut simulated = vec![[0; 2]; subjects.texts.len()];
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
@@ -227,6 +230,11 @@ pub(super) fn add_rows(
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
+        if let Some(marks) = &marks {
+            let [marked, all] = &mut simulated[subjects.cells[row] as usize];
+            *marked += if *marks.get(row) { count } else { 0 };
+            *all += count;
+        }
         levels.iter().zip(&mut without_level).filter(|(level, _)| level.is_empty()).for_each(|(_, n)| *n += count);
         Ok(Ok(count))
     };
@@ -252,7 +260,7 @@ pub(super) fn add_rows(
             },
             Status::Practice => &mut read.practice,
             Status::Superseded => &mut read.superseded,
-            Status::Repeated(file) => {
+            Status::Repeated { file, .. } => {
                 report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
                 read.repeated += 1;
                 &mut read.erroneous
@@ -261,6 +269,8 @@ pub(super) fn add_rows(
         };
         *place += 1;
     }
+    let of_subjects = subjects.texts.iter().map(ToString::to_string).zip(simulated);
+    let simulated = of_subjects.filter(|(_, [marked, _])| *marked > 0).collect();
     rows.errors = errors;
-    FileRead { without_level, without_time, again, ..read }
+    FileRead { simulated, without_level, without_time, again, ..read }
 }

@@ -11,6 +11,7 @@ use csv::Position;
 
 use super::converted::{Converted, converted};
 use crate::{
+    experiment::{IN_BIDS, Phase},
     store::{
         Columns, FileError, FileErrors, StoreError,
         dataset::{self, DATA_FILE, DESCRIPTION},
@@ -285,6 +286,8 @@ pub(in crate::store) struct Header {
     pub(super) converted: Option<Converted>,
     /// The table, if it is not a file.
     pub columns: Option<Columns>,
+    /// True if the columns of a result file have their names in BIDS.
+    pub is_bids: bool,
 }
 
 impl Header {
@@ -303,14 +306,23 @@ impl Header {
         }
         let mut header = Self { size, converted, line: 1, ..Self::default() };
         header.parse(&head).map_err(|(column, message)| FileErrors(vec![FileError::at(path, (1, column), message)]))?;
-        Ok(header)
+        Ok(header.with_bids())
     }
 
     /// Returns the head of a table in memory.
     pub fn of(columns: Columns) -> Self {
         let names: Vec<String> = columns.names().map(|name| name.trim().to_owned()).collect();
         let first = (columns.rows() > 0).then(|| (0..names.len()).map(|column| columns.cell(0, column)).collect());
-        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }
+        Self { names, separator: b',', first, columns: Some(columns), ..Self::default() }.with_bids()
+    }
+
+    /// Notes whether this is one of our own tables in BIDS: its columns have the names there, and its first row a phase.
+    fn with_bids(self) -> Self {
+        let has = |name: &str| self.position(name).is_some();
+        let phase = || self.first.as_ref()?.get(self.position(IN_BIDS[0].1)?)?.parse::<Phase>().ok();
+        let is_bids =
+            IN_BIDS.iter().all(|(ours, theirs)| has(theirs) && !has(ours)) && has("attempt") && phase().is_some();
+        Self { is_bids, ..self }
     }
 
     fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
@@ -365,9 +377,16 @@ impl Header {
         self.converted.as_ref().map_or(Content::File(path), |converted| Content::Memory(&converted.bytes))
     }
 
-    /// Returns the index of a column.
+    /// Returns the index of a column, the first one with this name.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|known| known == name)
+        self.positions(name).next()
+    }
+
+    /// Returns the indices of all columns with a name, which may be the one in a result file if the table is in BIDS.
+    pub fn positions<'a>(&'a self, name: &'a str) -> impl Iterator<Item = usize> + 'a {
+        let in_bids = IN_BIDS.iter().find(|(ours, _)| self.is_bids && *ours == name);
+        let name = in_bids.map_or(name, |(_, theirs)| theirs);
+        (0..self.names.len()).filter(move |index| self.names[*index] == name)
     }
 
     /// Returns the column with the participants if none is named: [`SUBJECT`], or the only one with a usual name.

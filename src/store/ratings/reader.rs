@@ -2,7 +2,8 @@
 //! determine which rows count, and pass those rows to the caller.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{HashMap, HashSet},
+    hash::{DefaultHasher, Hash as _, Hasher as _},
     path::{Path, PathBuf},
 };
 
@@ -25,7 +26,7 @@ use crate::{
         dataset,
         error::{RowErrors, io},
         file,
-        table::Content,
+        table::{Content, decoded, rows_from},
     },
     text::names::natural,
 };
@@ -113,7 +114,6 @@ fn read_inputs<T>(
     let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     let mut sessions = sessions(&selection, &mut tables);
-    let simulated = selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| simulated(input, rows)).collect();
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
     let known = Known { numbers: AreNumbers::new(&selection, &tables), missing: &options.missing, unfinished };
@@ -122,16 +122,10 @@ fn read_inputs<T>(
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
         if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
-            let sha256 = file::sha256(&bytes);
-            // A packed file may have the content of another one.
-            let of_text = match &input.header.converted {
-                Some(converted) => file::sha256(&converted.bytes),
-                None => sha256.clone(),
-            };
-            read.sha256 = Some(sha256);
+            read.sha256 = Some(file::sha256(&bytes));
             notes.extend(doubled(input, &bytes));
-            let is_repeated = input.layout != Layout::Results;
-            if let Some(other) = is_repeated.then(|| contents.insert(of_text, &input.name)).flatten() {
+            let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
+            if let Some(other) = may_repeat.then(|| contents.insert(cells(input, &bytes), &input.name)).flatten() {
                 let message = format!("has the same content as {other}; expected each rating once");
                 notes.push(FileError::whole(&input.name, message));
             }
@@ -160,14 +154,14 @@ fn read_inputs<T>(
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
-    Ok((Source { shape, protocol, definition_sha256, files, sessions, simulated, errors, warnings }, all))
+    Ok((Source { shape, protocol, definition_sha256, files, sessions, errors, warnings }, all))
 }
 
 /// Says which column has the participants, if it was not named, and which IDs and levels look alike.
 fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) -> Vec<FileError> {
     let Some(first) = selection.inputs.first() else { return Vec::new() };
     let mut notes = Vec::new();
-    if options.subject.is_none() {
+    if options.subject.is_none() && first.columns.record.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
     let files = texts(tables);
@@ -188,7 +182,8 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     };
     let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
     let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
-    let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
+    let visible = |group: &Vec<&str>| group.iter().map(|name| values::visible(name)).collect::<Vec<_>>().join(", ");
+    let groups: Vec<String> = alike.iter().take(6).map(visible).collect();
     let others = if alike.len() > groups.len() { " and others" } else { "" };
     let message = format!(
         "the {names} {}{others}{of} differ only in capitals, in the form of a number or in how characters are encoded, and \
@@ -337,7 +332,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
         rows.errors = errors;
     }
-    trials::decide(attempts, &mut sessions, tables);
+    trials::decide(attempts, &mut sessions, tables, &selection.inputs);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
         if let Ok((_, identity)) = dataset::identity(&input.path) {
@@ -348,20 +343,6 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         }
     }
     sessions
-}
-
-/// True if a cell of the column `simulated` says that a program answered.
-pub(super) fn is_mark(text: &str) -> bool {
-    text == "1" || text.eq_ignore_ascii_case("true")
-}
-
-/// Returns the participants with a simulated rating in a table in memory.
-fn simulated(input: &Input, rows: &Rows) -> BTreeSet<String> {
-    let Some(column) = input.columns.simulated else { return BTreeSet::new() };
-    let marks = rows.columns[column].map(is_mark);
-    let subjects = rows.columns[input.columns.subject].map(|text| text);
-    let found: BTreeSet<&str> = marks.iter().zip(subjects.iter()).filter_map(|(is, who)| is.then_some(*who)).collect();
-    found.into_iter().map(str::to_owned).collect()
 }
 
 fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
@@ -388,7 +369,8 @@ fn read_attempts<'a>(
     let texts = |column: usize| &rows.columns[column];
     let experiment = own.experiment.zip(selection.experiment.as_deref());
     let phases = texts(own.phase).map(|text| text.parse::<Phase>().ok());
-    let [trials, numbers] = [own.trial, own.attempt].map(|column| texts(column).map(values::ordinal));
+    let numbers = |column: usize| (column, texts(column).map(values::ordinal));
+    let (trials, attempts) = (numbers(own.trial).1, own.attempt.map(numbers));
     let rated = texts(input.columns.responses[0]).map(|text| values::is_rating(text, selection.own_scale, false));
     let dropped = own.dropped.map(|column| texts(column).map(|text| (!text.is_empty()).then_some(text != "0")));
     let one = |row: usize| {
@@ -404,8 +386,9 @@ fn read_attempts<'a>(
         }
         let phase = phases.get(row).ok_or_else(|| wrong(own.phase, "practice or main"))?;
         let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1000000"))?;
-        let attempt =
-            numbers.get(row).ok_or_else(|| wrong(own.attempt, "the number of an attempt, from 1 to 1000000"))?;
+        let attempt = attempts.as_ref().map_or(Ok(1), |(column, numbers)| {
+            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1000000"))
+        })?;
         let subject = present(input.columns.subject, "a participant")?;
         let session = present(own.session, "a session")?;
         let (rated, dropped) = (*rated.get(row), dropped.as_ref().and_then(|dropped| *dropped.get(row)));
@@ -418,15 +401,23 @@ fn read_attempts<'a>(
 /// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
 pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
     let other = |status: &Status| match status {
-        Status::Repeated(file) => Some(&inputs[*file as usize].name).filter(|name| **name != input.name),
+        Status::Repeated { file, is_same } => {
+            Some((&inputs[*file as usize].name, *is_same)).filter(|(name, _)| **name != input.name)
+        }
         _ => None,
     };
-    let others: Option<Vec<&String>> = rows.status.iter().map(other).collect();
-    let everything = others.as_deref().and_then(<[_]>::last).map(|other| {
-        let all = rows.status.len();
-        let message = format!(
-            "all its rows ({all}) already appear in {other}; expected each session only once (this file is left out)"
-        );
+    let others: Option<Vec<(&String, bool)>> = rows.status.iter().map(other).collect();
+    let everything = others.filter(|others| !others.is_empty()).map(|others| {
+        let (all, differing) = (others.len(), others.iter().filter(|(_, is_same)| !*is_same).count());
+        let (one, is_one) = (others[0].0, others.iter().all(|(name, _)| *name == others[0].0));
+        let place = if is_one { one } else { "other files" };
+        let message = match differing {
+            0 => format!("all its rows ({all}) already appear in {place}; expected each session only once (this file is left out)"),
+            _ => format!(
+                "has the same participant, session and trials as {place}, but other contents in {differing} of {all} rows; \
+                 expected different IDs for different participants or sessions (this file is left out)"
+            ),
+        };
         FileError::whole(&input.name, message)
     });
     if everything.is_some() {
@@ -450,6 +441,19 @@ pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
         return Ok(None);
     }
     Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
+}
+
+/// Returns a hash of the cells of a file, which may also be packed, or have another separator or other line ends.
+fn cells(input: &Input, bytes: &[u8]) -> u64 {
+    let (header, mut hasher) = (&input.header, DefaultHasher::new());
+    let bytes = header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
+    // Reading from memory does not fail.
+    let _ = rows_from(Content::Memory(bytes), header.separator, header.start.as_ref(), |row| {
+        row.record.len().hash(&mut hasher);
+        row.record.iter().for_each(|cell| values::with_point(decoded(cell).trim(), header.separator).hash(&mut hasher));
+        true
+    });
+    hasher.finish()
 }
 
 /// Says that the second half of the lines below the header repeats the first half.

@@ -46,8 +46,12 @@ pub(super) enum Status {
     Practice,
     /// A later attempt counts.
     Superseded,
-    /// The row also occurs in the file with this index, and that one counts.
-    Repeated(u32),
+    /// The trial and attempt also occur in the file with this index, and that row counts.
+    Repeated {
+        file: u32,
+        /// True if the response and the levels are the same.
+        is_same: bool,
+    },
     /// It has an error.
     Wrong,
 }

@@ -14,7 +14,7 @@ use super::{
     values,
 };
 use crate::{
-    experiment::{MAX_RATING, Protocol, SIMULATED, columns_by_header},
+    experiment::{MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
     stimulus::is_direction,
     store::{
         FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
@@ -73,7 +73,8 @@ pub(super) struct RecordColumns {
     pub session: usize,
     pub phase: usize,
     pub trial: usize,
-    pub attempt: usize,
+    /// Without this column, every trial has one attempt.
+    pub attempt: Option<usize>,
     pub dropped: Option<usize>,
 }
 
@@ -200,8 +201,8 @@ impl Columns {
         let single = [self.count, self.session, self.repetition, self.order, self.simulated];
         all.extend(self.factors.iter().copied().chain(single.into_iter().flatten()));
         if let Some(own) = self.record {
-            all.extend([own.session, own.phase, own.trial, own.attempt]);
-            all.extend(own.experiment.into_iter().chain(own.dropped));
+            all.extend([own.session, own.phase, own.trial]);
+            all.extend([own.experiment, own.attempt, own.dropped].into_iter().flatten());
         }
         all
     }
@@ -253,13 +254,14 @@ impl Input {
     ) -> Result<(Self, Vec<FileError>), StoreError> {
         let header = Header::read(path)?;
         let beside = path.with_extension("json");
-        let has_sidecar = exists(&beside)?;
+        // The sidecar of a table in BIDS is another one.
+        let has_sidecar = !header.is_bids && exists(&beside)?;
         let layout = layout(&header, options, has_sidecar);
         let (mut sidecar, mut protocol, mut errors, mut changed) = (None, None, Vec::new(), Vec::new());
         if layout == Layout::Results {
             let name = beside.display().to_string();
-            match Sidecar::read(&beside) {
-                Ok(found) => sidecar = found,
+            match has_sidecar.then(|| Sidecar::read(&beside)).transpose() {
+                Ok(found) => sidecar = found.flatten(),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(error),
             }
@@ -322,7 +324,7 @@ impl Input {
     /// It is missing or appears twice.
     pub fn place(&self, name: &str) -> Result<usize, FileError> {
         let header = &self.header;
-        let places: Vec<usize> = (0..header.names.len()).filter(|&i| header.names[i] == name).collect();
+        let places: Vec<usize> = header.positions(name).collect();
         let is_title = header.names.len() == 1 && header.first.as_ref().is_some_and(|first| first.len() > 1);
         match places[..] {
             [] if is_title => {
@@ -358,13 +360,15 @@ impl Input {
         self.header.first.as_ref()?.get(index).map(String::as_str)
     }
 
-    /// Returns the columns that are neither standard columns of a result file nor the response.
-    fn other_columns(&self, response: &str) -> Vec<String> {
+    /// Returns the columns that are neither standard columns of a result file nor named for another use.
+    fn other_columns(&self, options: &ReadOptions) -> Vec<String> {
         let fixed = columns_by_header(std::iter::empty());
-        (self.header.names.iter())
-            .filter(|name| !name.is_empty() && *name != response && !fixed.iter().any(|fixed| fixed.name == **name))
-            .cloned()
-            .collect()
+        let named = [self.subject(options), options.response(), options.time(), SIMULATED];
+        let named = named.into_iter().chain(options.order.as_deref()).chain(self.header.is_bids.then_some(STIM_FILE));
+        let known = fixed.iter().map(|column| column.name.as_str()).chain(named);
+        let known: HashSet<usize> = known.filter_map(|name| self.header.position(name)).collect();
+        let names = self.header.names.iter().enumerate();
+        names.filter(|(i, name)| !name.is_empty() && !known.contains(i)).map(|(_, name)| name.clone()).collect()
     }
 
     /// Returns all columns except participant, response and count. Columns without a name are excluded too, because
@@ -425,7 +429,7 @@ fn kind(file: &Input, options: &ReadOptions) -> Result<String, FileError> {
                     format!("definition {}", hash.get(..12).unwrap_or(hash))
                 }
                 None if file.experiment().is_none() => return Ok(UNKNOWN.to_owned()),
-                None => match file.other_columns(options.response()).join(", ") {
+                None => match file.other_columns(options).join(", ") {
                     other_columns if other_columns.is_empty() => "no sidecar".to_owned(),
                     other_columns => format!("no sidecar; additional columns {other_columns}"),
                 },
@@ -539,7 +543,7 @@ fn shape(
         (None, None, Layout::Results) => {
             guessed = true;
             let stimulus = STIMULUS.into_iter().filter(|name| first.header.position(name).is_some());
-            stimulus.map(str::to_owned).chain(first.other_columns(options.response())).collect()
+            stimulus.map(str::to_owned).chain(first.other_columns(options)).collect()
         }
         (None, None, Layout::Counts) => first.factors(options),
         (None, None, Layout::Long) => Vec::new(),
@@ -606,7 +610,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             session: needed("session_id"),
             phase: needed("phase"),
             trial: needed("trial"),
-            attempt: needed("attempt"),
+            attempt: header.position("attempt"),
             dropped: header.position("dropped_frames"),
         }),
         factors: (factors.iter())

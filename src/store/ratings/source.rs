@@ -136,8 +136,6 @@ pub struct Source {
     pub files: Vec<FileRead>,
     /// Every session in result files, sorted by participant and session.
     pub sessions: Vec<SessionRead>,
-    /// The participants with simulated ratings in a table in memory, which has no sidecars.
-    pub simulated: BTreeSet<String>,
     /// All errors, in the order of the files. If a file has many similar errors, only the first ones are listed,
     /// followed by the number of others.
     pub errors: Vec<FileError>,
@@ -229,6 +227,9 @@ pub struct FileRead {
     pub repeated: u64,
     /// Other rows that do not count: for each reason, their number by participant.
     pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
+    /// For each participant whose ratings are partly or all marked as simulated in the file, which then needs no sidecar: how
+    /// many are, and how many there are.
+    pub simulated: BTreeMap<String, [u64; 2]>,
     /// For each factor, the number of ratings that have no value of it.
     pub without_level: Vec<u64>,
     /// Number of ratings without a response time.

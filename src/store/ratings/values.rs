@@ -54,6 +54,7 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
+    let id: &str = &id.replace(is_invisible, "");
     // A number with more digits would be rounded.
     if let Some(number) = number(id).filter(|_| id.len() <= 15) {
         return (number + 0.0).to_string();
@@ -69,6 +70,19 @@ fn common_form(id: &str) -> String {
         }
     }
     form
+}
+
+/// True for characters that take no space and are mostly left behind by accident, such as a byte order mark or a soft hyphen.
+fn is_invisible(char: char) -> bool {
+    matches!(char, '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}')
+        || matches!(char, '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}')
+}
+
+/// Returns a text in which invisible characters are written as such, as `\u{200b}`.
+pub(super) fn visible(text: &str) -> String {
+    text.chars()
+        .map(|char| if is_invisible(char) { char.escape_unicode().to_string() } else { char.to_string() })
+        .collect()
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
@@ -186,4 +200,9 @@ pub(super) fn seconds(text: &str) -> f64 {
         Ok(seconds) if f64::is_finite(seconds) && seconds >= 0.0 => seconds,
         _ => -1.0,
     }
+}
+
+/// True if a cell of the column `simulated` says that a program answered.
+pub(super) fn is_mark(text: &str) -> bool {
+    text == "1" || text.eq_ignore_ascii_case("true")
 }
