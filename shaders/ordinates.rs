@@ -1,4 +1,5 @@
-//! The cubic of *c1-phong* and *patch*, in plain Rust. The library includes this file; copy it, and you need no other.
+//! The cubic of *c1-phong* and *patch*, in plain Rust (edition 2021). The library includes this file; copy it, and you
+//! need no other.
 //!
 //! Call [`Surface::new`] once per mesh and [`coefficients`] for every view of it. Vertices are shared between triangles:
 //! vertices with the same position and normal must be one vertex. The model-view matrix may rotate, move and scale, but

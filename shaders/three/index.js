@@ -143,6 +143,7 @@ function unfit(mesh) {
   if (index?.array.some((i) => i >= count)) return "an index is not that of a position";
   if (mesh.isBatchedMesh) return "the mesh is a batch";
   const materials = [mesh.material].flat();
+  if (!materials.length || !materials.every(Boolean)) return "it lacks a material";
   if (materials.some((one) => one.displacementMap)) return "a displacement map moves the surface";
   if (materials.every((one) => one.flatShading)) return "it is flat-shaded";
   // Such materials neither light nor show normals; shaders of one's own may.

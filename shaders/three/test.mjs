@@ -58,7 +58,7 @@ for (const [short, index, word] of [[3, undefined, "as many"], [0, [0, 1, 1e6], 
 }
 const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
   sphere(Infinity, new THREE.MeshStandardMaterial()), sphere(0, new THREE.MeshStandardMaterial({ flatShading: true })),
-  sphere(0, new THREE.MeshBasicMaterial()), sphere(0, new THREE.ShaderMaterial()),
+  sphere(0, new THREE.MeshBasicMaterial()), sphere(0, new THREE.ShaderMaterial()), sphere(0, []),
 ];
 const outside = sphere(0, new THREE.MeshStandardMaterial());
 outside.geometry.index.setX(0, 1e4);
@@ -67,7 +67,8 @@ const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
 expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
 const reasons = skipped.map(({ reason }) => reason).join();
 const wanted = ["a position is not finite", "it is flat-shaded", "its material uses no normals",
-  "its shader does not have #include <normal_pars_fragment>, where C1 normals belong", "an index is not that of a position"];
+  "its shader does not have #include <normal_pars_fragment>, where C1 normals belong", "it lacks a material",
+  "an index is not that of a position"];
 expect(reasons === wanted.join(), `skipped: ${reasons}`);
 
 // Shapes whose curvature jumps: planes and cylinders that continue into roundings.

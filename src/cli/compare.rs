@@ -197,6 +197,8 @@ fn too_much(times: f64, max: f64) -> String {
 
 /// Says how pictures are seen, and what their codes mean.
 fn seen([window_deg, white, black]: [f64; 3], light: &str) -> String {
+    // Of pixels per degree, a width has many decimals.
+    let window_deg = (1e4 * window_deg).round() / 1e4;
     format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
 }
 

@@ -253,6 +253,8 @@ fn steps_are_judged_without_a_reference() {
     // What is written is what was judged: its steps are gone.
     let line = run("compare slow.png --steps --window 16 --dither-out out.png");
     assert!(line.contains("or dither to 8"), "{line}");
+    let line = run("compare slow.png --steps --ppd 30");
+    assert!(line.contains("(17.0667° wide"), "{line}");
     let out = json("compare out.png slow.png --window 16 --json");
     assert!(number(&out, "times_threshold") > 0.5, "{out}");
 }

@@ -263,6 +263,7 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
     assert_eq!((cyan, white), (2, 4));
 
     let ascii = String::from_utf8(ply("ascii")).unwrap();
+    assert_eq!(parsed(ascii.replace('\n', "\r").as_bytes()), parsed(ascii.as_bytes()));
     // Faces may come first.
     let (vertices, faces) = (ascii.find("element vertex").unwrap(), ascii.find("element face").unwrap());
     let (end, first) = (ascii.find("end_header").unwrap(), ascii.find("-1 -1 0").unwrap());
