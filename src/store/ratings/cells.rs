@@ -1,6 +1,6 @@
 //! What the cells of a table mean, row by row.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 use super::{
     rows::{RowError, Rows, Status, What},
@@ -176,6 +176,35 @@ impl<'a> Cells<'a> {
     }
 }
 
+/// Counts the ratings that are marked as simulated, and all, of each participant in a file with such marks.
+struct Simulated<'a> {
+    marks: Option<Mapped<'a, bool>>,
+    subjects: &'a Texts,
+    counts: Vec<[u64; 2]>,
+}
+
+impl<'a> Simulated<'a> {
+    fn new(input: &Input, rows: &'a Rows) -> Self {
+        let marks = input.columns.simulated.map(|column| rows.columns[column].map(values::is_mark));
+        let subjects = &rows.columns[input.columns.subject];
+        Self { marks, subjects, counts: vec![[0; 2]; subjects.texts.len()] }
+    }
+
+    fn add(&mut self, row: usize, count: u64) {
+        if let Some(marks) = &self.marks {
+            let [marked, all] = &mut self.counts[self.subjects.cells[row] as usize];
+            *marked += if *marks.get(row) { count } else { 0 };
+            *all += count;
+        }
+    }
+
+    /// Returns the counts of the participants with marks.
+    fn finish(self) -> BTreeMap<String, [u64; 2]> {
+        let of_subjects = self.subjects.texts.iter().map(ToString::to_string).zip(self.counts);
+        of_subjects.filter(|(_, [marked, _])| *marked > 0).collect()
+    }
+}
+
 /// Calls `add` for every row of a file that counts. Collects the errors in the rows.
 pub(super) fn add_rows(
     selection: &Selection,
@@ -190,9 +219,7 @@ pub(super) fn add_rows(
     let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
     let (mut without_time, mut again, mut known_rows) = (0, 0, HashSet::new());
-    let marks = input.columns.simulated.map(|column| rows.columns[column].map(values::is_mark));
-    let subjects = &rows.columns[input.columns.subject];
-    let mut simulated = vec![[0; 2]; subjects.texts.len()];
+    let mut simulated = Simulated::new(input, rows);
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
@@ -230,11 +257,7 @@ pub(super) fn add_rows(
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
-        if let Some(marks) = &marks {
-            let [marked, all] = &mut simulated[subjects.cells[row] as usize];
-            *marked += if *marks.get(row) { count } else { 0 };
-            *all += count;
-        }
+        simulated.add(row, count);
         levels.iter().zip(&mut without_level).filter(|(level, _)| level.is_empty()).for_each(|(_, n)| *n += count);
         Ok(Ok(count))
     };
@@ -269,8 +292,7 @@ pub(super) fn add_rows(
         };
         *place += 1;
     }
-    let of_subjects = subjects.texts.iter().map(ToString::to_string).zip(simulated);
-    let simulated = of_subjects.filter(|(_, [marked, _])| *marked > 0).collect();
+    let simulated = simulated.finish();
     rows.errors = errors;
     FileRead { simulated, without_level, without_time, again, ..read }
 }
