@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::triangles::{Edges, Mesh, Vertex};
+use crate::system::checkpoint;
 
 /// Returns Newell's normal of a polygon: it has unit length, and the polygon is counterclockwise as seen from its tip;
 /// zero for a polygon without area. Shoaff §3.5. For corners that are not in one plane, it is the normal of the plane
@@ -94,6 +95,7 @@ fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> 
     let least_cosine = crease_deg.max(0.0).to_radians().cos() - 1e-9;
     let mut parent: Vec<u32> = (0..triangles.len() as u32 * 3).collect();
     for edge in &Edges::among(triangles.iter().copied()).edges {
+        checkpoint();
         for (i, &(t, k)) in edge.sides.iter().enumerate() {
             // Compare only with the next side. At an edge of two triangles, that is the only pair; at an edge of many,
             // it keeps the cost linear.

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::triangles::{EdgeKind, Edges, Mesh};
-use crate::shading::cubic;
+use crate::{shading::cubic, system::checkpoint};
 
 /// A mesh with its edges and its curvature, which depend on neither the view nor the light.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,11 +43,13 @@ impl Surface {
             across[t as usize][usize::from(k)] = 3 * u + u32::from(l);
             across[u as usize][usize::from(l)] = 3 * t + u32::from(k);
         }
+        checkpoint();
         let of = |vector: fn(&super::Vertex) -> DVec3| -> Vec<cubic::V> {
             mesh.vertices.iter().map(|vertex| vector(vertex).to_array()).collect()
         };
         let cubic::Fans { vertices, curvature, of_corners, sides } =
             cubic::fans(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &across);
+        checkpoint();
         // The tensors are symmetric, so that their rows are their columns.
         let fan = |(vertex, rows): (u32, cubic::Tensor)| Fan { vertex, curvature: DMat3::from_cols_array_2d(&rows) };
         Surface { fans: vertices.into_iter().zip(curvature).map(fan).collect(), mesh, edges, of_corners, sides }
