@@ -80,6 +80,8 @@ texts! {
     page_count = "Page {page} of {pages}";
     /// Shown on the uniform field after a key that has no meaning; `{keys}` is filled in.
     answer_keys = "Keys: {keys}";
+    /// The keys that it names if participants set a value.
+    dial_keys = "arrow keys, Enter";
     /// Button that leaves the session.
     leave = "Leave the session";
     /// Shown when a session is resumed after an interruption; `{done}` and `{total}` are filled in.

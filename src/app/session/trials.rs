@@ -41,8 +41,6 @@ const SCALE_ABOVE: f32 = 116.0;
 /// The keys that turn a dial, and by how many steps.
 const DIAL_KEYS: [(Key, f64); 4] =
     [(Key::ArrowLeft, -1.0), (Key::ArrowDown, -1.0), (Key::ArrowRight, 1.0), (Key::ArrowUp, 1.0)];
-/// How the keys of a dial are named to participants.
-const DIAL_HINT: &str = "⬅ ➡ Enter";
 
 /// A running session.
 pub struct Trials {
@@ -495,7 +493,7 @@ impl Trials {
         let center = egui::pos2(area.center().x, below.min(area.bottom() - SCALE_ABOVE));
         let text = &protocol.instructions.answer_keys;
         let keys = match protocol.task.dial() {
-            Some(_) => text.replace("{keys}", DIAL_HINT),
+            Some(_) => text.replace("{keys}", &protocol.instructions.dial_keys),
             None => protocol.response.fill_keys(text),
         };
         if let (Layout::Intervals { .. }, State::Response { .. }) = (protocol.task.layout(), self.session.state()) {

@@ -213,13 +213,21 @@ impl Studies {
     pub(super) fn begin_checked(&mut self, ui: &Ui, now: &mut Now<'_>) -> Option<Destination> {
         let request = now.checked.request.clone()?;
         let again = self.form.check(now.monitor);
-        if again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
+        let is_changed = again.request.as_ref().is_some_and(|again| again.protocol != request.protocol);
+        if is_changed || again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
             let (subject, session) = (request.identity.subject(), request.identity.session());
             let is_taken =
                 (again.resume || again.is_wrong(SessionField::Session)) && !again.is_wrong(SessionField::Results);
             self.refresh(false, now.settings);
-            self.error = is_taken
-                .then(|| format!("Another window has just begun session {session} of {subject}. Check both fields."));
+            self.error = match (is_changed, is_taken) {
+                (true, _) => {
+                    Some("Another program changed the definition. Look at the study before it begins.".to_owned())
+                }
+                (_, true) => {
+                    Some(format!("Another window has just begun session {session} of {subject}. Check both fields."))
+                }
+                _ => None,
+            };
             return None;
         }
         self.error = None;
