@@ -199,10 +199,11 @@ impl Draft {
     }
 
     /// Changes how levels are chosen; `None` if the factors alone have levels. Options that the new method does not have
-    /// are removed.
+    /// are removed, and so are the repetitions, because a method has its number of trials.
     pub fn set_method(&mut self, method: Option<&str>) {
         let Some(method) = method else { return self.remove("adaptive") };
         self.put("adaptive.method", method.into());
+        self.remove("design.repetitions");
         let has = |name: &str| {
             let mut options = Common::OPTIONS.iter().chain(Method::options(method));
             options.any(|option| option.key.split('.').next() == Some(name))
