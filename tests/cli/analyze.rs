@@ -770,7 +770,7 @@ fn thresholds_have_the_digits_of_their_intervals() {
     let apart = of_people(&[("c", 0..1), ("c", 9..10)], 0.0, 1.0);
     answers(folder.path(), &apart, "--guess 0.5 --subject who");
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
-    assert!(report.contains("The interval of the mean threshold reaches beyond the levels that could be shown"));
+    assert!(report.contains("The interval of the mean threshold reaches beyond the levels, where no answers limit it"));
 }
 
 /// Ratings without a level are told, and are no condition.
