@@ -654,7 +654,7 @@ fn answers_are_of_the_participants_in_the_usual_column() {
     assert!(run("who")[0].starts_with("1 participant gave 480 answers."));
     let [_, warnings] = answers(folder.path(), &rows, "--guess 0.5");
     let expected = "all rows are of one condition and are those of one participant, because no column was named; expected \
-                    --factors if who, cond tell conditions apart";
+                    --factors if conditions differ in who";
     assert_eq!(warnings, format!("warning: answers.csv: {expected}\n"));
     // Who gave no answers has no part in the mean.
     let [printed, _] = answers(folder.path(), &format!("{rows}p9,c,0,0,0\n"), "--guess 0.5 --subject who");

@@ -97,7 +97,7 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     }
     let factors = columns.factors.iter().zip(&used.factors);
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));
-    notes.extend(used.pooled(&input, columns));
+    notes.extend(used.pooled(&input, &rows));
     notes.extend(content(&input)?.and_then(|bytes| doubled(&input, &bytes)));
     FileErrors::none(file_errors(&input, rows, &[]))?;
     let all = found.len();
@@ -117,7 +117,12 @@ struct Used {
     subject: Option<usize>,
     factors: Vec<usize>,
     simulated: Option<usize>,
+    /// If no factors were named, the columns that may tell conditions apart.
+    unused: Vec<usize>,
 }
+
+/// Maximum number of these columns, and of the levels of one.
+const MAX_UNUSED: usize = 20;
 
 impl Used {
     fn new(input: &Input, columns: &AnswerColumns) -> Result<Self, FileErrors> {
@@ -137,7 +142,10 @@ impl Used {
             let message = format!("the column {} has two uses; expected one for each column", twice[0]);
             return Err(FileErrors::whole(name, message));
         }
+        let is_unused = |name: &String| names.binary_search(&name).is_err() && name != SIMULATED;
+        let unused = (0..header.names.len()).filter(|at| columns.factors.is_empty() && is_unused(&header.names[*at]));
         Ok(Self {
+            unused: unused.take(MAX_UNUSED).collect(),
             level: place(&columns.level)?,
             correct: place(&columns.correct)?,
             total: columns.total.as_ref().map(place).transpose()?,
@@ -149,21 +157,16 @@ impl Used {
 
     /// Returns a note if rows that may be of several people or conditions are taken together, because no columns were
     /// named.
-    fn pooled(&self, input: &Input, columns: &AnswerColumns) -> Option<FileError> {
-        const MOST: usize = 5;
-        let read = [Some(self.level), Some(self.correct), self.total, self.subject, self.simulated];
-        let unused = (0..input.header.names.len()).filter(|place| !read.contains(&Some(*place)));
-        let unused: Vec<&str> = unused.map(|place| input.header.names[place].as_str()).collect();
-        if !columns.factors.is_empty() || unused.is_empty() {
-            return None;
-        }
-        let named = unused.iter().take(MOST).copied().collect::<Vec<_>>().join(", ");
-        let more = if unused.len() > MOST { ", …" } else { "" };
+    fn pooled(&self, input: &Input, rows: &Rows) -> Option<FileError> {
+        let has_levels = |column: &&usize| (2..=MAX_UNUSED).contains(&rows.columns[**column].texts.len());
+        let unused = self.unused.iter().filter(has_levels).map(|column| input.header.names[*column].as_str());
+        let unused: Vec<&str> = unused.collect();
         let people = if self.subject.is_some() { "" } else { " and are those of one participant" };
         let message = format!(
-            "all rows are of one condition{people}, because no column was named; expected --factors if {named}{more} tell conditions apart"
+            "all rows are of one condition{people}, because no column was named; expected --factors if conditions differ in {}",
+            unused.join(", ")
         );
-        Some(FileError::whole(&input.name, message))
+        (!unused.is_empty()).then(|| FileError::whole(&input.name, message))
     }
 
     /// Returns the columns that are read.
@@ -172,7 +175,7 @@ impl Used {
             subject: self.subject.unwrap_or(self.level),
             responses: vec![self.correct],
             count: self.total,
-            factors: self.factors.iter().copied().chain([self.level]).collect(),
+            factors: self.factors.iter().chain(&self.unused).copied().chain([self.level]).collect(),
             simulated: self.simulated,
             ..Places::default()
         }
