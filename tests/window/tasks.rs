@@ -81,6 +81,8 @@ fn answer(harness: &mut Harness, csv: &Path, keys: &[&str]) -> Row {
         }
         rows(csv).len() > before
     });
+    // The row is on disk before the stimulus has left the screen; the next one comes later.
+    std::thread::sleep(Duration::from_millis(200));
     rows(csv)[before].clone()
 }
 
