@@ -102,7 +102,7 @@ impl Desk {
             assert!(presses < 200, "Tab does not reach {label:?}; there is {:?}", pane::texts(&self.copy));
         }
         // Two presses within one frame would move the focus once.
-        self.harness.xdotool(&["key", "--repeat", &presses.to_string(), "--delay", "150", "Tab"]);
+        self.harness.xdotool(&["key", "--repeat", &presses.to_string(), "--delay", "250", "Tab"]);
         std::thread::sleep(Duration::from_millis(300));
     }
 
