@@ -150,12 +150,10 @@ impl Answers<'_> {
         let width = own.iter().map(|own| own.width.ln()).sum::<f64>() / own.len() as f64;
         let [lapse, guess] = [common.lapse, common.guess].map(|share| share.sqrt().min(0.2));
         let steps = [sd, sd / 2.0, 0.2, 0.1, if self.priors.has_free_guess { 0.1 } else { 0.0 }];
-        let second = self.priors.has_free_guess.then_some(HIGH_GUESS.sqrt());
-        let found = [guess]
-            .into_iter()
-            .chain(second)
-            .map(|guess| highest(|x| self.ln_density(x), [mean, sd, width, lapse, guess], steps, 1e-7));
-        found.max_by(|l, r| l.1.total_cmp(&r.1)).expect("there is a start").0
+        let from = |guess: f64| highest(|x| self.ln_density(x), [mean, sd, width, lapse, guess], steps, 1e-7);
+        let found = from(guess);
+        let second = self.priors.has_free_guess.then(|| from(HIGH_GUESS.sqrt()));
+        second.filter(|second| second.1 > found.1).unwrap_or(found).0
     }
 
     /// Integrates a person's likelihood over the threshold.
