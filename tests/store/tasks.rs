@@ -359,7 +359,6 @@ CHOICEduration_s = "long"\n => 9:1 => task.duration_s is the text "long"; expect
 [task]\nkind = "choice"\nreference = { deph = "inf" }\n => 8:15 => deph
 [task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
 [task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => all stimuli of a trial are the same
-[factors]\ndepth = [1, 2]\nCHOICE => 10:15 => reference depth is a factor
 YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
@@ -556,6 +555,8 @@ fn what_no_trial_could_show_is_refused() {
         (steepness(YES_NO, "2"), Some("tanh_k 10 changes nothing that is shown")),
         (steepness(CHOICE, "1, \"inf\""), Some("all stimuli of a trial are the same")),
         (steepness(YES_NO, "\"inf\""), None),
+        (format!("[factors]\ndepth = [1, 2]\n{CHOICE}"), None),
+        (format!("[factors]\ndepth = [1, \"inf\"]\n{CHOICE}"), Some("all stimuli of a trial are the same")),
         (CHOICE.replace("\"inf\"", "2, tanh_k = 10"), Some("tanh_k 10 changes nothing that is shown")),
         (CHOICE.replace("\"inf\"", "\"inf\", tanh_k = 5"), None),
         (

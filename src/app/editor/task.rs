@@ -325,13 +325,11 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
             form.type_value(&inner, &text, Typed::Value);
         }
     }
-    let factors = form.draft().factors();
     let free: Vec<String> = form.parameters().iter().map(|parameter| parameter.name.to_owned()).collect();
-    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name) && !factors.contains(name)).collect();
+    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name)).collect();
     let (mut chosen, mut error) = (String::new(), form.own_error(key));
     if names.is_empty() && !error.is_empty() {
-        let first = if free.is_empty() { "Remove a factor, then choose" } else { "Choose" };
-        error = format!("{first} a parameter in which it differs from the target.");
+        error = "Choose a parameter in which it differs from the target.".to_owned();
     }
     let title = format!("Add to {}", option.label.to_lowercase());
     let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);

@@ -11,7 +11,7 @@ use crate::{
         faults::DefinitionErrors,
         scale::ResponseScale,
     },
-    stimulus::{ParameterError, ParameterValue, Stimulus, is_direction, picture::Picture},
+    stimulus::{ParameterError, ParameterValue, Stimulus, is_direction},
 };
 
 /// Parameters of a stimulus and their values, as in `reference = { depth = "inf" }`.
@@ -253,8 +253,8 @@ impl Given<'_> {
         self.adapted.contains(&name) || self.factors.iter().any(|factor| factor.name == name)
     }
 
-    /// Adds an error for each parameter of a reference that the stimulus lacks, that cannot have its value, or that is
-    /// a factor.
+    /// Adds an error for each parameter of a reference that the stimulus lacks or that cannot have its value. A factor
+    /// can be one of them: then the reference has the same level of it in all conditions.
     pub fn check_reference(&self, reference: &Settings, errors: &mut DefinitionErrors) {
         if reference.0.is_empty() {
             errors.add(
@@ -263,13 +263,8 @@ impl Given<'_> {
             );
         }
         for (name, value) in &reference.0 {
-            let path = format!("task.reference.{name}");
-            // A picture to compare with is none of those that the factor has.
-            if self.factors.iter().any(|factor| factor.name == *name) && name != Picture::PICTURE {
-                let message = format!("reference {name} is a factor; expected a parameter that no factor varies");
-                errors.add(path, message);
-            } else if let Err(error) = self.stimulus.clone().set(name, value) {
-                errors.add(path, error.to_string());
+            if let Err(error) = self.stimulus.clone().set(name, value) {
+                errors.add(format!("task.reference.{name}"), error.to_string());
             }
         }
     }
