@@ -11,7 +11,7 @@ use super::{
     dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity, refuse_link},
     lock::LockFile,
     recorded::Order,
-    results::{self, ResultFile},
+    results,
     sidecar::{REPAIRED, Sidecar, missing},
 };
 use crate::{
@@ -57,8 +57,8 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
     let columns = columns(&protocol);
     // This locks the file.
-    let open = ResultFile::open(csv, &columns)?;
-    let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
+    let open = results::open(csv, &columns)?;
+    let (_lock, _) = LockFile::create(csv, open.is_locked())?;
     let before = results::content(csv)?;
     let Sorted { header_restored, order_restored, lines, damaged, kept, has_gaps, .. } =
         sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
