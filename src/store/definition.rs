@@ -140,14 +140,15 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
 /// Another program changed the file meanwhile, there is a file under the new name, or the file cannot be written. Then
 /// no file is lost.
 pub fn save(of: &Path, opened: &str, to: &Path, written: &str) -> Result<(), StoreError> {
-    let refuse = |path: &Path, what: &str| StoreError::Protected { path: path.to_owned(), what: what.to_owned() };
     if text(of)? != opened {
         let what = "was changed by another program; expected it as it was opened. Leave the form and open it again";
-        return Err(refuse(of, what));
+        return Err(StoreError::protected(of, what));
     }
     // Only the file that was edited is replaced.
     Writer::new(Vec::new(), to == of).write(to, written.as_bytes()).map_err(|error| match error {
-        StoreError::Occupied(path) => refuse(&path, "already exists; expected a name that no file in the folder has"),
+        StoreError::Occupied(path) => {
+            StoreError::protected(&path, "already exists; expected a name that no file in the folder has")
+        }
         error => error,
     })?;
     if to == of { Ok(()) } else { fs::remove_file(of).map_err(io(of, "remove")) }

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    FileError, FileErrors, StoreError,
+    FileErrors, StoreError,
     error::{NotData, io, position},
     open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
@@ -33,7 +33,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());
-        FileErrors(vec![FileError::at(path, place, "is not UTF-8 text; expected UTF-8")])
+        FileErrors::at(path, place, "is not UTF-8 text; expected UTF-8")
     })
 }
 
@@ -70,7 +70,7 @@ pub(super) fn read_existing(path: &Path, most: u64) -> Result<Option<Vec<u8>>, S
 pub(super) fn parse_json<T: DeserializeOwned>(path: &Path, text: &[u8], what: &str) -> Result<T, FileErrors> {
     serde_json::from_slice(text).map_err(|error| {
         let message = format!("is not {what}: {error}; expected JSON");
-        FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
+        FileErrors::at(path, (error.line(), error.column()), message)
     })
 }
 
@@ -597,5 +597,5 @@ pub(super) fn complete_lines_or_header(
     } else {
         format!("the file begins with {found:?}; expected the header {expected:?}")
     };
-    Err(FileErrors(vec![FileError::at(path, (1, 1), message)]))
+    Err(FileErrors::at(path, (1, 1), message))
 }

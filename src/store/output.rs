@@ -48,7 +48,10 @@ impl Writer {
         let mut seen = BTreeSet::new();
         for path in paths {
             if !seen.insert(self.target(path)?) {
-                return Err(protected(path, "is another output of this command; expected a different file"));
+                return Err(StoreError::protected(
+                    path,
+                    "is another output of this command; expected a different file",
+                ));
             }
         }
         Ok(())
@@ -61,10 +64,10 @@ impl Writer {
     pub fn check_folder(&self, folder: &Path) -> Result<(), StoreError> {
         let target = full_path(folder).map_err(io(folder, "access"))?;
         if found(&target).map_err(io(folder, "access"))?.is_some_and(|found| !found.is_dir()) {
-            return Err(protected(folder, "is not a folder; expected a folder for the files to write"));
+            return Err(StoreError::protected(folder, "is not a folder; expected a folder for the files to write"));
         }
         if self.reads(&target)? {
-            return Err(protected(folder, "is an input of this command; expected a different folder"));
+            return Err(StoreError::protected(folder, "is an input of this command; expected a different folder"));
         }
         data_set(&target)?.filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
     }
@@ -119,7 +122,7 @@ impl Writer {
         if let Some(ending) = path.extension().and_then(|ending| ending.to_str()).filter(|ending| is_foreign(ending)) {
             let what =
                 format!("ends in .{ending}, but all pictures are written as PNG; expected a name ending in .png");
-            return Err(protected(path, what));
+            return Err(StoreError::protected(path, what));
         }
         let target = full_path(path).map_err(io(path, "write"))?;
         fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
@@ -132,22 +135,26 @@ impl Writer {
                 _ if is_data => return Err(in_data(path, &root)),
                 Some(_) => {
                     let what = format!("belongs to the data set {}; expected a new file", root.display());
-                    return Err(protected(path, what));
+                    return Err(StoreError::protected(path, what));
                 }
                 None => {}
             }
         }
         if let Some(session) = session_of(&target)? {
             let session = session.display();
-            return Err(protected(path, format!("belongs to the session of {session}; expected a different file")));
+            return Err(StoreError::protected(
+                path,
+                format!("belongs to the session of {session}; expected a different file"),
+            ));
         }
         match found {
             None => Ok(target),
-            Some(found) if !found.is_file() => {
-                Err(protected(path, "is not a regular file; expected a new file or an existing regular file"))
-            }
+            Some(found) if !found.is_file() => Err(StoreError::protected(
+                path,
+                "is not a regular file; expected a new file or an existing regular file",
+            )),
             Some(_) if self.reads(&target)? => {
-                Err(protected(path, "is an input of this command; expected a different file"))
+                Err(StoreError::protected(path, "is an input of this command; expected a different file"))
             }
             Some(_) if !self.force => Err(StoreError::Occupied(path.to_owned())),
             Some(_) => Ok(target),
@@ -183,13 +190,9 @@ fn is_foreign(ending: &str) -> bool {
     FOREIGN.iter().any(|foreign| ending.eq_ignore_ascii_case(foreign))
 }
 
-fn protected(path: &Path, what: impl Into<String>) -> StoreError {
-    StoreError::Protected { path: path.to_owned(), what: what.into() }
-}
-
 fn in_data(path: &Path, root: &Path) -> StoreError {
     let root = root.display();
-    protected(path, format!("is inside the data folder of the data set {root}; expected a path outside it"))
+    StoreError::protected(path, format!("is inside the data folder of the data set {root}; expected a path outside it"))
 }
 
 /// Returns the folder of the data set that contains `target`, and whether `target` is in its `data` folder.

@@ -12,12 +12,10 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
-        error::io,
         frames,
         recorded::Recorded,
         session::seal,
     },
-    system::link_target,
     text::is_formula,
 };
 
@@ -90,18 +88,8 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
     }
-    let mut errors = Vec::new();
-    for path in paths {
-        match link_target(&path).map_err(io(&path, "access")) {
-            Ok(None) => {}
-            Ok(Some(target)) => {
-                let expected = "expected a regular file or folder, because links are not exported";
-                errors.push(FileError::whole(&path, format!("is a link to {}; {expected}", target.display())));
-            }
-            Err(error) => errors.extend(error.errors(&path)),
-        }
-    }
-    FileErrors::none(errors)
+    let refused = |path: &PathBuf| dataset::refuse_link(path).map_err(|error| error.errors(path)).err();
+    FileErrors::none(paths.iter().filter_map(refused).flatten().collect())
 }
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
@@ -136,7 +124,7 @@ pub(super) fn read(
 fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
-    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors.iter().cloned()).collect();
+    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors().iter().cloned()).collect();
     let columns = columns(&session.protocol);
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {

@@ -305,7 +305,7 @@ impl Header {
             head = bytes[..bytes.len().min((MAX_HEAD + MAX_ROW) as usize)].to_vec();
         }
         let mut header = Self { size, converted, line: 1, ..Self::default() };
-        header.parse(&head).map_err(|(column, message)| FileErrors(vec![FileError::at(path, (1, column), message)]))?;
+        header.parse(&head).map_err(|(column, message)| FileErrors::at(path, (1, column), message))?;
         Ok(header.with_bids())
     }
 
