@@ -65,17 +65,10 @@ pub fn text(name_or_path: &Path) -> Result<Cow<'static, str>, FileErrors> {
     let looks_like_a_name = name_or_path.extension().is_none() && name_or_path.components().count() == 1;
     if looks_like_a_name && matches!(found(name_or_path), Ok(None)) {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
-        return Err(FileErrors::whole(
-            name_or_path,
-            format!(
-                "is neither a built-in definition nor a file; {}",
-                expected_one_of(&name_or_path.display().to_string(), &names).replacen(
-                    "one of",
-                    "the path to a .toml file, or one of",
-                    1
-                )
-            ),
-        ));
+        let expected = expected_one_of(&name_or_path.display().to_string(), &names);
+        let expected = expected.replacen("one of", "the path to a .toml file, or one of", 1);
+        let message = format!("is neither a built-in definition nor a file; {expected}");
+        return Err(FileErrors::whole(name_or_path, message));
     }
     read_text(name_or_path).map(Cow::Owned)
 }

@@ -48,10 +48,8 @@ impl Writer {
         let mut seen = BTreeSet::new();
         for path in paths {
             if !seen.insert(self.target(path)?) {
-                return Err(StoreError::protected(
-                    path,
-                    "is another output of this command; expected a different file",
-                ));
+                let what = "is another output of this command; expected a different file";
+                return Err(StoreError::protected(path, what));
             }
         }
         Ok(())
@@ -119,10 +117,10 @@ impl Writer {
 
     /// Returns the file that a path leads to, with all links resolved, if it can be written.
     fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
+        let refuse = |what: &str| Err(StoreError::protected(path, what));
         if let Some(ending) = path.extension().and_then(|ending| ending.to_str()).filter(|ending| is_foreign(ending)) {
-            let what =
-                format!("ends in .{ending}, but all pictures are written as PNG; expected a name ending in .png");
-            return Err(StoreError::protected(path, what));
+            let what = "but all pictures are written as PNG; expected a name ending in .png";
+            return refuse(&format!("ends in .{ending}, {what}"));
         }
         let target = full_path(path).map_err(io(path, "write"))?;
         fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
@@ -131,31 +129,21 @@ impl Writer {
             found => Some(found.map_err(io(path, "write"))?),
         };
         if let Some((root, is_data)) = data_set(&target)? {
-            match &found {
-                _ if is_data => return Err(in_data(path, &root)),
-                Some(_) => {
-                    let what = format!("belongs to the data set {}; expected a new file", root.display());
-                    return Err(StoreError::protected(path, what));
-                }
-                None => {}
+            if is_data {
+                return Err(in_data(path, &root));
+            } else if found.is_some() {
+                return refuse(&format!("belongs to the data set {}; expected a new file", root.display()));
             }
         }
         if let Some(session) = session_of(&target)? {
-            let session = session.display();
-            return Err(StoreError::protected(
-                path,
-                format!("belongs to the session of {session}; expected a different file"),
-            ));
+            return refuse(&format!("belongs to the session of {}; expected a different file", session.display()));
         }
         match found {
             None => Ok(target),
-            Some(found) if !found.is_file() => Err(StoreError::protected(
-                path,
-                "is not a regular file; expected a new file or an existing regular file",
-            )),
-            Some(_) if self.reads(&target)? => {
-                Err(StoreError::protected(path, "is an input of this command; expected a different file"))
+            Some(found) if !found.is_file() => {
+                refuse("is not a regular file; expected a new file or an existing regular file")
             }
+            Some(_) if self.reads(&target)? => refuse("is an input of this command; expected a different file"),
             Some(_) if !self.force => Err(StoreError::Occupied(path.to_owned())),
             Some(_) => Ok(target),
         }
