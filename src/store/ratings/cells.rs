@@ -53,8 +53,15 @@ impl<'a> Known<'a> {
     }
 }
 
-/// A value in a cell, or what is expected there instead.
-type Cell<T> = Result<T, &'static str>;
+/// The index of a column, if there is one, and the value in each cell or what is expected there instead.
+type Values<'a, T> = Option<(usize, Mapped<'a, Result<T, &'static str>>)>;
+
+/// Returns the value in a row of a column; `None` if there is no such column.
+fn value<T: Copy>(values: &Values<'_, T>, row: usize) -> Result<Option<T>, RowError> {
+    let value =
+        values.as_ref().map(|(column, cells)| (*cells.get(row)).map_err(|text| RowError::new(row, *column, text)));
+    value.transpose()
+}
 
 /// The cells of a file. Each different text of a column is read once.
 struct Cells<'a> {
@@ -65,9 +72,9 @@ struct Cells<'a> {
     /// For each column with responses, the rating, if there is one, or whether it is missing.
     responses: Vec<Mapped<'a, Result<&'a str, bool>>>,
     factors: Vec<Mapped<'a, &'a str>>,
-    counts: Option<(usize, Mapped<'a, Cell<u64>>)>,
-    repetitions: Option<(usize, Mapped<'a, Cell<Option<u32>>>)>,
-    orders: Option<(usize, Mapped<'a, Cell<Option<f64>>>)>,
+    counts: Values<'a, u64>,
+    repetitions: Values<'a, Option<u32>>,
+    orders: Values<'a, Option<f64>>,
     /// Whether the rating is marked as simulated.
     marks: Option<Mapped<'a, bool>>,
 }
@@ -141,29 +148,19 @@ impl<'a> Cells<'a> {
                 return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
             }
         };
-        let count = match &self.counts {
-            Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
-            None => 1,
-        };
-        Ok(Ok((subject, rating, count)))
+        Ok(Ok((subject, rating, value(&self.counts, row)?.unwrap_or(1))))
     }
 
     /// Returns the session and the repetition, if they are known.
     fn place(&self, row: usize) -> Result<Option<(&'a str, u32)>, RowError> {
-        let found = self.input.columns.session.zip(self.repetitions.as_ref());
-        found.map_or(Ok(None), |(session, (column, repetitions))| match repetitions.get(row) {
-            Ok(repetition) => Ok(repetition.map(|repetition| (self.text(row, session), repetition))),
-            Err(expected) => Err(RowError::new(row, *column, *expected)),
-        })
+        let found = self.input.columns.session.zip(value(&self.repetitions, row)?.flatten());
+        Ok(found.map(|(session, repetition)| (self.text(row, session), repetition)))
     }
 
     /// Returns the session, and the place of the trial in it, if that is known.
     fn position(&self, row: usize) -> Result<Option<(&'a str, f64)>, RowError> {
         let session = || self.input.columns.session.map_or("", |session| self.text(row, session));
-        self.orders.as_ref().map_or(Ok(None), |(column, orders)| match orders.get(row) {
-            Ok(position) => Ok(position.map(|position| (session(), position))),
-            Err(expected) => Err(RowError::new(row, *column, *expected)),
-        })
+        Ok(value(&self.orders, row)?.flatten().map(|position| (session(), position)))
     }
 
     /// Returns the response time in seconds, if it is known.

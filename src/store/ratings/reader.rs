@@ -347,7 +347,7 @@ fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
         subject: subject.to_owned(),
         session: session.to_owned(),
         path: input.path.clone(),
-        planned: input.planned(),
+        planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
         rated: 0,
         skipped: 0,
         dropped: None,
@@ -429,7 +429,7 @@ pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Ve
         }
         _ => error,
     };
-    rows.into_errors(input).into_iter().map(in_cell).chain(everything).collect()
+    rows.errors.finish(&input.name, &input.header.names).into_iter().map(in_cell).chain(everything).collect()
 }
 
 /// Returns the content of a file, unless it is large.

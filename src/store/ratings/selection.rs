@@ -298,11 +298,6 @@ impl Input {
         }
     }
 
-    /// Returns the number of main trials in the file's definition.
-    pub fn planned(&self) -> Option<u64> {
-        self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
-    }
-
     /// Returns the name of the column with the participant ID.
     pub fn subject<'a>(&'a self, options: &'a ReadOptions) -> &'a str {
         let usual = || self.header.subject().filter(|_| !self.is_results()).unwrap_or(SUBJECT);
