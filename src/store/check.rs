@@ -57,7 +57,7 @@ pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, StoreError> {
 pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checked, StoreError> {
     let path = name_or_path.as_ref();
     let name = path.display().to_string();
-    if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
+    if definition::built_in(path).is_some() {
         return check_definition(definition::open(path)?);
     }
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {

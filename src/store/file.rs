@@ -381,11 +381,6 @@ impl AppendFile {
         String::from_utf8_lossy(&self.content[self.written..])
     }
 
-    /// Returns the SHA-256 of everything that belongs in the file.
-    pub fn sha256(&self) -> String {
-        sha256(&self.content)
-    }
-
     /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
     ///
     /// # Errors

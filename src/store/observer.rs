@@ -81,9 +81,7 @@ pub fn write_criterion(writer: &Writer, path: &Path, origin: &str, criterion: &C
 fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {
     if !(above < a && a < b && b < c && c < f64::INFINITY) {
         let sign = if above < 0.0 { "" } else { " above 0" };
-        document.error(
-            "thresholds",
-            format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}"),
-        );
+        let message = format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}");
+        document.error("thresholds", message);
     }
 }

@@ -83,10 +83,9 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     if let Some(Primaries { red, green, blue, white }) = profile.primaries {
         for (key, [x, y]) in [("red", red), ("green", green), ("blue", blue), ("white", white)] {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
-                document.error(
-                    &format!("primaries.{key}"),
-                    format!("primaries.{key} is [{x}, {y}]; expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1"),
-                );
+                let expected = "expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1";
+                let path = format!("primaries.{key}");
+                document.error(&path, format!("{path} is [{x}, {y}]; {expected}"));
             }
         }
         // Twice the areas of the triangles of two primaries and white, which lies inside if all have one sign.

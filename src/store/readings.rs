@@ -68,9 +68,7 @@ fn complete_black(rows: &mut Vec<Row>) {
         let own = |row: &&Row| row.reading.channel == channel;
         if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
             let one = blacks.iter().filter(|row| row.reading.channel == of);
-            rows.extend(
-                one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }).collect::<Vec<_>>(),
-            );
+            rows.extend(one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }));
         }
     }
 }

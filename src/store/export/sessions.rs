@@ -141,8 +141,7 @@ fn errors(session: &Recorded) -> Vec<FileError> {
 /// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
-        let (rated, planned) = session.rated();
-        let is_complete = rated == planned && session.partial_line.is_none();
+        let ((rated, planned), is_complete) = (session.rated(), session.is_complete());
         if is_complete || !complete_only {
             notes.extend(session.changed.iter().map(|error| format!("{error}; exported as requested")));
             let accepted = session.sidecar.incidents(seal::ACCEPTED);

@@ -124,7 +124,7 @@ impl SessionState {
         // A complete session was rated to the end, so its rows need not be read unless the file has another size since.
         let complete = sidecar.is_complete();
         let size = found(&csv).map_err(io(&csv, "read"))?.map_or(0, |metadata| metadata.len());
-        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size == seal.data_bytes);
+        let is_whole = sidecar.last_seal().is_some_and(|seal| size == seal.data_bytes);
         let rated = if complete && is_whole {
             planned
         } else {

@@ -19,7 +19,7 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileErrors, StoreError, definition,
-        file::{AppendFile, exists},
+        file::{AppendFile, exists, sha256},
         table,
     },
 };
@@ -373,13 +373,13 @@ impl SessionStore {
     /// Returns the hashes of the files as they are now, without that of the sidecar.
     fn seal_of_files(&self) -> Seal {
         let rows = &self.rows;
-        let frames = self.frames.as_ref().map(|frames| (frames, &frames.0));
-        let frames = frames.filter(|(frames, file)| !frames.is_empty() && file.path() == self.paths.frames);
+        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| &frames.0);
+        let frames = frames.filter(|file| file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
-            data_sha256: rows.sha256(),
-            frames_bytes: frames.map(|(_, file)| file.content().len() as u64),
-            frames_sha256: frames.map(|(_, file)| file.sha256()),
+            data_sha256: sha256(rows.content()),
+            frames_bytes: frames.map(|file| file.content().len() as u64),
+            frames_sha256: frames.map(|file| sha256(file.content())),
             sidecar_sha256: String::new(),
         }
     }
