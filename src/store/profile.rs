@@ -75,7 +75,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
         ("bits", form.bits.map(f64::from), 1.0, 16.0),
         ("screen_width_cm", profile.screen_width_cm, 1.0, 1000.0),
     ] {
-        value.iter().for_each(|value| document.check_range(key, *value, least, most));
+        document.check_range(key, value.as_slice(), least, most);
     }
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
         document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));

@@ -127,10 +127,12 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Reports an error if a number at the top level is outside `least…most`.
-    pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
-        if !(least..=most).contains(&value) {
-            self.error(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
+    /// Reports an error at a dotted path if one of its numbers is outside `least…most`.
+    pub(super) fn check_range(&mut self, path: &str, values: &[f64], least: f64, most: f64) {
+        // NaN is not in any range.
+        if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.error(path, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }
 
