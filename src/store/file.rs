@@ -121,8 +121,7 @@ pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> 
 /// # Errors
 /// I/O errors.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
-    let written = temporary(path, content, durable).and_then(|temporary| place(temporary, path, true));
-    written.map_err(io(path, "write"))?;
+    put(path, content, durable, true).map_err(io(path, "write"))?;
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
@@ -135,18 +134,20 @@ pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreErro
     if exists(path)? {
         return Ok(());
     }
-    match temporary(path, content, true).and_then(|temporary| place(temporary, path, false)) {
+    match put(path, content, true, false) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
         written => written.map_err(io(path, "write"))?,
     }
     sync_folder(path)
 }
 
-/// Gives a temporary file its name. Unless it `replaces`, a file that has this name is an error and stays.
+/// Writes a file atomically, without syncing its folder. With `durable`, its content is synced. Unless it `replaces`, a file
+/// that has this name is an error and stays.
 ///
 /// # Errors
-/// I/O errors. The temporary file is then removed.
-pub(super) fn place(temporary: tempfile::NamedTempFile, path: &Path, replaces: bool) -> std::io::Result<()> {
+/// I/O errors; the disk stored less than it reported.
+pub(super) fn put(path: &Path, content: &[u8], durable: bool, replaces: bool) -> std::io::Result<()> {
+    let temporary = temporary(path, content, durable)?;
     let placed = if replaces { temporary.persist(path) } else { temporary.persist_noclobber(path) };
     let Err(failed) = placed else { return Ok(()) };
     // Some file systems can only replace.
@@ -167,7 +168,7 @@ fn can_only_replace(error: &Error) -> bool {
 ///
 /// # Errors
 /// I/O errors; the disk stored less than it reported.
-pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<tempfile::NamedTempFile> {
+fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<tempfile::NamedTempFile> {
     let [marker, suffix] = TEMPORARY;
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
     prefix.push(marker);

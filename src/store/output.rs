@@ -12,7 +12,7 @@ use super::{
     StoreError,
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
-    file::{ABANDONED, exists, folder_of, full_path, make_folder, place, remove_temporary, sync_folder, temporary},
+    file::{ABANDONED, exists, folder_of, full_path, make_folder, put, remove_temporary, sync_folder},
     frames,
 };
 use crate::system::{found, identified};
@@ -107,11 +107,9 @@ impl Writer {
     /// The same errors as [`Writer::write`].
     pub(super) fn put(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
         let target = self.target(path)?;
-        temporary(&target, content, true).and_then(|temporary| place(temporary, &target, self.force)).map_err(|error| {
-            match error.kind() {
-                io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
-                _ => io(path, "write")(error),
-            }
+        put(&target, content, true, self.force).map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
+            _ => io(path, "write")(error),
         })
     }
 
