@@ -281,9 +281,7 @@ impl Written {
         errors.0.extend(protocol.err().unwrap_or_default().into_iter().filter(|error| !follows(error)));
         Err(errors.0)
     }
-}
 
-impl Written {
     /// Returns the study's own pictures.
     fn pictures(&mut self, place: Option<Place<'_>>, errors: &mut DefinitionErrors) -> Picture {
         let mut table = std::mem::take(&mut self.stimulus);

@@ -320,30 +320,28 @@ impl SessionStore {
         self.sidecar.is_complete()
     }
 
-    fn sitting(&mut self) -> Option<&mut Sitting> {
-        self.sidecar.sittings.last_mut()
+    /// Returns the sitting that is running; every sidecar lists one.
+    fn sitting(&mut self) -> &mut Sitting {
+        let last = self.sidecar.sittings.len() - 1;
+        &mut self.sidecar.sittings[last]
     }
 
     /// Notes an incident, to be saved with the sidecar.
     pub fn note(&mut self, incident: String) {
-        if let Some(sitting) = self.sitting() {
-            sitting.incidents.push(incident);
-        }
+        self.sitting().incidents.push(incident);
     }
 
     /// Notes the hashes of displayed pictures, to be saved with the sidecar.
     pub fn note_pictures<'a>(&mut self, hashed: impl IntoIterator<Item = (&'a Stimulus, String)>) {
         let conditions = Arc::clone(self.protocol.conditions());
-        if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
+        if let Some(pictures) = &mut self.sitting().pictures {
             pictures.note(&conditions, hashed);
         }
     }
 
     /// Notes how ratings were timestamped, to be saved with the sidecar.
     pub fn describe_input(&mut self, input: InputSummary) {
-        if let Some(sitting) = self.sitting() {
-            sitting.input = Some(input);
-        }
+        self.sitting().input = Some(input);
     }
 
     /// Ends the sitting, seals the session and writes the sidecar.
@@ -355,10 +353,9 @@ impl SessionStore {
             self.note(format!("the session that ended before this one is not known: {error}"));
             None
         });
-        if let Some(sitting) = self.sitting() {
-            (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
-            (sitting.frames, sitting.previous) = (frames, previous);
-        }
+        let sitting = self.sitting();
+        (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
+        (sitting.frames, sitting.previous) = (frames, previous);
         // Sealed data must survive a power failure.
         if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
             self.note(format!("the frames are not complete: {error}"));
