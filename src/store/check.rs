@@ -161,7 +161,7 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
 
 fn check_session(path: &Path) -> Result<String, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [session.row_errors(), &session.changed].concat();
+    let mut errors = [&session.row_errors[..], &session.changed].concat();
     if let Some((line, what)) = session.incomplete_line() {
         errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
     }

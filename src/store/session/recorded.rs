@@ -43,8 +43,12 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// What the rows record.
-    replays: Replays,
+    /// What each row records, or why no session could have recorded it there.
+    replayed: Vec<Result<Replayed, String>>,
+    /// The rows that no session could have recorded in their place.
+    pub row_errors: Vec<FileError>,
+    /// The number of trials that are still to be answered.
+    left: usize,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
@@ -98,11 +102,16 @@ impl Recorded {
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
         let course = Course::new(protocol.clone(), schedule.clone());
+        let replays = replay(csv, course, (&identity, &sidecar), &rows);
+        let left = replays.left();
+        let Replays { replayed, errors: row_errors, .. } = replays;
         Ok(Self {
             changed,
             frames_sha256: hashes.of_frames().map(str::to_owned),
-            replays: replay(csv, course, (&identity, &sidecar), &rows),
             rows,
+            replayed,
+            row_errors,
+            left,
             data,
             sidecar_text,
             is_running,
@@ -135,12 +144,7 @@ impl Recorded {
 
     /// Returns what a row records; `None` if the row is not planned.
     pub fn replayed(&self, row: usize) -> Option<&Replayed> {
-        self.replays.replayed[row].as_ref().ok()
-    }
-
-    /// Returns the errors of the rows that no session could have recorded in their place.
-    pub fn row_errors(&self) -> &[FileError] {
-        &self.replays.errors
+        self.replayed[row].as_ref().ok()
     }
 
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
@@ -157,14 +161,14 @@ impl Recorded {
         // A rating shows its condition, so most rows need not be looked at.
         let is_rating = self.protocol.task.is_default();
         let is_new = |row: &&Replayed| !is_rating || conditions.insert(self.schedule.trials[row.trial].condition);
-        let all = self.replays.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
+        let all = self.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
     /// Returns the number of answered trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
-        let rated = self.replays.done().len();
-        (rated, rated + self.replays.left())
+        let rated = self.replayed.iter().flatten().map(|row| row.trial).collect::<HashSet<_>>().len();
+        (rated, rated + self.left)
     }
 
     /// True if every planned trial is rated and the last row is complete.
@@ -175,7 +179,6 @@ impl Recorded {
 }
 
 /// The rows of a session, as they were recomputed.
-#[derive(Clone, Debug)]
 pub(super) struct Replays {
     /// The session after the rows.
     pub course: Course,

@@ -87,7 +87,7 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             found.rows = recorded.rows.len();
             found.rated = recorded.rated();
             check_generator(&recorded, &mut found);
-            found.errors.extend(recorded.row_errors().iter().cloned());
+            found.errors.extend(recorded.row_errors.iter().cloned());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
             match chain::gaps(csv, &recorded.sidecar) {
