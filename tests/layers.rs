@@ -147,7 +147,7 @@ fn forbidden_edges_are_found() {
     };
     for upward in [
         "use crate::store;",
-        "use crate::store::results::ResultFile;",
+        "use crate::store::session::SessionStore;",
         "use crate::{\n    light::Depth,\n    store::{StoreError, session::SessionStore},\n};",
         "use {std::fs, crate::store};",
         "fn f() { crate::store::check(); }",

@@ -2,16 +2,15 @@
 
 use std::{
     collections::{BTreeSet, HashMap},
-    io::Read as _,
     path::Path,
 };
 
 use super::{
     FileError, FileErrors, StoreError, dataset, definition,
     file::{exists, read_bytes, read_text},
-    frames, image, matches, observer,
-    open::open_regular,
-    profile, readings,
+    frames, image, matches, observer, profile,
+    ratings::column_names,
+    readings,
     recorded::{Order, Recorded},
     results,
     session::seal,
@@ -57,14 +56,16 @@ pub fn check(name_or_path: impl AsRef<Path>) -> Result<Checked, StoreError> {
 pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checked, StoreError> {
     let path = name_or_path.as_ref();
     let name = path.display().to_string();
-    if definition::BUILT_IN.iter().any(|built_in| built_in.name == path.as_os_str()) {
+    if definition::built_in(path).is_some() {
         return check_definition(definition::open(path)?);
     }
     let sentence = match path.extension().and_then(|extension| extension.to_str()) {
         Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path),
-        Some("csv") => match first_column(path)?.as_str() {
-            "channel" => check_readings(path),
-            "event" => check_matches(path),
+        Some("csv") => match column_names(path) {
+            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path),
+            Ok(names) if names.first().is_some_and(|name| name == "event") => check_matches(path),
+            Err(error @ StoreError::Io { .. }) => return Err(error),
+            // What is no table has the errors of a result file.
             _ => check_results(path),
         },
         Some("png") => return image::verify(path, pixels).map(Checked::from),
@@ -160,28 +161,13 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
 
 fn check_session(path: &Path) -> Result<String, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [session.row_errors.clone(), session.changed.clone()].concat();
+    let mut errors = [&session.row_errors[..], &session.changed].concat();
     if let Some((line, what)) = session.incomplete_line() {
         errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
     }
     FileErrors::none(errors)?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
     Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
-}
-
-/// Maximum length in bytes of the name of a table's first column. No known table has a longer one.
-const MAX_NAME: u64 = 1 << 10;
-
-/// Returns the name of a table's first column; empty if there is none.
-///
-/// # Errors
-/// The file cannot be read.
-fn first_column(path: &Path) -> Result<String, StoreError> {
-    let mut head = Vec::new();
-    let read = open_regular(path).and_then(|file| file.take(MAX_NAME).read_to_end(&mut head));
-    read.map_err(|error| FileErrors(StoreError::io(path, "read", error).errors(path)))?;
-    let name = head.split(|byte| b",;\r\n".contains(byte)).next().unwrap_or_default();
-    Ok(String::from_utf8_lossy(name).trim_start_matches('\u{feff}').trim().to_owned())
 }
 
 fn check_readings(path: &Path) -> Result<String, StoreError> {

@@ -1,6 +1,6 @@
 //! A table in memory, such as a data frame, and columns in which equal texts are stored once.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, hash::Hash};
 
 use super::FileErrors;
 
@@ -18,35 +18,30 @@ impl Columns {
     /// Adds a column of whole numbers.
     #[must_use]
     pub fn with_whole(self, name: &str, numbers: &[i64]) -> Self {
-        let (mut index, mut levels) = (HashMap::new(), Vec::new());
-        let mut cell = |number: &i64| {
-            *index.entry(*number).or_insert_with(|| {
-                levels.push(number.to_string());
-                levels.len() as i64 - 1
-            })
-        };
-        let cells: Vec<i64> = numbers.iter().map(&mut cell).collect();
-        self.with_levels(name, &levels, &cells)
+        self.with(name, Column::Texts(Texts::of(numbers.iter().copied(), |number| number.to_string())))
     }
 
     /// Adds a column of text of which each different text is given once, with its index in each row; an index without a
     /// text is a missing value.
     #[must_use]
-    pub fn with_levels<S: AsRef<str>>(mut self, name: &str, levels: &[S], cells: &[i64]) -> Self {
+    pub fn with_levels<S: AsRef<str>>(self, name: &str, levels: &[S], cells: &[i64]) -> Self {
         let mut texts = Interner::default();
         let index: Vec<u32> = levels.iter().map(|level| texts.index(level.as_ref().trim())).collect();
         let missing = texts.index("");
         let of = |cell: &i64| usize::try_from(*cell).ok().and_then(|cell| index.get(cell)).copied().unwrap_or(missing);
         texts.cells = cells.iter().map(of).collect();
-        self.0.push((name.to_owned(), Column::Texts(texts.finish())));
-        self
+        self.with(name, Column::Texts(texts.finish()))
     }
 
     /// Adds a column of numbers, each written in the shortest form that reads back as the same number. NaN is a missing
     /// value.
     #[must_use]
-    pub fn with_numbers(mut self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
-        self.0.push((name.to_owned(), Column::Numbers(numbers.into_iter().collect())));
+    pub fn with_numbers(self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
+        self.with(name, Column::Numbers(numbers.into_iter().collect()))
+    }
+
+    fn with(mut self, name: &str, column: Column) -> Self {
+        self.0.push((name.to_owned(), column));
         self
     }
 
@@ -89,18 +84,12 @@ impl Columns {
 
     /// Returns a column as texts.
     pub(super) fn texts(&self, column: usize) -> Texts {
-        let numbers = match &self.0[column].1 {
-            Column::Texts(texts) => return texts.clone(),
-            Column::Numbers(numbers) => numbers,
-        };
-        let (mut index, mut texts) = (HashMap::new(), Vec::new());
-        let mut cell = |number: &f64| {
-            *index.entry(number.to_bits()).or_insert_with(|| {
-                texts.push(text_of(*number).into());
-                texts.len() as u32 - 1
-            })
-        };
-        Texts { cells: numbers.iter().map(&mut cell).collect(), texts }
+        match &self.0[column].1 {
+            Column::Texts(texts) => texts.clone(),
+            Column::Numbers(numbers) => {
+                Texts::of(numbers.iter().map(|number| number.to_bits()), |bits| text_of(f64::from_bits(bits)))
+            }
+        }
     }
 
     /// Returns a column as numbers; `of` finds the number in a text.
@@ -136,6 +125,18 @@ pub(super) struct Texts {
 }
 
 impl Texts {
+    /// Returns a column of which equal cells have the same key, and `text` returns the text of a key.
+    fn of<K: Copy + Eq + Hash>(keys: impl Iterator<Item = K>, text: impl Fn(K) -> String) -> Self {
+        let (mut index, mut texts) = (HashMap::new(), Vec::new());
+        let cell = |key: K| {
+            *index.entry(key).or_insert_with(|| {
+                texts.push(text(key).into());
+                texts.len() as u32 - 1
+            })
+        };
+        Self { cells: keys.map(cell).collect(), texts }
+    }
+
     /// Returns the text in a row.
     pub fn get(&self, row: usize) -> &str {
         &self.texts[self.cells[row] as usize]

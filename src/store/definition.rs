@@ -65,17 +65,10 @@ pub fn text(name_or_path: &Path) -> Result<Cow<'static, str>, FileErrors> {
     let looks_like_a_name = name_or_path.extension().is_none() && name_or_path.components().count() == 1;
     if looks_like_a_name && matches!(found(name_or_path), Ok(None)) {
         let names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
-        return Err(FileErrors::whole(
-            name_or_path,
-            format!(
-                "is neither a built-in definition nor a file; {}",
-                expected_one_of(&name_or_path.display().to_string(), &names).replacen(
-                    "one of",
-                    "the path to a .toml file, or one of",
-                    1
-                )
-            ),
-        ));
+        let expected = expected_one_of(&name_or_path.display().to_string(), &names);
+        let expected = expected.replacen("one of", "the path to a .toml file, or one of", 1);
+        let message = format!("is neither a built-in definition nor a file; {expected}");
+        return Err(FileErrors::whole(name_or_path, message));
     }
     read_text(name_or_path).map(Cow::Owned)
 }
@@ -140,14 +133,15 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
 /// Another program changed the file meanwhile, there is a file under the new name, or the file cannot be written. Then
 /// no file is lost.
 pub fn save(of: &Path, opened: &str, to: &Path, written: &str) -> Result<(), StoreError> {
-    let refuse = |path: &Path, what: &str| StoreError::Protected { path: path.to_owned(), what: what.to_owned() };
     if text(of)? != opened {
         let what = "was changed by another program; expected it as it was opened. Leave the form and open it again";
-        return Err(refuse(of, what));
+        return Err(StoreError::protected(of, what));
     }
     // Only the file that was edited is replaced.
     Writer::new(Vec::new(), to == of).write(to, written.as_bytes()).map_err(|error| match error {
-        StoreError::Occupied(path) => refuse(&path, "already exists; expected a name that no file in the folder has"),
+        StoreError::Occupied(path) => {
+            StoreError::protected(&path, "already exists; expected a name that no file in the folder has")
+        }
         error => error,
     })?;
     if to == of { Ok(()) } else { fs::remove_file(of).map_err(io(of, "remove")) }
@@ -287,9 +281,7 @@ impl Written {
         errors.0.extend(protocol.err().unwrap_or_default().into_iter().filter(|error| !follows(error)));
         Err(errors.0)
     }
-}
 
-impl Written {
     /// Returns the study's own pictures.
     fn pictures(&mut self, place: Option<Place<'_>>, errors: &mut DefinitionErrors) -> Picture {
         let mut table = std::mem::take(&mut self.stimulus);

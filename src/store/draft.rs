@@ -73,11 +73,8 @@ impl Draft {
     /// Returns a value as it would be typed; `None` if the file does not have it.
     pub fn get(&self, key: &str) -> Option<String> {
         let value = self.value(key)?;
-        Some(
-            value
-                .as_array()
-                .map_or_else(|| plain(value), |list| list.iter().map(listed).collect::<Vec<_>>().join(", ")),
-        )
+        let list = value.as_array().map(|list| list.iter().map(listed).collect::<Vec<_>>().join(", "));
+        Some(list.unwrap_or_else(|| plain(value)))
     }
 
     /// Returns a list of texts; `None` if the file does not have it.

@@ -75,6 +75,11 @@ impl FileErrors {
         Self(vec![FileError::whole(file, message)])
     }
 
+    /// Creates a single error at a line and column, counted from 1.
+    pub fn at(file: impl AsRef<Path>, position: (usize, usize), message: impl Into<String>) -> Self {
+        Self(vec![FileError::at(file, position, message)])
+    }
+
     /// Succeeds if the list is empty.
     ///
     /// # Errors
@@ -227,6 +232,11 @@ impl StoreError {
             }
             error => vec![FileError::whole(path, error.to_string())],
         }
+    }
+
+    /// Refuses to write an output to this path; says what is wrong, and what is expected.
+    pub fn protected(path: &Path, what: impl Into<String>) -> Self {
+        Self::Protected { path: path.to_owned(), what: what.into() }
     }
 
     /// Creates an I/O error with the path and the attempted action.

@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    FileError, FileErrors, StoreError,
+    FileErrors, StoreError,
     error::{NotData, io, position},
     open::{is_data, open_regular, read_at_most, read_regular},
     table::shortened,
@@ -33,7 +33,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, FileErrors> {
         let valid = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..valid]);
         let place = position(&before, before.len());
-        FileErrors(vec![FileError::at(path, place, "is not UTF-8 text; expected UTF-8")])
+        FileErrors::at(path, place, "is not UTF-8 text; expected UTF-8")
     })
 }
 
@@ -70,7 +70,7 @@ pub(super) fn read_existing(path: &Path, most: u64) -> Result<Option<Vec<u8>>, S
 pub(super) fn parse_json<T: DeserializeOwned>(path: &Path, text: &[u8], what: &str) -> Result<T, FileErrors> {
     serde_json::from_slice(text).map_err(|error| {
         let message = format!("is not {what}: {error}; expected JSON");
-        FileErrors(vec![FileError::at(path, (error.line(), error.column()), message)])
+        FileErrors::at(path, (error.line(), error.column()), message)
     })
 }
 
@@ -121,8 +121,7 @@ pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<(), StoreError> 
 /// # Errors
 /// I/O errors.
 pub(super) fn write_whole(path: &Path, content: &[u8], durable: bool) -> Result<(), StoreError> {
-    let written = temporary(path, content, durable).and_then(|temporary| place(temporary, path, true));
-    written.map_err(io(path, "write"))?;
+    put(path, content, durable, true).map_err(io(path, "write"))?;
     if durable { sync_folder(path) } else { Ok(()) }
 }
 
@@ -135,18 +134,20 @@ pub(super) fn write_missing(path: &Path, content: &[u8]) -> Result<(), StoreErro
     if exists(path)? {
         return Ok(());
     }
-    match temporary(path, content, true).and_then(|temporary| place(temporary, path, false)) {
+    match put(path, content, true, false) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
         written => written.map_err(io(path, "write"))?,
     }
     sync_folder(path)
 }
 
-/// Gives a temporary file its name. Unless it `replaces`, a file that has this name is an error and stays.
+/// Writes a file atomically, without syncing its folder. With `durable`, its content is synced. Unless it `replaces`, a file
+/// that has this name is an error and stays.
 ///
 /// # Errors
-/// I/O errors. The temporary file is then removed.
-pub(super) fn place(temporary: tempfile::NamedTempFile, path: &Path, replaces: bool) -> std::io::Result<()> {
+/// I/O errors; the disk stored less than it reported.
+pub(super) fn put(path: &Path, content: &[u8], durable: bool, replaces: bool) -> std::io::Result<()> {
+    let temporary = temporary(path, content, durable)?;
     let placed = if replaces { temporary.persist(path) } else { temporary.persist_noclobber(path) };
     let Err(failed) = placed else { return Ok(()) };
     // Some file systems can only replace.
@@ -167,7 +168,7 @@ fn can_only_replace(error: &Error) -> bool {
 ///
 /// # Errors
 /// I/O errors; the disk stored less than it reported.
-pub(super) fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<tempfile::NamedTempFile> {
+fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<tempfile::NamedTempFile> {
     let [marker, suffix] = TEMPORARY;
     let mut prefix = path.file_name().unwrap_or_default().to_owned();
     prefix.push(marker);
@@ -381,11 +382,6 @@ impl AppendFile {
         String::from_utf8_lossy(&self.content[self.written..])
     }
 
-    /// Returns the SHA-256 of everything that belongs in the file.
-    pub fn sha256(&self) -> String {
-        sha256(&self.content)
-    }
-
     /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
     ///
     /// # Errors
@@ -597,5 +593,5 @@ pub(super) fn complete_lines_or_header(
     } else {
         format!("the file begins with {found:?}; expected the header {expected:?}")
     };
-    Err(FileErrors(vec![FileError::at(path, (1, 1), message)]))
+    Err(FileErrors::at(path, (1, 1), message))
 }

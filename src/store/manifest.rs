@@ -81,7 +81,16 @@ impl<'a> Manifest<'a> {
         let header: Vec<String> = header.map(str::to_owned).collect();
         let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
         let own = (index - 1..rows.len()).step_by(shards);
-        let mut foreign = foreign_lists(&whole, &list, &header, (&rows, recipes))?;
+        // Hashes recorded by earlier runs.
+        let (mut known, mut foreign) = (HashMap::new(), Vec::new());
+        let names_of_whole = String::from_utf8_lossy(&table::line(&header)).into_owned();
+        for (path, names) in [(&whole, &*names_of_whole), (&list, "")] {
+            let Some(text) = text_of(path)? else { continue };
+            match text.strip_prefix(names).and_then(|lines| hashes(lines, &rows, recipes)) {
+                Some(listed) => known.extend(listed),
+                None => foreign.push(path.clone()),
+            }
+        }
         // A killed run may have made an image without listing it, so an image of the same recipe may stay.
         let mut ours = HashSet::new();
         for i in own.clone() {
@@ -97,14 +106,6 @@ impl<'a> Manifest<'a> {
         }
         writer.check(foreign.iter().map(PathBuf::as_path))?;
         let mut file = locked(writer, &list)?;
-        // Hashes recorded by earlier runs.
-        let mut known = HashMap::new();
-        for text in [text_of(&whole)?, text_of(&list)?].iter().flatten() {
-            for line in text.lines() {
-                let mut cells = line.split(',').map(str::to_owned);
-                known.extend(cells.next().zip(cells.next()));
-            }
-        }
         let (mut lines, mut missing) = (Vec::new(), Vec::new());
         for i in own.clone() {
             let hash = known.get(&rows[i].0).filter(|_| ours.contains(&i));
@@ -217,27 +218,18 @@ fn in_use(path: &Path) -> StoreError {
     FileErrors::whole(path, what).into()
 }
 
-/// Returns those of the two lists (of all images, and of one shard) that exist but do not list these images.
-fn foreign_lists(
-    whole: &Path,
-    list: &Path,
-    header: &[String],
-    (rows, recipes): (&[(String, Vec<String>)], &[Recipe]),
-) -> Result<Vec<PathBuf>, StoreError> {
-    let header = String::from_utf8_lossy(&table::line(header)).into_owned();
+/// Returns the name and the hash of each image in the lines of a list; `None` if it lists anything else. A line that someone
+/// changed is not one of ours.
+fn hashes(lines: &str, rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> Option<Vec<(String, String)>> {
     let images: HashMap<&str, _> = rows.iter().zip(recipes).map(|image| (&*image.0.0, image)).collect();
-    // A line that someone changed is not one of ours.
-    let is_ours = |text: &str| {
+    let listed = |text: &str| {
         let mut cells = text.split(',');
-        let found = cells.next().and_then(|name| images.get(name)).zip(cells.next());
-        found.is_some_and(|((row, recipe), hash)| line(row, hash, recipe) == text.as_bytes())
+        let (name, hash) = cells.next().zip(cells.next())?;
+        let (row, recipe) = images.get(name)?;
+        (line(row, hash, recipe) == text.as_bytes()).then(|| (name.to_owned(), hash.to_owned()))
     };
     // The last line of a killed run can be incomplete.
-    let lists_ours = |text: &str| text.split_inclusive('\n').all(|line| !line.ends_with('\n') || is_ours(line));
-    let whole = (whole, text_of(whole)?.is_none_or(|text| text.strip_prefix(&header).is_some_and(lists_ours)));
-    let list = (list, text_of(list)?.is_none_or(|text| lists_ours(&text)));
-    let foreign = [whole, list].into_iter().filter(|(_, is_ours)| !is_ours);
-    Ok(foreign.map(|(path, _)| path.to_owned()).collect())
+    lines.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(listed).collect()
 }
 
 /// Returns the text of a list of images; `None` if there is none.

@@ -41,7 +41,7 @@ pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileErrors> {
         ("contrast", observer.contrast, -1000.0, 1000.0),
         ("lapse", observer.lapse, 0.0, 1.0),
     ] {
-        document.check_range(key, value, least, most);
+        document.check_range(key, &[value], least, most);
     }
     document.finish(observer)
 }
@@ -61,9 +61,9 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileErrors> {
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileErrors> {
     let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
     check_thresholds(&mut document, rater.thresholds, 0.0, "[0.25, 1.0, 4.0]");
-    document.check_range("spread", rater.spread, 1e-6, 1000.0);
-    document.check_range("subject_sd", rater.subject_sd, 0.0, 100.0);
-    document.check_range("lapse", rater.lapse, 0.0, 1.0);
+    document.check_range("spread", &[rater.spread], 1e-6, 1000.0);
+    document.check_range("subject_sd", &[rater.subject_sd], 0.0, 100.0);
+    document.check_range("lapse", &[rater.lapse], 0.0, 1.0);
     document.finish(rater)
 }
 
@@ -81,9 +81,7 @@ pub fn write_criterion(writer: &Writer, path: &Path, origin: &str, criterion: &C
 fn check_thresholds(document: &mut Document<'_>, [a, b, c]: [f64; 3], above: f64, example: &str) {
     if !(above < a && a < b && b < c && c < f64::INFINITY) {
         let sign = if above < 0.0 { "" } else { " above 0" };
-        document.error(
-            "thresholds",
-            format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}"),
-        );
+        let message = format!("thresholds must be three increasing numbers{sign}; expected a list such as {example}");
+        document.error("thresholds", message);
     }
 }

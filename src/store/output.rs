@@ -12,7 +12,7 @@ use super::{
     StoreError,
     dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
     error::io,
-    file::{ABANDONED, exists, folder_of, full_path, make_folder, place, remove_temporary, sync_folder, temporary},
+    file::{ABANDONED, exists, folder_of, full_path, make_folder, put, remove_temporary, sync_folder},
     frames,
 };
 use crate::system::{found, identified};
@@ -48,7 +48,8 @@ impl Writer {
         let mut seen = BTreeSet::new();
         for path in paths {
             if !seen.insert(self.target(path)?) {
-                return Err(protected(path, "is another output of this command; expected a different file"));
+                let what = "is another output of this command; expected a different file";
+                return Err(StoreError::protected(path, what));
             }
         }
         Ok(())
@@ -61,10 +62,10 @@ impl Writer {
     pub fn check_folder(&self, folder: &Path) -> Result<(), StoreError> {
         let target = full_path(folder).map_err(io(folder, "access"))?;
         if found(&target).map_err(io(folder, "access"))?.is_some_and(|found| !found.is_dir()) {
-            return Err(protected(folder, "is not a folder; expected a folder for the files to write"));
+            return Err(StoreError::protected(folder, "is not a folder; expected a folder for the files to write"));
         }
         if self.reads(&target)? {
-            return Err(protected(folder, "is an input of this command; expected a different folder"));
+            return Err(StoreError::protected(folder, "is an input of this command; expected a different folder"));
         }
         data_set(&target)?.filter(|(_, is_data)| *is_data).map_or(Ok(()), |(root, _)| Err(in_data(folder, &root)))
     }
@@ -106,20 +107,18 @@ impl Writer {
     /// The same errors as [`Writer::write`].
     pub(super) fn put(&self, path: &Path, content: &[u8]) -> Result<(), StoreError> {
         let target = self.target(path)?;
-        temporary(&target, content, true).and_then(|temporary| place(temporary, &target, self.force)).map_err(|error| {
-            match error.kind() {
-                io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
-                _ => io(path, "write")(error),
-            }
+        put(&target, content, true, self.force).map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists if !self.force => StoreError::Occupied(path.to_owned()),
+            _ => io(path, "write")(error),
         })
     }
 
     /// Returns the file that a path leads to, with all links resolved, if it can be written.
     fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
+        let refuse = |what: &str| Err(StoreError::protected(path, what));
         if let Some(ending) = path.extension().and_then(|ending| ending.to_str()).filter(|ending| is_foreign(ending)) {
-            let what =
-                format!("ends in .{ending}, but all pictures are written as PNG; expected a name ending in .png");
-            return Err(protected(path, what));
+            let what = "but all pictures are written as PNG; expected a name ending in .png";
+            return refuse(&format!("ends in .{ending}, {what}"));
         }
         let target = full_path(path).map_err(io(path, "write"))?;
         fs::metadata(folder_of(&target)).map_err(io(path, "write"))?;
@@ -128,27 +127,21 @@ impl Writer {
             found => Some(found.map_err(io(path, "write"))?),
         };
         if let Some((root, is_data)) = data_set(&target)? {
-            match &found {
-                _ if is_data => return Err(in_data(path, &root)),
-                Some(_) => {
-                    let what = format!("belongs to the data set {}; expected a new file", root.display());
-                    return Err(protected(path, what));
-                }
-                None => {}
+            if is_data {
+                return Err(in_data(path, &root));
+            } else if found.is_some() {
+                return refuse(&format!("belongs to the data set {}; expected a new file", root.display()));
             }
         }
         if let Some(session) = session_of(&target)? {
-            let session = session.display();
-            return Err(protected(path, format!("belongs to the session of {session}; expected a different file")));
+            return refuse(&format!("belongs to the session of {}; expected a different file", session.display()));
         }
         match found {
             None => Ok(target),
             Some(found) if !found.is_file() => {
-                Err(protected(path, "is not a regular file; expected a new file or an existing regular file"))
+                refuse("is not a regular file; expected a new file or an existing regular file")
             }
-            Some(_) if self.reads(&target)? => {
-                Err(protected(path, "is an input of this command; expected a different file"))
-            }
+            Some(_) if self.reads(&target)? => refuse("is an input of this command; expected a different file"),
             Some(_) if !self.force => Err(StoreError::Occupied(path.to_owned())),
             Some(_) => Ok(target),
         }
@@ -183,13 +176,9 @@ fn is_foreign(ending: &str) -> bool {
     FOREIGN.iter().any(|foreign| ending.eq_ignore_ascii_case(foreign))
 }
 
-fn protected(path: &Path, what: impl Into<String>) -> StoreError {
-    StoreError::Protected { path: path.to_owned(), what: what.into() }
-}
-
 fn in_data(path: &Path, root: &Path) -> StoreError {
     let root = root.display();
-    protected(path, format!("is inside the data folder of the data set {root}; expected a path outside it"))
+    StoreError::protected(path, format!("is inside the data folder of the data set {root}; expected a path outside it"))
 }
 
 /// Returns the folder of the data set that contains `target`, and whether `target` is in its `data` folder.

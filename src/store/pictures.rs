@@ -77,13 +77,7 @@ pub(super) fn gallery(
             return gallery;
         }
     };
-    let files = match matching(folder, &gallery.files) {
-        Ok(files) => files,
-        Err(error) => {
-            failed(error.to_string());
-            Vec::new()
-        }
-    };
+    let files = matching(folder, &gallery.files).map_err(|error| failed(error.to_string())).unwrap_or_default();
     if files.len() < 2 || files.len() > MAX_PICTURES {
         let (pattern, count) = (&gallery.files, files.len());
         failed(format!("the number of files that {pattern} stands for is {count}; expected 2 to {MAX_PICTURES}"));

@@ -75,7 +75,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
         ("bits", form.bits.map(f64::from), 1.0, 16.0),
         ("screen_width_cm", profile.screen_width_cm, 1.0, 1000.0),
     ] {
-        value.iter().for_each(|value| document.check_range(key, *value, least, most));
+        document.check_range(key, value.as_slice(), least, most);
     }
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
         document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));
@@ -83,10 +83,9 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     if let Some(Primaries { red, green, blue, white }) = profile.primaries {
         for (key, [x, y]) in [("red", red), ("green", green), ("blue", blue), ("white", white)] {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
-                document.error(
-                    &format!("primaries.{key}"),
-                    format!("primaries.{key} is [{x}, {y}]; expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1"),
-                );
+                let expected = "expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1";
+                let path = format!("primaries.{key}");
+                document.error(&path, format!("{path} is [{x}, {y}]; {expected}"));
             }
         }
         // Twice the areas of the triangles of two primaries and white, which lies inside if all have one sign.

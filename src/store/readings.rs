@@ -68,9 +68,7 @@ fn complete_black(rows: &mut Vec<Row>) {
         let own = |row: &&Row| row.reading.channel == channel;
         if rows.iter().any(|row| own(&row)) && !blacks.iter().any(|row| own(&row)) {
             let one = blacks.iter().filter(|row| row.reading.channel == of);
-            rows.extend(
-                one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }).collect::<Vec<_>>(),
-            );
+            rows.extend(one.map(|row| Row { reading: Reading { channel, ..row.reading }, ..row.clone() }));
         }
     }
 }
@@ -161,7 +159,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
         COLUMNS.into_iter().zip(columns).filter(|(_, index)| index.is_none()).map(|(name, _)| name).collect();
     if !missing.is_empty() {
         let message = format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
-        return Err(FileErrors(vec![FileError::at(file, (1, 1), message)]));
+        return Err(FileErrors::at(file, (1, 1), message));
     }
     if rows.len() > MAX_READINGS {
         let message = format!("the number of readings is {}; expected at most {MAX_READINGS}", rows.len());

@@ -217,71 +217,56 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
 
 /// Reports every value that is out of range.
 fn check(scene: &SceneTable, document: &mut Document<'_>) {
-    let mut range = |path: String, values: &[f64], least: f64, most: f64| {
-        // NaN is not in any range.
-        if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
-            let key = path.rsplit('.').next().unwrap_or(&path).to_owned();
-            document.error(&path, format!("{key} {value} is outside {least}…{most}; expected numbers in this range"));
-        }
-    };
-    let top = |key: &str| key.to_owned();
-    range(top("background"), &scene.background, 0.0, 1.0);
-    range(top("ambient"), &scene.ambient, 0.0, MOST);
-    range(top("view.rotate"), &scene.view.rotate, -MOST, MOST);
-    range(top("view.fill"), &[scene.view.fill], 0.01, 100.0);
-    range(top("view.distance"), scene.view.distance.as_slice(), 1.05, MOST);
+    document.check_range("background", &scene.background, 0.0, 1.0);
+    document.check_range("ambient", &scene.ambient, 0.0, MOST);
+    document.check_range("view.rotate", &scene.view.rotate, -MOST, MOST);
+    document.check_range("view.fill", &[scene.view.fill], 0.01, 100.0);
+    document.check_range("view.distance", scene.view.distance.as_slice(), 1.05, MOST);
     for (i, mesh) in scene.mesh.iter().enumerate() {
         let of = |key: &str| format!("mesh.{i}.{key}");
-        range(of("crease"), &[mesh.crease], 0.0, 180.0);
-        range(of("position"), &mesh.position, -MOST, MOST);
-        range(of("rotate"), &mesh.rotate, -MOST, MOST);
-        range(of("scale"), &[mesh.scale], 1e-6, MOST);
-        range(of("boundary"), mesh.boundary.as_slice(), 0.0, 1.0);
+        document.check_range(&of("crease"), &[mesh.crease], 0.0, 180.0);
+        document.check_range(&of("position"), &mesh.position, -MOST, MOST);
+        document.check_range(&of("rotate"), &mesh.rotate, -MOST, MOST);
+        document.check_range(&of("scale"), &[mesh.scale], 1e-6, MOST);
+        document.check_range(&of("boundary"), mesh.boundary.as_slice(), 0.0, 1.0);
         for (key, color) in [("color", mesh.color), ("specular_color", mesh.specular_color), ("filter", mesh.filter)] {
-            range(of(key), &color, 0.0, 1.0);
+            document.check_range(&of(key), &color, 0.0, 1.0);
         }
-        for (key, share) in [
-            ("ambient", mesh.ambient),
-            ("diffuse", mesh.diffuse),
-            ("specular", mesh.specular),
-            ("transmission", mesh.transmission),
-        ] {
-            range(of(key), &[share], 0.0, 1.0);
-        }
-        range(of("shininess"), &[mesh.shininess], 1.0, 1000.0);
-        range(of("facet_slope"), mesh.facet_slope.as_slice(), 0.001, 10.0);
-        range(of("facet_c1"), mesh.facet_c1.as_slice(), 0.0, 1e6);
-        range(of("facet_index"), mesh.facet_index.as_slice(), 1.0, 1000.0);
-        range(of("index"), mesh.index.as_slice(), 0.1, 10.0);
-    }
-    for (i, lamp) in scene.lamp.iter().enumerate() {
-        let of = |key: &str| format!("lamp.{i}.{key}");
-        range(of("direction"), lamp.direction.as_ref().map_or(&[], |toward| &toward[..]), -MOST, MOST);
-        range(of("position"), lamp.position.as_ref().map_or(&[], |position| &position[..]), -MOST, MOST);
-        range(of("attenuation"), &lamp.attenuation, 0.0, MOST);
-        range(of("intensity"), &lamp.intensity, 0.0, MOST);
-    }
-    for (i, mesh) in scene.mesh.iter().enumerate() {
+        document.check_range(&of("ambient"), &[mesh.ambient], 0.0, 1.0);
+        document.check_range(&of("diffuse"), &[mesh.diffuse], 0.0, 1.0);
+        document.check_range(&of("specular"), &[mesh.specular], 0.0, 1.0);
+        document.check_range(&of("transmission"), &[mesh.transmission], 0.0, 1.0);
+        document.check_range(&of("shininess"), &[mesh.shininess], 1.0, 1000.0);
+        document.check_range(&of("facet_slope"), mesh.facet_slope.as_slice(), 0.001, 10.0);
+        document.check_range(&of("facet_c1"), mesh.facet_c1.as_slice(), 0.0, 1e6);
+        document.check_range(&of("facet_index"), mesh.facet_index.as_slice(), 1.0, 1000.0);
+        document.check_range(&of("index"), mesh.index.as_slice(), 0.1, 10.0);
         if mesh.mesh.is_empty() {
             document.error(&format!("mesh.{i}"), "mesh is missing; expected mesh = \"torus\", or the path to a file");
         }
         for (key, problem) in idle(mesh) {
-            document.error(&format!("mesh.{i}.{key}"), format!("{key} {problem}"));
+            document.error(&of(key), format!("{key} {problem}"));
         }
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
-        let place = format!("lamp.{i}");
+        let of = |key: &str| format!("lamp.{i}.{key}");
+        for (key, place) in [("direction", lamp.direction), ("position", lamp.position)] {
+            document.check_range(&of(key), place.as_slice().as_flattened(), -MOST, MOST);
+        }
+        document.check_range(&of("attenuation"), &lamp.attenuation, 0.0, MOST);
+        document.check_range(&of("intensity"), &lamp.intensity, 0.0, MOST);
         let length = lamp.direction.map(|toward| DVec3::from_array(toward).length());
         if lamp.direction.is_some() == lamp.position.is_some() {
-            document.error(&place, "the lamp needs one place; expected either direction = [x, y, z] or position = …");
+            let message = "the lamp needs one place; expected either direction = [x, y, z] or position = …";
+            document.error(&format!("lamp.{i}"), message);
         } else if length.is_some_and(|length| length < 1e-6) {
-            document.error(&format!("{place}.direction"), "direction has no length; expected a vector toward the lamp");
+            document.error(&of("direction"), "direction has no length; expected a vector toward the lamp");
         } else if lamp.position.is_none() && lamp.attenuation != LampTable::default().attenuation {
             let message =
                 "attenuation has no effect on a far lamp; expected position = [x, y, z] in place of direction";
-            document.error(&format!("{place}.attenuation"), message);
+            document.error(&of("attenuation"), message);
         } else if lamp.attenuation == [0.0; 3] {
-            document.error(&format!("{place}.attenuation"), "attenuation is 0; expected at least one number above 0");
+            document.error(&of("attenuation"), "attenuation is 0; expected at least one number above 0");
         }
     }
 }

@@ -135,9 +135,7 @@ impl SettingsFile {
         if self.written == *settings {
             return Ok(());
         }
-        if let Some(folder) = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            make_folder(folder)?;
-        }
+        make_folder(folder_of(&self.path))?;
         let text = ::toml::to_string(settings).map_err(|error| io(&self.path, "encode")(Error::other(error)))?;
         write_file(&self.path, format!("{HEADER}{text}").as_bytes())?;
         remove_temporary(folder_of(&self.path), |name| self.path.file_name().is_some_and(|own| own == name), ABANDONED);
@@ -151,6 +149,6 @@ const HEADER: &str =
 
 fn parse(file: &str, text: &str) -> Result<Settings, FileErrors> {
     let (settings, mut document) = toml::read::<Settings>(file, text)?;
-    document.check_range("zoom", settings.zoom.into(), 0.2, 5.0);
+    document.check_range("zoom", &[settings.zoom.into()], 0.2, 5.0);
     document.finish(settings)
 }

@@ -377,7 +377,7 @@ pub(super) fn each_line(
             Err(error) => return Err(FileErrors::whole(file, format!("cannot be read: {error}; expected CSV"))),
             Ok(0) if number == 1 => {
                 let message = format!("the file is empty; expected the header {header}");
-                return Err(FileErrors(vec![FileError::at(file, (1, 1), message)]));
+                return Err(FileErrors::at(file, (1, 1), message));
             }
             Ok(0) => break,
             Ok(_) => {}

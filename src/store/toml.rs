@@ -39,15 +39,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
         Some(other) => document.error("schema", format!("schema is {other}; expected 1")),
         None => document.error("schema", "schema is missing; expected schema = 1"),
     }
-    loop {
-        let error = match serde_path_to_error::deserialize::<_, T>(&value) {
-            Ok(read) => return Ok((read, document)),
-            Err(error) => error,
-        };
-        let path = error.path().to_string().replace('[', ".").replace(']', "");
-        // A single dot stands for the whole document.
-        let path = path.trim_matches('.');
-        let message = error.inner().to_string();
+    let read = without_unread(value, |path, message| {
         if let Some(field) = message.strip_prefix("missing field `") {
             let field = field.trim_end_matches('`');
             let name = format!("{path}.{field}");
@@ -55,13 +47,33 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             document.error(name, format!("{name} is missing; expected {field} = …"));
         } else {
             let place = document.locate(path);
-            document.errors.push((place, explained(path, &message), path.to_owned()));
+            document.errors.push((place, explained(path, message), path.to_owned()));
             document.unread.push(place);
         }
-        if document.unread.len() > MAX_UNREAD || !remove(&mut value, path) {
-            return Err(document.located());
+    });
+    match read {
+        Some(read) => Ok((read, document)),
+        None => Err(document.located()),
+    }
+}
+
+/// Deserializes a value. Each part of it that cannot be read is reported, with its path and what is wrong, and then removed.
+/// `None` if too little is left.
+fn without_unread<T: DeserializeOwned>(mut value: Value, mut report: impl FnMut(&str, &str)) -> Option<T> {
+    for _ in 0..=MAX_UNREAD {
+        let error = match serde_path_to_error::deserialize::<_, T>(&value) {
+            Ok(read) => return Some(read),
+            Err(error) => error,
+        };
+        let path = error.path().to_string().replace('[', ".").replace(']', "");
+        // A single dot stands for the whole value.
+        let path = path.trim_matches('.');
+        report(path, &error.inner().to_string());
+        if !remove(&mut value, path) {
+            break;
         }
     }
+    None
 }
 
 /// Reads the options of a task or of an adaptive method from a table of a definition.
@@ -76,23 +88,14 @@ pub(super) struct TableReader<'e> {
 
 impl OptionReader for TableReader<'_> {
     fn read<T: DeserializeOwned + Default>(&mut self) -> T {
-        let mut value = Value::Object(self.table.clone());
-        for _ in 0..MAX_UNREAD {
-            let error = match serde_path_to_error::deserialize::<_, T>(&value) {
-                Ok(read) => return read,
-                Err(error) => error,
-            };
-            let inner = error.path().to_string().replace('[', ".").replace(']', "");
+        let read = without_unread(Value::Object(self.table.clone()), |inner, message| {
             let path = format!("{}.{inner}", self.path);
             let path = path.trim_matches('.');
-            let message = explained(path, &error.inner().to_string());
+            let message = explained(path, message);
             let message = if message.starts_with('"') { format!("{inner} {message}") } else { message };
             self.errors.add(path, message);
-            if !remove(&mut value, &inner) {
-                break;
-            }
-        }
-        T::default()
+        });
+        read.unwrap_or_default()
     }
 }
 
@@ -105,7 +108,7 @@ impl<'t> Document<'t> {
         let table = DeTable::parse(text).map_err(|error| {
             let at = error.span().map_or(text.len(), |span| span.start);
             let message = format!("is not valid TOML: {}", error.message().replace('\n', ", "));
-            FileErrors(vec![FileError::at(file, position(text, at), message)])
+            FileErrors::at(file, position(text, at), message)
         })?;
         Ok(Self { file, text, table: table.into_inner(), errors: Vec::new(), unread: Vec::new() })
     }
@@ -124,10 +127,12 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Reports an error if a number at the top level is outside `least…most`.
-    pub(super) fn check_range(&mut self, key: &str, value: f64, least: f64, most: f64) {
-        if !(least..=most).contains(&value) {
-            self.error(key, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
+    /// Reports an error at a dotted path if one of its numbers is outside `least…most`.
+    pub(super) fn check_range(&mut self, path: &str, values: &[f64], least: f64, most: f64) {
+        // NaN is not in any range.
+        if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
+            let key = path.rsplit('.').next().unwrap_or(path);
+            self.error(path, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }
 

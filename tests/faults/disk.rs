@@ -8,11 +8,7 @@ use std::{
 
 use machband::{
     experiment::{TrialRecord, columns},
-    store::{
-        check,
-        dataset::SessionPaths,
-        results::{self, ResultFile},
-    },
+    store::{check, dataset::SessionPaths, results},
 };
 
 use crate::{
@@ -38,9 +34,8 @@ pub fn unparsable(folder: &Path, definition: usize) -> Vec<String> {
     });
     let rows = files(folder, "_data.csv").into_iter().map(|(path, _)| {
         let columns = columns(&protocol(definition));
-        let read = ResultFile::open(&path, &columns).map_err(|error| error.to_string());
-        let fault = read.and_then(|file| file.recover(&columns).map_err(|error| error.to_string()));
-        (path, fault.err())
+        let read = results::read(&path, &columns).map_err(|error| error.to_string());
+        (path, read.err())
     });
     json.chain(rows).filter_map(|(path, fault)| Some(format!("{}: {}", path.display(), fault?))).collect()
 }

@@ -279,7 +279,7 @@ fn scenes_are_read_and_their_errors_have_places() {
             "transmission = 0.4",
             "transmission = 1.4",
             25,
-            "transmission 1.4 is outside 0…1; expected numbers in this range",
+            "transmission 1.4 is outside 0…1; expected a number in this range",
         ),
         ("index = 1.5", "index = 0", 32, "index 0 is outside 0.1…10"),
         ("direction = [0.3, 0.5, 0.8]", "direction = [0, 0, 0]", 38, "expected a vector toward the lamp"),

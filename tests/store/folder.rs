@@ -4,13 +4,12 @@ use std::{collections::BTreeSet, fs, path::Path};
 
 use jiff::Timestamp;
 use machband::{
-    experiment::{Identity, Phase, Protocol, Rating, Seconds, TrialRecord, columns},
+    experiment::{Identity, Phase, Protocol, Rating, Seconds, TrialRecord},
     light::Depth,
     store::{
         StoreError, check,
         dataset::free_participant,
         definition,
-        results::ResultFile,
         session::{Changes, Interrupted, SessionStore},
         sidecar::Sidecar,
     },
@@ -160,12 +159,11 @@ mod rows_on_disk {
         #[test]
         fn appended_rows_read_back_unchanged(records in prop::collection::vec(any_row(), 1..4)) {
             let folder = tempfile::tempdir().unwrap();
-            let path = folder.path().join("rows.csv");
-            let mut file = ResultFile::create(&path, &columns(&small())).unwrap();
+            let mut store = create(folder.path()).unwrap();
             for record in &records {
-                file.append(record).unwrap();
+                store.append(record).unwrap();
             }
-            prop_assert_eq!(rows(&path), records);
+            prop_assert_eq!(rows(&paths(folder.path()).csv), records);
         }
     }
 
@@ -175,7 +173,6 @@ mod rows_on_disk {
         let before = everything(folder.path());
         let error = create(folder.path()).unwrap_err();
         assert!(matches!(&error, StoreError::Exists(path) if *path == paths(folder.path()).csv), "{error}");
-        assert!(ResultFile::create(&paths(folder.path()).csv, &columns(&small())).is_err());
         assert_eq!(everything(folder.path()), before);
         // A sidecar is data too, even if its rows were moved elsewhere.
         fs::remove_file(paths(folder.path()).csv).unwrap();

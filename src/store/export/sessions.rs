@@ -12,12 +12,10 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
-        error::io,
         frames,
         recorded::Recorded,
         session::seal,
     },
-    system::link_target,
     text::is_formula,
 };
 
@@ -90,18 +88,8 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
     }
-    let mut errors = Vec::new();
-    for path in paths {
-        match link_target(&path).map_err(io(&path, "access")) {
-            Ok(None) => {}
-            Ok(Some(target)) => {
-                let expected = "expected a regular file or folder, because links are not exported";
-                errors.push(FileError::whole(&path, format!("is a link to {}; {expected}", target.display())));
-            }
-            Err(error) => errors.extend(error.errors(&path)),
-        }
-    }
-    FileErrors::none(errors)
+    let refused = |path: &PathBuf| dataset::refuse_link(path).map_err(|error| error.errors(path)).err();
+    FileErrors::none(paths.iter().filter_map(refused).flatten().collect())
 }
 
 /// Reads all sessions, or reports all their errors. Unless `accept_changes` is true, it is an error if a file was
@@ -153,8 +141,7 @@ fn errors(session: &Recorded) -> Vec<FileError> {
 /// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.
 pub(super) fn chosen(mut sessions: Vec<Recorded>, complete_only: bool, notes: &mut Vec<String>) -> Vec<Recorded> {
     sessions.retain(|session| {
-        let (rated, planned) = session.rated();
-        let is_complete = rated == planned && session.partial_line.is_none();
+        let ((rated, planned), is_complete) = (session.rated(), session.is_complete());
         if is_complete || !complete_only {
             notes.extend(session.changed.iter().map(|error| format!("{error}; exported as requested")));
             let accepted = session.sidecar.incidents(seal::ACCEPTED);

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::sessions::Experiment;
 use crate::{
     experiment::{Protocol, task::Adaptive},
-    stimulus::{Stimulus, recipe::Recipe},
+    stimulus::Stimulus,
     store::{
         FileErrors, StoreError,
         file::{make_folder, write_file},
@@ -74,9 +74,8 @@ pub(super) fn write(
             };
             let quantizer = Arc::new(pictures.recipe.quantizer());
             let hashed = pictures.by_key(&session.schedule.conditions);
-            let recipes: Vec<Recipe> = stimuli.values().map(|stimulus| pictures.recipe_of(stimulus)).collect();
-            let hashes = renderer.hashes(&recipes);
-            for (((key, stimulus), recipe), hash) in stimuli.into_iter().zip(recipes).zip(hashes) {
+            let hashes = renderer.hashes(pictures, &stimuli.values().copied().collect::<Vec<_>>());
+            for ((key, stimulus), hash) in stimuli.into_iter().zip(hashes) {
                 if hashed.contains_key(&key) {
                     proved.insert(hash.clone());
                 }
@@ -84,7 +83,7 @@ pub(super) fn write(
                     let label = label(&session.protocol, stimulus);
                     let short = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
                     let name = if files.contains_key(&short) { format!("{label}_{hash}.png") } else { short };
-                    files.insert(name.clone(), (recipe, Arc::clone(&quantizer)));
+                    files.insert(name.clone(), (pictures.recipe_of(stimulus), Arc::clone(&quantizer)));
                     name
                 });
                 shown.insert((session.csv.clone(), sitting, key), name.clone());

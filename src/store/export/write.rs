@@ -88,14 +88,13 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
 
 /// Returns the full path of the folder to write; an error if it is not empty or is inside the data.
 fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreError> {
-    let error = |what: &str| StoreError::Protected { path: to.to_owned(), what: what.to_owned() };
     let refused = |error| io(to, "read")(error);
     if let Some(metadata) = found(to).map_err(refused)? {
         if !metadata.is_dir() {
-            return Err(error("is a file; expected a new or empty folder"));
+            return Err(StoreError::protected(to, "is a file; expected a new or empty folder"));
         }
         if !entries(to).map_err(refused)?.is_empty() {
-            return Err(error("is not empty; expected a new or empty folder"));
+            return Err(StoreError::protected(to, "is not empty; expected a new or empty folder"));
         }
     }
     let full = full_path(to).map_err(refused)?;
@@ -103,7 +102,7 @@ fn target(from: &Path, to: &Path, files: &[PathBuf]) -> Result<PathBuf, StoreErr
     for folder in datasets.iter().flatten().map(|folder| &**folder).chain([from]) {
         if full.starts_with(full_path(folder).map_err(refused)?) {
             let message = format!("is inside {}; expected a folder outside the data", folder.display());
-            return Err(error(&message));
+            return Err(StoreError::protected(to, message));
         }
     }
     Ok(full)

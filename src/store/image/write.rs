@@ -110,10 +110,7 @@ pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage, transfers: &
 /// red, green and blue for each pixel; 16-bit codes have their high byte first.
 #[must_use]
 pub fn hash(image: &CodeImage) -> String {
-    match &image.samples {
-        Samples::Eight(codes) => sha256(codes),
-        Samples::Sixteen(codes) => sha256(&codes.iter().flat_map(|code| code.to_be_bytes()).collect::<Vec<_>>()),
-    }
+    sha256(&raw_samples(&image.samples, false))
 }
 
 fn failed(path: &Path, error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> StoreError {

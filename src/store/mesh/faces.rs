@@ -114,39 +114,30 @@ impl Faces {
             return Err(FileErrors::whole(file, message));
         }
         let Self { mut notes, .. } = self;
-        let mut found = |number: usize, one: &str, more: &str| match number {
+        let mut found = |number: usize, [one, more]: [&str; 2], why: &str| match number {
             0 => {}
-            1 => notes.push(format!("1 {one}")),
-            _ => notes.push(format!("{number} {more}")),
+            1 => notes.push(format!("1 {one}{why}")),
+            _ => notes.push(format!("{number} {more}{why}")),
         };
-        found(
-            repeated,
-            "face was left out, because it repeats another one",
-            "faces were left out, because they repeat others",
-        );
-        let reason = "because the neighbors go around the other way";
-        found(reversed, &format!("face was reversed, {reason}"), &format!("faces were reversed, {reason}"));
-        let inward = "because the surface was inside out";
-        found(turned, &format!("face was reversed, {inward}"), &format!("faces were reversed, {inward}"));
-        let against = "because the normals point to the other side";
-        found(opposed, &format!("face was reversed, {against}"), &format!("faces were reversed, {against}"));
-        let within = "within a thousandth of an edge";
-        found(
-            seams.joined,
-            &format!("vertex was joined with another {within}"),
-            &format!("vertices were joined with others {within}"),
-        );
-        let drawn = "and is not joined with it, so that a line may show there";
-        found(
-            seams.beside,
-            &format!("open edge runs beside another one {drawn}"),
-            "open edges run beside others and are not joined with them, so that lines may show there",
-        );
-        found(
-            seams.between,
-            "vertex lies on an open edge that it does not divide, so that a line may show there",
-            "vertices lie on open edges that they do not divide, so that lines may show there",
-        );
+        let left_out =
+            ["face was left out, because it repeats another one", "faces were left out, because they repeat others"];
+        let reversed_because = ["face was reversed, because ", "faces were reversed, because "];
+        let joined = ["vertex was joined with another", "vertices were joined with others"];
+        let beside = [
+            "open edge runs beside another one and is not joined with it, so that a line",
+            "open edges run beside others and are not joined with them, so that lines",
+        ];
+        let between = [
+            "vertex lies on an open edge that it does not divide, so that a line",
+            "vertices lie on open edges that they do not divide, so that lines",
+        ];
+        found(repeated, left_out, "");
+        found(reversed, reversed_because, "the neighbors go around the other way");
+        found(turned, reversed_because, "the surface was inside out");
+        found(opposed, reversed_because, "the normals point to the other side");
+        found(seams.joined, joined, " within a thousandth of an edge");
+        found(seams.beside, beside, " may show there");
+        found(seams.between, between, " may show there");
         // Other normals will replace these anyway.
         let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
         Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })

@@ -24,8 +24,8 @@ const MAX_ERRORS: usize = 20;
 /// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
 /// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners.
 pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
-    let lines = lines(content)
-        .map_err(|number| FileErrors(vec![FileError::at(file, (number, 1), "is not text; expected an OBJ file")]))?;
+    let lines =
+        lines(content).map_err(|number| FileErrors::at(file, (number, 1), "is not text; expected an OBJ file"))?;
     let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
     let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());

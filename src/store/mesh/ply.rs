@@ -58,26 +58,19 @@ impl PropertyAccess for Element {
             return PropertyAccessResult::Set;
         }
         let Some(at) = place(name) else { return PropertyAccessResult::Ignored };
-        let number = match property {
-            Property::Char(x) => f64::from(x),
-            Property::UChar(x) => f64::from(x),
-            Property::Short(x) => f64::from(x),
-            Property::UShort(x) => f64::from(x),
-            Property::Int(x) => f64::from(x),
-            Property::UInt(x) => f64::from(x),
-            Property::Float(x) => f64::from(x),
-            Property::Double(x) => x,
+        // The channels of a color are 0…1, or codes up to the largest one.
+        let (number, full) = match property {
+            Property::UChar(x) => (f64::from(x), 255.0),
+            Property::UShort(x) => (f64::from(x), 65_535.0),
+            Property::Float(x) => (f64::from(x), 1.0),
+            Property::Double(x) => (x, 1.0),
+            Property::Char(x) if at < COLORS => (f64::from(x), 1.0),
+            Property::Short(x) if at < COLORS => (f64::from(x), 1.0),
+            Property::Int(x) if at < COLORS => (f64::from(x), 1.0),
+            Property::UInt(x) if at < COLORS => (f64::from(x), 1.0),
             _ => return PropertyAccessResult::UnsupportedType,
         };
-        // The channels of a color are 0…1, or codes.
-        let full = match property {
-            _ if at < COLORS => 1.0,
-            Property::UChar(_) => 255.0,
-            Property::UShort(_) => 65_535.0,
-            Property::Float(_) | Property::Double(_) => 1.0,
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        self.numbers[at] = Some(number / full);
+        self.numbers[at] = Some(if at < COLORS { number } else { number / full });
         PropertyAccessResult::Set
     }
 }
@@ -171,7 +164,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             && place(name).is_some_and(|at| at >= COLORS)
         {
             let message = format!("the color {name} has the type {kind}; expected uchar, ushort, float or double");
-            return Err(FileErrors(vec![FileError::at(file, (number, 1), message)]));
+            return Err(FileErrors::at(file, (number, 1), message));
         }
     }
     // One element after the other: an element needs much more memory than what it becomes.
@@ -185,7 +178,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
                     let (own, after) = rest.split_at(end);
                     rest = after;
                     let element = of_line(&String::from_utf8_lossy(own), definition)
-                        .map_err(|(column, message)| FileErrors(vec![FileError::at(file, (line, column), message)]))?;
+                        .map_err(|(column, message)| FileErrors::at(file, (line, column), message))?;
                     line += 1;
                     element
                 }

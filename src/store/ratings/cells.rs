@@ -1,6 +1,6 @@
 //! What the cells of a table mean, row by row.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{HashMap, HashSet};
 
 use super::{
     rows::{RowError, Rows, Status, What},
@@ -21,24 +21,20 @@ pub(super) fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
     tables.iter().map(|rows| &rows.columns[..]).collect()
 }
 
-/// Which columns have only numbers, in all files together.
-pub(super) struct AreNumbers {
-    factors: Vec<bool>,
-    /// For each column with responses; also if hardly any value is something else and the categories are not named.
-    responses: Vec<bool>,
-}
-
 /// What is known before rows are added.
 pub(super) struct Known<'a> {
-    pub numbers: AreNumbers,
+    /// For each factor, whether its column has only numbers, in all files together.
+    factors: Vec<bool>,
+    /// The same for each column with responses; also if hardly any value is something else and the categories are not named.
+    responses: Vec<bool>,
     /// Texts that mean a missing response.
-    pub missing: &'a [String],
+    missing: &'a [String],
     /// For each session, whether it is excluded because it is unfinished.
-    pub unfinished: Vec<bool>,
+    unfinished: Vec<bool>,
 }
 
-impl AreNumbers {
-    pub fn new(selection: &Selection, tables: &[Rows]) -> Self {
+impl<'a> Known<'a> {
+    pub fn new(selection: &Selection, tables: &[Rows], missing: &'a [String], unfinished: Vec<bool>) -> Self {
         let tables = texts(tables);
         let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
         let first = &selection.inputs[0].columns;
@@ -51,12 +47,21 @@ impl AreNumbers {
                     selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
                 })
                 .collect(),
+            missing,
+            unfinished,
         }
     }
 }
 
-/// A value in a cell, or what is expected there instead.
-type Cell<T> = Result<T, &'static str>;
+/// The index of a column, if there is one, and the value in each cell or what is expected there instead.
+type Values<'a, T> = Option<(usize, Mapped<'a, Result<T, &'static str>>)>;
+
+/// Returns the value in a row of a column; `None` if there is no such column.
+fn value<T: Copy>(values: &Values<'_, T>, row: usize) -> Result<Option<T>, RowError> {
+    let value =
+        values.as_ref().map(|(column, cells)| (*cells.get(row)).map_err(|text| RowError::new(row, *column, text)));
+    value.transpose()
+}
 
 /// The cells of a file. Each different text of a column is read once.
 struct Cells<'a> {
@@ -67,9 +72,11 @@ struct Cells<'a> {
     /// For each column with responses, the rating, if there is one, or whether it is missing.
     responses: Vec<Mapped<'a, Result<&'a str, bool>>>,
     factors: Vec<Mapped<'a, &'a str>>,
-    counts: Option<(usize, Mapped<'a, Cell<u64>>)>,
-    repetitions: Option<(usize, Mapped<'a, Cell<Option<u32>>>)>,
-    orders: Option<(usize, Mapped<'a, Cell<Option<f64>>>)>,
+    counts: Values<'a, u64>,
+    repetitions: Values<'a, Option<u32>>,
+    orders: Values<'a, Option<f64>>,
+    /// Whether the rating is marked as simulated.
+    marks: Option<Mapped<'a, bool>>,
 }
 
 impl<'a> Cells<'a> {
@@ -77,14 +84,14 @@ impl<'a> Cells<'a> {
         let columns = &input.columns;
         let texts = |column: usize| &rows.columns[column];
         let is_own = columns.record.is_some();
-        let responses = columns.responses.iter().zip(&known.numbers.responses).map(|(&column, &among_numbers)| {
+        let responses = columns.responses.iter().zip(&known.responses).map(|(&column, &among_numbers)| {
             texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
                 _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
                 true if !among_numbers || values::number(text).is_some() => Ok(text),
                 _ => Err(false),
             })
         });
-        let factors = columns.factors.iter().zip(&selection.levels).zip(&known.numbers.factors);
+        let factors = columns.factors.iter().zip(&selection.levels).zip(&known.factors);
         let factors = factors.map(|((&column, defined), &among_numbers)| {
             let defined = if is_own { &defined[..] } else { &[] };
             texts(column).map(|text| values::level(text, defined, among_numbers))
@@ -96,6 +103,7 @@ impl<'a> Cells<'a> {
             counts: columns.count.map(|column| (column, texts(column).map(values::count))),
             repetitions: repetition.map(|column| (column, texts(column).map(values::repetition))),
             orders: columns.order.map(|column| (column, texts(column).map(values::position))),
+            marks: columns.simulated.map(|column| texts(column).map(values::is_mark)),
             selection,
             known,
             input,
@@ -140,29 +148,19 @@ impl<'a> Cells<'a> {
                 return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
             }
         };
-        let count = match &self.counts {
-            Some((column, counts)) => counts.get(row).map_err(|expected| RowError::new(row, *column, expected))?,
-            None => 1,
-        };
-        Ok(Ok((subject, rating, count)))
+        Ok(Ok((subject, rating, value(&self.counts, row)?.unwrap_or(1))))
     }
 
     /// Returns the session and the repetition, if they are known.
     fn place(&self, row: usize) -> Result<Option<(&'a str, u32)>, RowError> {
-        let found = self.input.columns.session.zip(self.repetitions.as_ref());
-        found.map_or(Ok(None), |(session, (column, repetitions))| match repetitions.get(row) {
-            Ok(repetition) => Ok(repetition.map(|repetition| (self.text(row, session), repetition))),
-            Err(expected) => Err(RowError::new(row, *column, *expected)),
-        })
+        let found = self.input.columns.session.zip(value(&self.repetitions, row)?.flatten());
+        Ok(found.map(|(session, repetition)| (self.text(row, session), repetition)))
     }
 
     /// Returns the session, and the place of the trial in it, if that is known.
     fn position(&self, row: usize) -> Result<Option<(&'a str, f64)>, RowError> {
         let session = || self.input.columns.session.map_or("", |session| self.text(row, session));
-        self.orders.as_ref().map_or(Ok(None), |(column, orders)| match orders.get(row) {
-            Ok(position) => Ok(position.map(|position| (session(), position))),
-            Err(expected) => Err(RowError::new(row, *column, *expected)),
-        })
+        Ok(value(&self.orders, row)?.flatten().map(|position| (session(), position)))
     }
 
     /// Returns the response time in seconds, if it is known.
@@ -173,35 +171,6 @@ impl<'a> Cells<'a> {
             }
             found => Ok(found.map(|(_, seconds)| *seconds).filter(|seconds| seconds.is_finite())),
         }
-    }
-}
-
-/// Counts the ratings that are marked as simulated, and all, of each participant in a file with such marks.
-struct Simulated<'a> {
-    marks: Option<Mapped<'a, bool>>,
-    subjects: &'a Texts,
-    counts: Vec<[u64; 2]>,
-}
-
-impl<'a> Simulated<'a> {
-    fn new(input: &Input, rows: &'a Rows) -> Self {
-        let marks = input.columns.simulated.map(|column| rows.columns[column].map(values::is_mark));
-        let subjects = &rows.columns[input.columns.subject];
-        Self { marks, subjects, counts: vec![[0; 2]; subjects.texts.len()] }
-    }
-
-    fn add(&mut self, row: usize, count: u64) {
-        if let Some(marks) = &self.marks {
-            let [marked, all] = &mut self.counts[self.subjects.cells[row] as usize];
-            *marked += if *marks.get(row) { count } else { 0 };
-            *all += count;
-        }
-    }
-
-    /// Returns the counts of the participants with marks.
-    fn finish(self) -> BTreeMap<String, [u64; 2]> {
-        let of_subjects = self.subjects.texts.iter().map(ToString::to_string).zip(self.counts);
-        of_subjects.filter(|(_, [marked, _])| *marked > 0).collect()
     }
 }
 
@@ -219,27 +188,19 @@ pub(super) fn add_rows(
     let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
     let (mut without_time, mut again, mut known_rows) = (0, 0, HashSet::new());
-    let mut simulated = Simulated::new(input, rows);
+    // For each participant, the ratings that are marked as simulated, and all.
+    let mut simulated = HashMap::<&str, [u64; 2]>::new();
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
         let (subject, rating, count) = match cells.rating(row, which)? {
             Ok(found) => found,
             Err(reason) => return Ok(Err(reason)),
         };
         // An unreadable position or time is an error, but the rating still counts, unless its time decides that.
-        let place = cells.place(row).unwrap_or_else(|error| {
-            report(errors, error);
-            None
-        });
-        let position = cells.position(row).unwrap_or_else(|error| {
-            report(errors, error);
-            None
-        });
+        let place = known_or(cells.place(row), |error| report(errors, error));
+        let position = known_or(cells.position(row), |error| report(errors, error));
         let response_time_s = match cells.response_time_s(row) {
             Err(error) if limits != (None, None) => return Err(error),
-            found => found.unwrap_or_else(|error| {
-                report(errors, error);
-                None
-            }),
+            found => known_or(found, |error| report(errors, error)),
         };
         without_time += if response_time_s.is_none() { count } else { 0 };
         match response_time_s {
@@ -257,7 +218,11 @@ pub(super) fn add_rows(
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
-        simulated.add(row, count);
+        if let Some(marks) = &cells.marks {
+            let [marked, all] = simulated.entry(subject).or_default();
+            *marked += if *marks.get(row) { count } else { 0 };
+            *all += count;
+        }
         levels.iter().zip(&mut without_level).filter(|(level, _)| level.is_empty()).for_each(|(_, n)| *n += count);
         Ok(Ok(count))
     };
@@ -292,7 +257,13 @@ pub(super) fn add_rows(
         };
         *place += 1;
     }
-    let simulated = simulated.finish();
+    let marked = simulated.into_iter().filter(|(_, [marked, _])| *marked > 0);
+    read.simulated = marked.map(|(subject, counts)| (subject.to_owned(), counts)).collect();
     rows.errors = errors;
-    FileRead { simulated, without_level, without_time, again, ..read }
+    FileRead { without_level, without_time, again, ..read }
+}
+
+/// Returns what a cell says; without it if it cannot be read, which is reported.
+fn known_or<T>(found: Result<Option<T>, RowError>, report: impl FnOnce(RowError)) -> Option<T> {
+    found.map_err(report).ok().flatten()
 }

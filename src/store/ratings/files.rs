@@ -305,7 +305,7 @@ impl Header {
             head = bytes[..bytes.len().min((MAX_HEAD + MAX_ROW) as usize)].to_vec();
         }
         let mut header = Self { size, converted, line: 1, ..Self::default() };
-        header.parse(&head).map_err(|(column, message)| FileErrors(vec![FileError::at(path, (1, column), message)]))?;
+        header.parse(&head).map_err(|message| FileErrors::at(path, (1, 1), message))?;
         Ok(header.with_bids())
     }
 
@@ -325,27 +325,26 @@ impl Header {
         Self { is_bids, ..self }
     }
 
-    fn parse(&mut self, head: &[u8]) -> Result<(), (usize, String)> {
-        let error = |message: &str| Err((1, message.to_owned()));
+    fn parse(&mut self, head: &[u8]) -> Result<(), &'static str> {
         let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
         let (named, text) = separator_line(text);
         if text.iter().all(u8::is_ascii_whitespace) {
-            return error("the file is empty; expected a header row");
+            return Err("the file is empty; expected a header row");
         }
         if is_packed(text) {
-            return error(
+            return Err(
                 "is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: unpack it or export it as CSV",
             );
         }
         if text.trim_ascii_start().starts_with(b"{") || text.trim_ascii_start().starts_with(b"[") {
-            return error("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
+            return Err("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
         }
         let line = text.split(|byte| matches!(byte, b'\r' | b'\n')).find(|line| !line.is_empty()).unwrap_or_default();
         if line.contains(&0) {
-            return error("is not a CSV file: its first line contains zero bytes; expected a header row");
+            return Err("is not a CSV file: its first line contains zero bytes; expected a header row");
         }
         if line.len() as u64 + 3 >= MAX_HEAD {
-            return error("the first row is longer than 65,000 bytes; expected a header row");
+            return Err("the first row is longer than 65,000 bytes; expected a header row");
         }
         self.separator = named.unwrap_or_else(|| separator(line));
         self.start = named.map(|_| {
@@ -364,7 +363,7 @@ impl Header {
             rows.len() < 3
         });
         if rows.get(2).is_some_and(|row| row.iter().any(|cell| cell.starts_with("{\"ImportId\""))) {
-            return error("has Qualtrics’ labels below its header; expected ratings: remove its second and third rows");
+            return Err("has Qualtrics’ labels below its header; expected ratings: remove its second and third rows");
         }
         let mut rows = rows.into_iter();
         self.names = rows.next().unwrap_or_default();

@@ -10,7 +10,7 @@ use std::{
 use rayon::{iter::Either, prelude::*};
 
 use super::{
-    cells::{AreNumbers, Known, add_rows, texts},
+    cells::{Known, add_rows, texts},
     files::{self, Header},
     rows::{MAX_ROWS, RowError, Rows, Status},
     selection::{Definitions, Input, RecordColumns, Selection, layout},
@@ -116,7 +116,7 @@ fn read_inputs<T>(
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
-    let known = Known { numbers: AreNumbers::new(&selection, &tables), missing: &options.missing, unfinished };
+    let known = Known::new(&selection, &tables, &options.missing, unfinished);
     let mut all = new(&selection.shape);
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
@@ -141,8 +141,7 @@ fn read_inputs<T>(
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
-    warnings.extend(without_level(&selection, &reports));
-    warnings.extend(without_time(&selection, &reports));
+    warnings.extend(without_values(&selection, &reports));
     warnings.extend(reports.iter().filter(|report| report.again > 0).map(|report| {
         let message = format!(
             "some participants have several rows for one condition ({} of {} ratings); expected a row for each participant, or \
@@ -212,27 +211,25 @@ fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileE
     )
 }
 
-/// Returns a warning for each factor of which some ratings have no value. A factor that nobody named may be about other rows.
-fn without_level(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> {
+/// Returns a warning for each factor of which some ratings have no value, unless it was guessed and may be about other rows;
+/// and one if ratings without a response time are kept although the time was limited.
+fn without_values(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> {
     let ratings = reports.iter().map(|report| report.ratings).sum::<u64>();
-    let warning = |(factor, name): (usize, &String)| {
-        let found = reports.iter().map(|report| report.without_level[factor]).sum::<u64>();
-        let first = reports.iter().find(|report| report.without_level[factor] > 0)?;
-        let have = if found == 1 { "has" } else { "have" };
-        let message = format!("{found} of {ratings} ratings {have} no value of {name}; expected one in every row");
-        Some(FileError::whole(&first.path, message)).filter(|_| !selection.shape.guessed)
+    let warning = |of: &dyn Fn(&FileRead) -> u64, what: &str, is_kept: bool| {
+        let first = reports.iter().find(|report| of(report) > 0)?;
+        let found = reports.iter().map(of).sum::<u64>();
+        let (have, are_kept) = if found == 1 { ("has", " and is kept") } else { ("have", " and are kept") };
+        let kept = if is_kept { are_kept } else { "" };
+        let message = format!("{found} of {ratings} ratings {have} no {what}{kept}; expected one in every row");
+        Some(FileError::whole(&first.path, message))
     };
-    selection.shape.factors.iter().enumerate().filter_map(warning).collect()
-}
-
-/// Returns a warning if ratings without a response time are kept although the time was limited.
-fn without_time(selection: &Selection, reports: &[FileRead]) -> Option<FileError> {
-    let (found, ratings) = reports.iter().fold((0, 0), |(n, all), own| (n + own.without_time, all + own.ratings));
-    let first = reports.iter().find(|report| report.without_time > 0)?;
-    let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
-    let message =
-        format!("{found} of {ratings} ratings {have} no response time and {are} kept; expected one in every row");
-    Some(FileError::whole(&first.path, message)).filter(|_| selection.shape.time_limits != (None, None))
+    let factors = selection.shape.factors.iter().enumerate().filter(|_| !selection.shape.guessed);
+    let levels = factors.filter_map(|(factor, name)| {
+        warning(&|report| report.without_level[factor], &format!("value of {name}"), false)
+    });
+    let is_limited = selection.shape.time_limits != (None, None);
+    let without_time = || warning(&|report| report.without_time, "response time", true);
+    levels.chain(is_limited.then(without_time).flatten()).collect()
 }
 
 /// Says how a file was read if it is not plain text in UTF-8.
@@ -350,7 +347,7 @@ fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
         subject: subject.to_owned(),
         session: session.to_owned(),
         path: input.path.clone(),
-        planned: input.planned(),
+        planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
         rated: 0,
         skipped: 0,
         dropped: None,
@@ -432,7 +429,7 @@ pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Ve
         }
         _ => error,
     };
-    rows.into_errors(input).into_iter().map(in_cell).chain(everything).collect()
+    rows.errors.finish(&input.name, &input.header.names).into_iter().map(in_cell).chain(everything).collect()
 }
 
 /// Returns the content of a file, unless it is large.

@@ -190,11 +190,6 @@ impl Rows {
         errors.add_with(row, error.cell, || self.placed(&error, input, inputs));
     }
 
-    /// Returns all errors in the file.
-    pub fn into_errors(self, input: &Input) -> Vec<FileError> {
-        self.errors.finish(&input.name, &input.header.names)
-    }
-
     /// Returns an error with its place.
     fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {

@@ -14,7 +14,7 @@ use super::{
     values,
 };
 use crate::{
-    experiment::{MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
+    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
     stimulus::is_direction,
     store::{
         FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
@@ -153,9 +153,9 @@ impl Selection {
         let columns: Vec<String> =
             inputs.iter().flat_map(|file| &file.header.names).chain(&shape.factors).cloned().collect();
         options.levels.iter().for_each(|(name, _)| named(name, "ordered factor", &columns));
-        let levels =
-            (shape.factors.iter()).map(|name| protocol.as_ref().map_or_else(Vec::new, |all| levels(all, name)));
-        let levels = levels.collect();
+        let defined = |name: &String| protocol.as_ref()?.factors.iter().find(|factor| factor.name == *name);
+        let texts = |factor: &Factor| factor.levels.iter().map(ToString::to_string).collect();
+        let levels = shape.factors.iter().map(|name| defined(name).map_or_else(Vec::new, texts)).collect();
         let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
         let is_guess = options.factors.is_none() && protocol.is_none();
@@ -296,11 +296,6 @@ impl Input {
             changed: Vec::new(),
             kind: String::new(),
         }
-    }
-
-    /// Returns the number of main trials in the file's definition.
-    pub fn planned(&self) -> Option<u64> {
-        self.protocol.as_ref().map(|protocol| protocol.main_trials() as u64)
     }
 
     /// Returns the name of the column with the participant ID.
@@ -509,12 +504,6 @@ fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
     } else {
         largest(&|_| true).into_iter().collect()
     }
-}
-
-/// Returns the levels of a factor as result files have them; empty if the definition has no such factor.
-fn levels(protocol: &Protocol, name: &str) -> Vec<String> {
-    let factor = protocol.factors.iter().find(|factor| factor.name == name);
-    factor.map_or_else(Vec::new, |factor| factor.levels.iter().map(ToString::to_string).collect())
 }
 
 /// Returns which factors are directions: stimulus parameters that are, and those that the options name.

@@ -82,8 +82,10 @@ impl SessionPaths {
     /// set, but not the sidecar if the session is locked.
     pub fn remove_temporary(&self, is_locked: bool) {
         if is_locked {
-            let sidecar = self.sidecar.file_name().unwrap_or_default().to_string_lossy();
-            remove_temporary(&self.dataset.join("data"), |name| name == sidecar, Duration::ZERO);
+            let own = [&self.csv, &self.sidecar].map(|path| path.file_name().unwrap_or_default().to_string_lossy());
+            // Also of the damaged lines, whose file is named after the data file.
+            let is_own = |name: &str| own.iter().any(|own| name.starts_with(&**own));
+            remove_temporary(&self.dataset.join("data"), is_own, Duration::ZERO);
         }
         remove_temporary(&self.dataset, |_| true, ABANDONED);
     }

@@ -3,10 +3,7 @@
 //!
 //! Frames describe a session but are not its data, so the session continues if this file cannot be written.
 
-use std::{
-    io::{BufRead, BufReader},
-    path::Path,
-};
+use std::{io::BufReader, path::Path};
 
 use crate::{
     display::frames::Refresh,
@@ -162,32 +159,11 @@ pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
 ///
 /// # Errors
 /// Reports every error, with its line and column, including those that `take` returns.
-pub(crate) fn each(path: &Path, take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
+pub(crate) fn each(path: &Path, mut take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
     let file = open_regular(path).and_then(Complete::of).map_err(|error| {
         FileErrors::whole(path, format!("cannot be opened: {error}; expected the frames file of a session"))
     })?;
-    each_of(&path.display().to_string(), BufReader::new(file), take)
-}
-
-fn each_of(
-    file: &str,
-    reader: impl BufRead,
-    mut take: impl FnMut(FrameRow) -> Result<(), CellError>,
-) -> Result<(), FileErrors> {
-    table::each_line(file, reader, HEADER, |cells| take(row(cells)?))
-}
-
-/// Parses the text of a frames file; `file` identifies it in messages.
-///
-/// # Errors
-/// Reports every error, with its line and column.
-pub fn parse(file: &str, text: &str) -> Result<Vec<FrameRow>, FileErrors> {
-    let mut rows = Vec::new();
-    each_of(file, text.as_bytes(), |row| {
-        rows.push(row);
-        Ok(())
-    })?;
-    Ok(rows)
+    table::each_line(&path.display().to_string(), BufReader::new(file), HEADER, |cells| take(row(cells)?))
 }
 
 fn row(cells: &[&str]) -> Result<FrameRow, CellError> {

@@ -73,12 +73,11 @@ impl SessionState {
     /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
         let (_, sidecar, protocol) = described(&self.csv)?;
-        let refuse = |what: &str| Err(StoreError::Protected { path: self.csv.clone(), what: what.to_owned() });
         if lock::is_held(&self.csv)? {
             return Err(StoreError::InUse(self.csv.clone()));
         }
         if sidecar.is_complete() || !results::read(&self.csv, &columns(&protocol))?.is_empty() {
-            return refuse("has or had ratings; expected a session without any");
+            return Err(StoreError::protected(&self.csv, "has or had ratings; expected a session without any"));
         }
         let results = self.csv.ancestors().nth(3).unwrap_or(Path::new(""));
         let paths = SessionPaths::new(results, &protocol, &self.identity);
@@ -125,7 +124,7 @@ impl SessionState {
         // A complete session was rated to the end, so its rows need not be read unless the file has another size since.
         let complete = sidecar.is_complete();
         let size = found(&csv).map_err(io(&csv, "read"))?.map_or(0, |metadata| metadata.len());
-        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size == seal.data_bytes);
+        let is_whole = sidecar.last_seal().is_some_and(|seal| size == seal.data_bytes);
         let rated = if complete && is_whole {
             planned
         } else {

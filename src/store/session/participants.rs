@@ -50,11 +50,11 @@ impl Participants {
         let columns = lines.next().map_or_else(|| vec![ID.to_owned()], |(_, line)| cells(line));
         if columns[0] != ID {
             let message = format!("the first column is {:?}; expected {ID}", columns[0]);
-            return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
+            return Err(FileErrors::at(&path, (1, 1), message).into());
         }
         if let Some(twice) = columns.iter().find(|name| columns.iter().filter(|other| other == name).count() > 1) {
             let message = format!("the column {twice:?} appears more than once; expected each column once");
-            return Err(FileErrors(vec![FileError::at(&path, (1, 1), message)]).into());
+            return Err(FileErrors::at(&path, (1, 1), message).into());
         }
         let (mut rows, mut errors) = (Vec::new(), Vec::new());
         for (number, line) in lines {

@@ -2,8 +2,7 @@
 
 use std::{
     collections::HashSet,
-    fs::OpenOptions,
-    io::{ErrorKind, Write as _},
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -11,7 +10,7 @@ use super::{
     dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity, refuse_link},
     lock::LockFile,
     recorded::Order,
-    results::{self, ResultFile},
+    results,
     sidecar::{REPAIRED, Sidecar, missing},
 };
 use crate::{
@@ -19,7 +18,7 @@ use crate::{
     store::{
         FileErrors, StoreError, definition,
         error::io,
-        file::{sha256, sync_folder, write_whole},
+        file::{put, sha256, sync_folder, write_whole},
         open::read_regular,
     },
 };
@@ -57,8 +56,8 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
     let columns = columns(&protocol);
     // This locks the file.
-    let open = ResultFile::open(csv, &columns)?;
-    let (_lock, _) = LockFile::create(csv, open.file.is_locked())?;
+    let open = results::open(csv, &columns)?;
+    let (_lock, _) = LockFile::create(csv, open.is_locked())?;
     let before = results::content(csv)?;
     let Sorted { header_restored, order_restored, lines, damaged, kept, has_gaps, .. } =
         sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
@@ -217,25 +216,19 @@ fn write_new(csv: &Path, content: &[u8]) -> Result<PathBuf, StoreError> {
         let mut name = csv.file_name().unwrap_or_default().to_owned();
         name.push(format!("{DAMAGED}{number}"));
         let path = csv.with_file_name(name);
-        let mut file = match OpenOptions::new().write(true).create_new(true).open(&path) {
+        match put(&path, content, true, false) {
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 // An earlier repair may have ended after this step.
                 if read_regular(&path, results::MAX_FILE).map_err(io(&path, "read"))? == content {
                     return Ok(path);
                 }
                 number += 1;
-                continue;
             }
-            opened => opened.map_err(io(&path, "create"))?,
-        };
-        file.write_all(content).and_then(|()| file.sync_all()).map_err(io(&path, "write"))?;
-        let kept = file.metadata().map_err(io(&path, "access"))?.len();
-        if kept != content.len() as u64 {
-            let what = format!("has {kept} bytes instead of {}", content.len());
-            return Err(StoreError::Changed { path, what });
+            written => {
+                written.map_err(io(&path, "write"))?;
+                return sync_folder(&path).map(|()| path);
+            }
         }
-        sync_folder(&path)?;
-        return Ok(path);
     }
 }
 

@@ -16,47 +16,23 @@ use crate::{
 /// Maximum size in bytes of a session's file. The longest session has 100,000 trials; a row has about 300 bytes.
 pub(in crate::store) const MAX_FILE: u64 = 256 << 20;
 
-/// The result file of a running session.
-#[derive(Debug)]
-pub struct ResultFile {
-    pub(in crate::store) file: AppendFile,
+/// Creates the file of a new session with its header. An existing file is never touched.
+///
+/// # Errors
+/// [`StoreError::Exists`], or an I/O error.
+pub(super) fn create(path: &Path, columns: &[Column]) -> Result<AppendFile, StoreError> {
+    let mut file = AppendFile::new(path, true, header(columns));
+    file.flush()?;
+    Ok(file)
 }
 
-impl ResultFile {
-    /// Creates the file with its header. An existing file is never touched.
-    ///
-    /// # Errors
-    /// [`StoreError::Exists`], or an I/O error.
-    pub fn create(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        let mut file = AppendFile::new(path, true, header(columns));
-        file.flush()?;
-        Ok(Self { file })
-    }
-
-    /// Opens and locks the file of an interrupted session. The file is not changed until the next write, which removes
-    /// an incomplete last line.
-    ///
-    /// # Errors
-    /// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with the header.
-    pub fn open(path: &Path, columns: &[Column]) -> Result<Self, StoreError> {
-        Ok(Self { file: AppendFile::open(path, true, header(columns), MAX_FILE)? })
-    }
-
-    /// Reads the rows of a file that was opened.
-    ///
-    /// # Errors
-    /// Reports every row that cannot be parsed, with its line and column.
-    pub fn recover(&self, columns: &[Column]) -> Result<Vec<TrialRecord>, FileErrors> {
-        parse(&self.file.path().display().to_string(), self.file.content(), columns)
-    }
-
-    /// Appends a row. It is kept in memory from now on, and it is on disk when this returns without an error.
-    ///
-    /// # Errors
-    /// The write failed, or the file is no longer the one that was written.
-    pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
-        self.file.append(&table::line(record.cells()))
-    }
+/// Opens and locks the file of an interrupted session. The file is not changed until the next write, which removes an
+/// incomplete last line.
+///
+/// # Errors
+/// [`StoreError::InUse`]; I/O errors; or the file has no complete line and does not begin with the header.
+pub(super) fn open(path: &Path, columns: &[Column]) -> Result<AppendFile, StoreError> {
+    AppendFile::open(path, true, header(columns), MAX_FILE)
 }
 
 /// Reads a result file without changing it. An incomplete last line is ignored.

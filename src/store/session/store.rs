@@ -9,7 +9,7 @@ use super::{
     lock::LockFile,
     participants,
     recorded::{Replays, replay},
-    results::ResultFile,
+    results,
     seal::{Difference, Hashes},
     sidecar::Sidecar,
     sitting::{FrameSummary, InputSummary, Seal, Sitting},
@@ -17,7 +17,11 @@ use super::{
 use crate::{
     experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
-    store::{FileErrors, StoreError, definition, file::exists},
+    store::{
+        FileErrors, StoreError, definition,
+        file::{AppendFile, exists, sha256},
+        table,
+    },
 };
 
 /// The files of a running session.
@@ -26,7 +30,7 @@ pub struct SessionStore {
     protocol: Protocol,
     identity: Identity,
     paths: SessionPaths,
-    rows: ResultFile,
+    rows: AppendFile,
     sidecar: Sidecar,
     /// The frames file; `None` if a different file has its name.
     frames: Option<FrameFile>,
@@ -90,10 +94,10 @@ impl SessionStore {
             }
         }
         let undescribed = paths.prepare(protocol)?;
-        let rows = ResultFile::create(&paths.csv, &columns(protocol))?;
+        let rows = results::create(&paths.csv, &columns(protocol))?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
-        let locked = LockFile::create(&paths.csv, rows.file.is_locked()).and_then(|(lock, incident)| {
+        let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|(lock, incident)| {
             sidecar.sittings[0].incidents.extend(incident);
             sidecar.write(&paths.sidecar)?;
             Ok(lock)
@@ -135,7 +139,7 @@ impl SessionStore {
         let Found { paths, rows, sidecar, differences, replays, recovered } = found;
         let resumed = Resumed { done: replays.done(), ..Resumed::default() };
         let course = replays.course;
-        let partial_line = rows.file.partial_line().map(str::to_owned);
+        let partial_line = rows.partial_line().map(str::to_owned);
         let sitting_number = sidecar.sittings.len() as u32 + 1;
         let frames = FrameFile::resume(&paths.frames);
         let without_frames = frames.as_ref().err().map(ToString::to_string);
@@ -144,7 +148,7 @@ impl SessionStore {
         store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
         if !is_finished {
-            let (lock, incident) = LockFile::create(&store.paths.csv, store.rows.file.is_locked())?;
+            let (lock, incident) = LockFile::create(&store.paths.csv, store.rows.is_locked())?;
             store.lock = lock;
             if let Some(first) = differences.iter().map(|difference| difference.sitting).min() {
                 let now = store.seal_of_files();
@@ -162,7 +166,7 @@ impl SessionStore {
                 store.note(format!("the frames of this sitting are not saved: {error}"));
             }
             store.sidecar.write(&store.paths.sidecar)?;
-            store.rows.file.flush()?;
+            store.rows.flush()?;
         }
         let last = recovered.last();
         // Times of answers are measured from the last interval, and onsets are those of the first.
@@ -213,7 +217,7 @@ impl SessionStore {
 
     /// Returns the path of the data file.
     pub fn csv(&self) -> &Path {
-        self.rows.file.path()
+        self.rows.path()
     }
 
     /// Appends a row. It is on disk when this returns without an error, and it is kept in memory in any case.
@@ -221,12 +225,12 @@ impl SessionStore {
     /// # Errors
     /// The write failed; see [`SessionStore::retry`] and [`SessionStore::continue_in`].
     pub fn append(&mut self, record: &TrialRecord) -> Result<(), StoreError> {
-        self.rows.append(record)
+        self.rows.append(&table::line(record.cells()))
     }
 
     /// Returns the rows that are only in memory, in the format of the file.
     pub fn unsaved(&self) -> Vec<String> {
-        self.rows.file.unsaved().lines().map(str::to_owned).collect()
+        self.rows.unsaved().lines().map(str::to_owned).collect()
     }
 
     /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session
@@ -251,14 +255,14 @@ impl SessionStore {
     /// # Errors
     /// The same errors as [`SessionStore::append`].
     pub fn retry(&mut self) -> Result<(), StoreError> {
-        self.rows.file.flush().or_else(|error| {
+        self.rows.flush().or_else(|error| {
             // If the file was deleted and its location is usable again, write everything into a new file with the same
             // name.
             if exists(&self.paths.csv)? {
                 return Err(error);
             }
             self.prepare()?;
-            self.rows.file.continue_in(&self.paths.csv)?;
+            self.rows.continue_in(&self.paths.csv)?;
             self.lock_again();
             self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)
@@ -284,7 +288,7 @@ impl SessionStore {
         }
         let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
-        self.rows.file.continue_in(&paths.csv)?;
+        self.rows.continue_in(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
             self.note(format!("the frames could not be moved: {error}"));
             // Seals that include the frames would report them as missing in the new folder.
@@ -302,7 +306,7 @@ impl SessionStore {
     /// Locks the session where it is now.
     fn lock_again(&mut self) {
         self.lock = None;
-        match LockFile::create(&self.paths.csv, self.rows.file.is_locked()) {
+        match LockFile::create(&self.paths.csv, self.rows.is_locked()) {
             Ok((lock, incident)) => {
                 self.lock = lock;
                 incident.into_iter().for_each(|incident| self.note(incident));
@@ -316,30 +320,28 @@ impl SessionStore {
         self.sidecar.is_complete()
     }
 
-    fn sitting(&mut self) -> Option<&mut Sitting> {
-        self.sidecar.sittings.last_mut()
+    /// Returns the sitting that is running; every sidecar lists one.
+    fn sitting(&mut self) -> &mut Sitting {
+        let last = self.sidecar.sittings.len() - 1;
+        &mut self.sidecar.sittings[last]
     }
 
     /// Notes an incident, to be saved with the sidecar.
     pub fn note(&mut self, incident: String) {
-        if let Some(sitting) = self.sitting() {
-            sitting.incidents.push(incident);
-        }
+        self.sitting().incidents.push(incident);
     }
 
     /// Notes the hashes of displayed pictures, to be saved with the sidecar.
     pub fn note_pictures<'a>(&mut self, hashed: impl IntoIterator<Item = (&'a Stimulus, String)>) {
         let conditions = Arc::clone(self.protocol.conditions());
-        if let Some(pictures) = self.sitting().and_then(|sitting| sitting.pictures.as_mut()) {
+        if let Some(pictures) = &mut self.sitting().pictures {
             pictures.note(&conditions, hashed);
         }
     }
 
     /// Notes how ratings were timestamped, to be saved with the sidecar.
     pub fn describe_input(&mut self, input: InputSummary) {
-        if let Some(sitting) = self.sitting() {
-            sitting.input = Some(input);
-        }
+        self.sitting().input = Some(input);
     }
 
     /// Ends the sitting, seals the session and writes the sidecar.
@@ -351,10 +353,9 @@ impl SessionStore {
             self.note(format!("the session that ended before this one is not known: {error}"));
             None
         });
-        if let Some(sitting) = self.sitting() {
-            (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
-            (sitting.frames, sitting.previous) = (frames, previous);
-        }
+        let sitting = self.sitting();
+        (sitting.ended_at, sitting.complete) = (Some(ended_at), complete);
+        (sitting.frames, sitting.previous) = (frames, previous);
         // Sealed data must survive a power failure.
         if let Some(Err(error)) = self.frames.as_mut().map(FrameFile::sync) {
             self.note(format!("the frames are not complete: {error}"));
@@ -368,14 +369,14 @@ impl SessionStore {
 
     /// Returns the hashes of the files as they are now, without that of the sidecar.
     fn seal_of_files(&self) -> Seal {
-        let rows = &self.rows.file;
-        let frames = self.frames.as_ref().map(|frames| (frames, &frames.0));
-        let frames = frames.filter(|(frames, file)| !frames.is_empty() && file.path() == self.paths.frames);
+        let rows = &self.rows;
+        let frames = self.frames.as_ref().filter(|frames| !frames.is_empty()).map(|frames| &frames.0);
+        let frames = frames.filter(|file| file.path() == self.paths.frames);
         Seal {
             data_bytes: rows.content().len() as u64,
-            data_sha256: rows.sha256(),
-            frames_bytes: frames.map(|(_, file)| file.content().len() as u64),
-            frames_sha256: frames.map(|(_, file)| file.sha256()),
+            data_sha256: sha256(rows.content()),
+            frames_bytes: frames.map(|file| file.content().len() as u64),
+            frames_sha256: frames.map(|file| sha256(file.content())),
             sidecar_sha256: String::new(),
         }
     }
@@ -384,7 +385,7 @@ impl SessionStore {
 /// A session on disk that may be resumed. Its data file is locked.
 struct Found {
     paths: SessionPaths,
-    rows: ResultFile,
+    rows: AppendFile,
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
@@ -418,7 +419,7 @@ impl Found {
         paths.refuse_links()?;
         // The file is locked before anything is read, because another program may be ending this very session.
         let columns = columns(protocol);
-        let rows = ResultFile::open(&paths.csv, &columns)?;
+        let rows = results::open(&paths.csv, &columns)?;
         let found = Sidecar::read(&paths.sidecar)?;
         if let Some(sidecar) = &found {
             check_same(sidecar, protocol, seed, &paths.sidecar)?;
@@ -426,7 +427,8 @@ impl Found {
             let changed = sidecar.definition_error(&paths.sidecar, &definition::hash(&kept));
             FileErrors::none(changed.into_iter().collect())?;
         }
-        let recovered = rows.recover(&columns).map_err(repairable)?;
+        let name = paths.csv.display().to_string();
+        let recovered = results::parse(&name, rows.content(), &columns).map_err(repairable)?;
         let sidecar = match found {
             Some(sidecar) => sidecar,
             // A session without rows has recorded nothing that could belong to another definition.
@@ -460,7 +462,7 @@ impl Found {
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
         self.replays.left() == 0
-            && self.rows.file.partial_line().is_none()
+            && self.rows.partial_line().is_none()
             && self.sidecar.is_complete()
             && self.differences.is_empty()
     }

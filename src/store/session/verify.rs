@@ -7,7 +7,6 @@ use std::{
 };
 
 use jiff::Timestamp;
-use rayon::prelude::*;
 
 use super::{
     chain,
@@ -15,12 +14,12 @@ use super::{
     recorded::Recorded,
     seal::ACCEPTED,
     sidecar::Sidecar,
-    sitting::OtherPicture,
+    sitting::{OtherPicture, Pictures},
 };
 use crate::{
     experiment::{GENERATOR, Phase},
-    stimulus::{Stimulus, recipe::Recipe},
-    store::{FileError, FileErrors, image},
+    stimulus::Stimulus,
+    store::{FileError, FileErrors},
 };
 
 /// The findings about one session.
@@ -62,25 +61,15 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Returns the picture hashes for several recipes of one sitting. The recipes must differ only in their stimulus.
-    pub(crate) fn hashes(&mut self, recipes: &[Recipe]) -> Vec<String> {
-        let keys: Vec<String> =
-            recipes.iter().map(|recipe| serde_json::to_string(recipe).unwrap_or_default()).collect();
-        let mut wanted = BTreeMap::new();
-        for (key, recipe) in keys.iter().zip(recipes) {
-            if !self.known.contains_key(key) {
-                wanted.insert(key.clone(), recipe);
-            }
-        }
-        if let Some(first) = wanted.values().next() {
-            // All of these recipes share one table that converts light to codes.
-            let quantizer = first.quantizer();
-            let at_a_time = (AT_A_TIME / u64::from(first.size).pow(2).max(1)).max(1) as usize;
-            let wanted: Vec<(String, &Recipe)> = wanted.into_iter().collect();
-            for wanted in wanted.chunks(at_a_time) {
-                let made = wanted.par_iter().map(|(key, recipe)| (key.clone(), image::hash(&recipe.codes(&quantizer))));
-                self.known.extend(made.collect::<Vec<_>>());
-            }
+    /// Returns the hashes of several pictures of one sitting.
+    pub(crate) fn hashes(&mut self, pictures: &Pictures, stimuli: &[&Stimulus]) -> Vec<String> {
+        let key = |stimulus: &&Stimulus| serde_json::to_string(&pictures.recipe_of(stimulus)).unwrap_or_default();
+        let keys: Vec<String> = stimuli.iter().map(key).collect();
+        let wanted = keys.iter().zip(stimuli).filter(|(key, _)| !self.known.contains_key(*key));
+        let (keys_of, wanted): (Vec<&String>, Vec<&Stimulus>) = wanted.collect::<BTreeMap<_, _>>().into_iter().unzip();
+        let at_a_time = (AT_A_TIME / u64::from(pictures.recipe.size).pow(2).max(1)).max(1) as usize;
+        for (keys, stimuli) in keys_of.chunks(at_a_time).zip(wanted.chunks(at_a_time)) {
+            self.known.extend(keys.iter().copied().cloned().zip(pictures.hashes(stimuli)));
         }
         let hashes = keys.iter().map(|key| self.known[key].clone()).collect();
         if self.known.len() > MAX_KNOWN {
@@ -248,8 +237,8 @@ pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Ve
             all.push((format!("picture {number} of the others"), stimulus, sha256));
         }
         all.retain(|(_, stimulus, _)| stimulus.is_drawable());
-        let recipes: Vec<Recipe> = all.iter().map(|(_, stimulus, _)| pictures.recipe_of(stimulus)).collect();
-        for ((name, _, expected), hash) in all.iter().zip(renderer.hashes(&recipes)) {
+        let stimuli: Vec<&Stimulus> = all.iter().map(|(_, stimulus, _)| *stimulus).collect();
+        for ((name, _, expected), hash) in all.iter().zip(renderer.hashes(pictures, &stimuli)) {
             if **expected != hash {
                 let message = format!(
                     "{name} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
