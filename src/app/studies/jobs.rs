@@ -142,8 +142,8 @@ impl Job {
         Self::start(ctx, "Checking", move |watcher| {
             let verified = Verify { folder: folder.clone() }.verify(watcher)?;
             let wrong = verified.wrong();
-            let errors = verified.0.errors.iter().map(ToString::to_string).collect();
-            Ok(Made::Checked(Checked { folder, sessions: verified.0.files.len(), errors, wrong }))
+            let errors = verified.errors.iter().map(ToString::to_string).collect();
+            Ok(Made::Checked(Checked { folder, sessions: verified.files.len(), errors, wrong }))
         })
     }
 
