@@ -1,8 +1,9 @@
 //! How many participants a study needs, whatever its task, and how precise thresholds are after so many trials.
 
 use super::{
-    RequestError, Watcher, changed,
+    RequestError, Watcher,
     plan::{Assignment, Plan, Planned, in_order, once, progress},
+    request::only,
 };
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
@@ -83,11 +84,7 @@ impl Plan {
 
     /// Simulates studies of a definition with `[adaptive]`.
     fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
-        if let Some((field, _)) = changed(self).into_iter().find(|(field, _)| !OF_THRESHOLDS.contains(&field.as_str()))
-        {
-            let message = "does not apply to thresholds; expected a definition of ratings";
-            return Err(RequestError::new(&field, message).into());
-        }
+        only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
         // What prevents one schedule prevents all.
         Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
