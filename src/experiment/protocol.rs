@@ -363,8 +363,10 @@ impl Definition {
             let turns = places.iter().flat_map(|place| picks.iter().map(move |pick| turn(*place, *pick)));
             for (turn, end) in turns.flat_map(|turn| ends.iter().map(move |end| (turn, *end))) {
                 let shown = self.task.present(&turn).stimuli.into_iter();
-                let mut shown =
-                    shown.map(|stimulus| end.map_or(stimulus.clone(), |(name, end, _)| at_level(stimulus, name, *end)));
+                let mut shown = shown.map(|stimulus| match end {
+                    Some((name, end, _)) => at_level(stimulus, name, *end),
+                    None => stimulus,
+                });
                 let Some(error) = shown.find_map(|stimulus| stimulus.validate().err()?.into_iter().next()) else {
                     continue;
                 };
