@@ -7,7 +7,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, Only, Ratings, RequestError, Watcher, named, ratings::explained, request::only};
+use super::{Model, Only, Ratings, RequestError, Watcher, named, ratings::explained, request::allow_only};
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
@@ -169,7 +169,7 @@ impl Analyze {
         }
         let Some((_, task)) = TaskStudy::task_at(paths)? else { return Ok(None) };
         let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
-        only(self, &OF_TASKS, &message)?;
+        allow_only(self, &OF_TASKS, &message)?;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         Ok(Some(TaskStudy::read(paths, &exclude)?))
     }
@@ -192,7 +192,7 @@ impl Analyze {
     ) -> anyhow::Result<TaskStudy> {
         let message = "does not apply to answers at levels; expected only --subject, --factors, --levels, --exclude, --seed \
                        and the options of answers, such as --guess";
-        only(self, &OF_LEVELS, message)?;
+        allow_only(self, &OF_LEVELS, message)?;
         let given = self.levels.clone();
         let factors = self.ratings.factors.clone().unwrap_or_default().0;
         let columns = AnswerColumns {

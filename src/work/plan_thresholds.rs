@@ -3,7 +3,7 @@
 use super::{
     RequestError, Watcher,
     plan::{Assignment, Plan, Planned, in_order, once, progress},
-    request::only,
+    request::allow_only,
 };
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
@@ -84,7 +84,7 @@ impl Plan {
 
     /// Simulates studies of a definition with `[adaptive]`.
     fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
-        only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
+        allow_only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
         // What prevents one schedule prevents all.
         Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };

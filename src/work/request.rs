@@ -192,7 +192,11 @@ pub fn changed<T: Request + Serialize>(request: &T) -> Vec<(String, Value)> {
 ///
 /// # Errors
 /// Says the message about the first other field.
-pub fn only<T: Request + Serialize>(request: &T, fields: &[&str], message: &str) -> Result<(), RequestError> {
+pub(super) fn allow_only<T: Request + Serialize>(
+    request: &T,
+    fields: &[&str],
+    message: &str,
+) -> Result<(), RequestError> {
     let other = changed(request).into_iter().find(|(field, _)| !fields.contains(&field.as_str()));
     other.map_or(Ok(()), |(field, _)| Err(RequestError::new(&field, message)))
 }

@@ -64,10 +64,10 @@ macro_rules! options {
         impl $name {
             /// The options, as a form lists them.
             pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] = &[
-                $($crate::experiment::task::TaskOption {
+                $($crate::experiment::task::options::TaskOption {
                     key: stringify!($field), label: $label, value: $value, about: $about
                 },)*
-                $($($crate::experiment::task::TaskOption {
+                $($($crate::experiment::task::options::TaskOption {
                     key: $key, label: $key_label, value: $key_value, about: $key_about
                 },)*)?
             ];
