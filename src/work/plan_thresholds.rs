@@ -209,11 +209,9 @@ impl PlannedThresholds {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut told: Vec<&Quantity> = Vec::new();
-        for one in &self.found {
-            if matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0)
-                && !told.contains(&&one.quantity)
-            {
-                told.push(&one.quantity);
+        for quantity in self.found.iter().map(|one| &one.quantity) {
+            if quantity.differs() && !told.contains(&quantity) {
+                told.push(quantity);
             }
         }
         let sentence = |quantity: &Quantity| {
@@ -245,13 +243,10 @@ impl PlannedThresholds {
     }
 
     fn row(&self, found: &Precision) -> Vec<Cell> {
-        let truth = match found.quantity {
-            Quantity::Difference { truth, .. } => Some(truth),
-            _ => None,
-        };
+        let truth = found.quantity.truth();
         // One participant has no interval, which could exclude 0.
         let tested = truth.filter(|_| found.half_width.is_some());
-        let share = tested.map(|truth| (found.share(), truth != 0.0));
+        let share = tested.map(|_| (found.share(), found.quantity.differs()));
         let observer = &self.observer;
         vec![
             self.protocol.name.as_str().into(),

@@ -259,10 +259,7 @@ impl PlannedThresholds {
     fn differences(&self) -> impl Iterator<Item = (&Precision, f64)> {
         let first =
             |one: &&Precision| one.participants == self.found[0].participants && one.trials == self.found[0].trials;
-        self.found.iter().filter(first).filter_map(|one| match one.quantity {
-            Quantity::Difference { truth, .. } => Some((one, truth)),
-            Quantity::Person | Quantity::Mean => None,
-        })
+        self.found.iter().filter(first).filter_map(|one| Some((one, one.quantity.truth()?)))
     }
 
     fn hypothesis(&self, found: &Precision, truth: f64) -> String {
@@ -308,19 +305,15 @@ impl PlannedThresholds {
         let most = trials.last().copied().unwrap_or_default();
         let enough = |people: u32| {
             let own = self.found.iter().filter(|one| one.participants == people && one.trials == most);
-            let mut effects =
-                own.filter(|one| matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0));
+            let mut effects = own.filter(|one| one.quantity.differs());
             effects.clone().count() > 0 && effects.all(|one| one.share().1.low >= self.target)
         };
         let row = |one: &Precision| {
             let number =
                 |what: &str, value: Option<f64>| value.map_or_else(String::new, |value| format!(", {what} {value:.3}"));
-            let share = match one.quantity {
-                _ if one.half_width.is_none() => String::new(),
-                Quantity::Difference { truth, .. } if truth != 0.0 => format!(", power {:.0} %", 100.0 * one.share().0),
-                Quantity::Difference { .. } => format!(", false alarms {:.0} %", 100.0 * one.share().0),
-                Quantity::Person | Quantity::Mean => String::new(),
-            };
+            let tested = one.quantity.truth().filter(|_| one.half_width.is_some());
+            let what = if one.quantity.differs() { "power" } else { "false alarms" };
+            let share = tested.map_or_else(String::new, |_| format!(", {what} {:.0} %", 100.0 * one.share().0));
             format!(
                 "{} with {} of each condition: {}{}{}{share}",
                 count(one.participants.into(), "participant"),

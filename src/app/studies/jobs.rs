@@ -13,7 +13,7 @@ use anyhow::ensure;
 use eframe::egui::{Context, Ui};
 
 use crate::{
-    analysis::power::{Precision, Quantity},
+    analysis::power::Precision,
     app::ui::{
         self,
         theme::{Icon, ink},
@@ -63,8 +63,7 @@ impl Planned {
         };
         let row = |one: &Precision| {
             // One participant has no interval, and thus no test.
-            let is_tested =
-                one.half_width.is_some() && matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
+            let is_tested = one.half_width.is_some() && one.quantity.differs();
             let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
             let power = if is_tested { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
             [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
