@@ -101,7 +101,8 @@ class Analysis:
 
     @cached_property
     def _summaries(self) -> tuple[str, str]:
-        return "\n".join(self._native.summary()), self._native.summary_html()
+        sentences, page = self._native.summaries()
+        return "\n".join(sentences), page
 
     @cached_property
     def _inputs(self) -> list[str]:

@@ -113,17 +113,17 @@ class Definition:
     @property
     def name(self) -> str:
         """The name, which names the folder of the results."""
-        return self._native.name
+        return str(self.to_dict()["name"])
 
     @property
     def title(self) -> str:
         """What the window shows."""
-        return self._native.title
+        return str(self.to_dict()["title"])
 
     @property
     def factors(self) -> list[str]:
         """Names of the factors."""
-        return self._native.factors
+        return [*self.to_dict()["factors"]]
 
     @property
     def sha256(self) -> str:

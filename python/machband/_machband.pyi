@@ -7,35 +7,6 @@ from typing import Any, Final, final
 import numpy as np
 import numpy.typing as npt
 
-__all__ = [
-    "Analysis",
-    "DataError",
-    "Definition",
-    "Error",
-    "__version__",
-    "analyze",
-    "compare",
-    "encode",
-    "export",
-    "interpolate",
-    "kinds",
-    "light",
-    "main",
-    "mesh",
-    "parameters",
-    "predict",
-    "profile",
-    "read_results",
-    "save_stimulus",
-    "shade",
-    "simulate",
-    "steps",
-    "stimulus",
-    "verify",
-    "visual_angle",
-    "write_analysis",
-]
-
 __version__: Final[str]
 
 _Path = str | PathLike[str]
@@ -85,13 +56,7 @@ class Definition:
     def to_toml(self) -> str: ...
     def to_json(self) -> str: ...
     @property
-    def name(self) -> str: ...
-    @property
-    def title(self) -> str: ...
-    @property
     def sha256(self) -> str: ...
-    @property
-    def factors(self) -> list[str]: ...
     def conditions(self) -> _Columns: ...
     def schedule(self, participant: str, session: str, seed: int) -> _Columns: ...
 
@@ -105,8 +70,7 @@ class Analysis:
     def report_files(self) -> list[tuple[str, bytes]]: ...
     def inputs(self) -> list[PathLike[str]]: ...
     def covariance(self) -> _Floats: ...
-    def summary(self) -> list[str]: ...
-    def summary_html(self) -> str: ...
+    def summaries(self) -> tuple[list[str], str]: ...
     def problems(self) -> tuple[list[str], list[str]]: ...
 
 def analyze(

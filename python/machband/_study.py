@@ -7,7 +7,6 @@ import json
 import os
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -107,55 +106,6 @@ def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], re
     finite = different[np.isfinite(different)]
     # An infinite number is not a category; the library names its row.
     return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
-
-
-def _numbers(cells: Cells) -> npt.NDArray[np.float64]:
-    """Return a column as numbers: missing ones are NaN, and texts that are not numbers are infinite."""
-    if isinstance(cells, np.ndarray):
-        return cells.astype(np.float64)
-
-    def number(level: str) -> float:
-        known = {"true": 1.0, "false": 0.0, **dict.fromkeys(map(str.lower, MISSING), np.nan)}
-        with suppress(ValueError):
-            return float(level)
-        return known.get(level.strip().lower(), np.inf)
-
-    return np.array([*map(number, cells.levels), np.nan])[cells.codes]
-
-
-def _answered(found: dict[str, Cells], used: list[str], is_dropping: bool) -> tuple[list[str], list[str]]:
-    """Keep the rows that have an answer; return what to warn of: rows without one, and rows that are wrong."""
-    if not all(name in found for name in used):
-        # The library says what is missing.
-        return [], []
-    numbers = np.array([_numbers(found[name]) for name in used])
-    right, trials = numbers[1], numbers[2] if len(used) > 2 else np.ones_like(numbers[1])
-    is_there = ~np.isnan(numbers).any(axis=0)
-    is_whole = np.isfinite(numbers) & (np.nan_to_num(numbers, posinf=0.5, neginf=0.5) % 1 == 0)
-    is_right = is_whole[1] & (right >= 0) & (right <= trials)
-    are_right = [np.isfinite(numbers[0]), *([] if len(used) < 3 else [is_whole[2] & (trials >= 0)]), is_right]
-    is_wrong = is_there & ~np.logical_and.reduce(are_right)
-    rows, lost = np.flatnonzero(is_wrong), np.count_nonzero(~is_there)
-
-    def wrong(row: Any) -> str:
-        place = [0, *range(len(used) - 1, 0, -1)][[bool(one[row]) for one in are_right].index(False)]
-        expected = ["a number", f"0 to {trials[row]:g}, the number of trials", "a number of trials"][place]
-        cells = found[used[place]]
-        given = repr(cells.levels[cells.codes[row]]) if isinstance(cells, Levels) else f"{cells[row]:g}"
-        return f"{used[place]} is {given}; expected {expected}"
-
-    said = [wrong(row) for row in rows]
-    if len(rows) and (not is_dropping or 50 * len(rows) > len(right)):
-        raise _wrong(rows, said[0])
-    keep = is_there & ~is_wrong
-    for name, one in found.items():
-        found[name] = one._replace(codes=one.codes[keep]) if isinstance(one, Levels) else one[keep]
-    missing = (
-        f"table: rows without a level or an answer are left out ({lost} of {len(right)}); expected both in all rows"
-    )
-    return [missing] * bool(lost), [
-        f"table, row {row} (counted from 0): {one}" for row, one in zip(rows, said, strict=True)
-    ]
 
 
 @suggests
@@ -311,7 +261,6 @@ def analyze(
         missing = [missing]
     found: dict[str, Cells] = {}
     orders: dict[str, list[str]] = {}
-    lost: tuple[list[str], list[str]] = [], []
     given_columns = columns(data)
     if given_columns is None:
         cells: list[str] | list[tuple[str, Any]] = list(_paths(data))
@@ -327,10 +276,7 @@ def analyze(
             found["simulated"] = _marks(found["simulated"])
         elif known.get("simulated"):
             found["simulated"] = np.ones(len(data), np.int64)
-        if level is not None:
-            used = [level, str(correct), *([] if total is None else [total])]
-            lost = _answered(found, used, on_error == "drop")
-        else:
+        if level is None:
             ratings = found.get("rating")
             if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
                 raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
@@ -355,8 +301,6 @@ def analyze(
         given["levels"] = levels("factors", declared)
     with progress("simulated studies") as show:
         analysis = Analysis(_machband.analyze(given, cells, [*orders.items()], on_error == "drop", show))
-    analysis.warnings += lost[0]
-    analysis.errors += lost[1]
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, DataWarning, stacklevel=3)
     return analysis

@@ -1,6 +1,6 @@
 //! Definitions of experiments, their trials, and simulated sessions.
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 use machband::{
     experiment::{Condition, Identity, Protocol, SECOND, Schedule},
@@ -12,9 +12,7 @@ use machband::{
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
-    Field, Fields, error,
-    job::{self, Simulation},
-    request,
+    Field, Fields, error, job, request,
     table::{self, Column},
 };
 
@@ -62,26 +60,10 @@ impl Definition {
         serde_json::to_string(&self.0).map_err(error)
     }
 
-    #[getter]
-    fn name(&self) -> &str {
-        &self.0.name
-    }
-
-    #[getter]
-    fn title(&self) -> &str {
-        &self.0.title
-    }
-
     /// SHA-256 of the content, as in the sidecars.
     #[getter]
     fn sha256(&self) -> String {
         definition::hash(&self.0)
-    }
-
-    /// Names of the factors.
-    #[getter]
-    fn factors(&self) -> Vec<&str> {
-        self.0.factors.iter().map(|factor| factor.name.as_str()).collect()
     }
 
     /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
@@ -103,7 +85,7 @@ impl Definition {
     ) -> PyResult<Bound<'py, PyDict>> {
         let identity = Identity::new(participant, session).map_err(error)?;
         let (protocol, seed) = (self.0.clone(), seed);
-        let schedule = job::run(py, None, false, move |_, _| Ok(Schedule::new(&protocol, &identity, seed)?))?;
+        let schedule = job::run(py, None, false, move |_| Ok(Schedule::new(&protocol, &identity, seed)?))?;
         let whole =
             |of: fn(&machband::experiment::Trial) -> i64| Column::Whole(schedule.trials.iter().map(of).collect());
         let phases = schedule.trials.iter().map(|trial| Some(trial.phase.to_string())).collect();
@@ -158,7 +140,5 @@ pub fn simulate(
     let protocol = definition.get().0.clone();
     fields.insert("experiment".to_owned(), Field::Text(protocol.name.clone()));
     let asked: Simulate = request(fields)?;
-    job::run(py, progress, true, move |job, stop| {
-        work::simulate(&asked, &protocol, &Simulation(job, Arc::clone(stop))).map(drop)
-    })
+    job::run(py, progress, true, move |job| work::simulate(&asked, &protocol, job).map(drop))
 }

@@ -42,20 +42,12 @@ impl Watcher for Warnings {
 }
 
 /// A running computation, as it sees itself.
-#[derive(Default)]
 pub struct Job {
     done: AtomicU64,
     total: AtomicU64,
     warnings: Warnings,
-}
-
-impl Job {
-    /// Notes how much of the work is done.
-    pub fn set(&self, done: usize, total: usize) {
-        checkpoint();
-        self.done.store(done as u64, Ordering::Relaxed);
-        self.total.store(total as u64, Ordering::Relaxed);
-    }
+    /// Whether it should end.
+    stop: Arc<AtomicBool>,
 }
 
 impl Watcher for Job {
@@ -68,23 +60,10 @@ impl Watcher for Job {
     fn warn(&self, warning: &str) {
         self.warnings.warn(warning);
     }
-}
 
-/// What a simulation tells its job. The simulation has threads of its own, and its sessions must end cleanly.
-pub struct Simulation<'a>(pub &'a Job, pub Arc<AtomicBool>);
-
-impl Watcher for Simulation<'_> {
-    fn progress(&self, done: u64, total: u64) {
-        self.0.done.fetch_max(done, Ordering::Relaxed);
-        self.0.total.store(total, Ordering::Relaxed);
-    }
-
-    fn warn(&self, warning: &str) {
-        self.0.warnings.warn(warning);
-    }
-
+    /// Ends a simulation cleanly, whose own threads no [`checkpoint`] stops.
     fn check(&self, place: &Path) -> anyhow::Result<()> {
-        anyhow::ensure!(!self.1.load(Ordering::Relaxed), "{}: stopped", place.display());
+        anyhow::ensure!(!self.stop.load(Ordering::Relaxed), "{}: stopped", place.display());
         Ok(())
     }
 }
@@ -130,15 +109,15 @@ pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     writes: bool,
-    work: impl FnOnce(&Job, &Arc<AtomicBool>) -> anyhow::Result<T> + Send + 'static,
+    work: impl FnOnce(&Job) -> anyhow::Result<T> + Send + 'static,
 ) -> PyResult<T> {
-    let job = Arc::new(Job::default());
     let (send, receive) = channel();
     let threads = Threads::free()?;
-    let (running, stop) = (Arc::clone(&job), Arc::clone(&threads.stop));
-    let token = Arc::clone(&stop);
+    let (done, total, stop) = (AtomicU64::new(0), AtomicU64::new(0), Arc::clone(&threads.stop));
+    let job = Arc::new(Job { done, total, warnings: Warnings::default(), stop });
+    let running = Arc::clone(&job);
     threads.pool.spawn(move || {
-        let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(&running, &token))));
+        let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(&running))));
     });
     // A receiver cannot be shared between threads, and to give up the lock counts as changing the thread.
     let receive = Mutex::new(receive);
@@ -148,7 +127,7 @@ pub fn run<T: Send + 'static>(
         let (done, total) = (job.done.load(Ordering::Relaxed), job.total.load(Ordering::Relaxed));
         let report = || progress.as_ref().filter(|_| total > 0).map(|report| report.call1(py, (done, total)));
         if let Err(error) = py.check_signals().and_then(|()| report().transpose()) {
-            stop.store(true, Ordering::Relaxed);
+            job.stop.store(true, Ordering::Relaxed);
             // The threads end with the job.
             let _ = wait(if writes { Duration::MAX } else { PATIENCE });
             return Err(error);

@@ -19,7 +19,7 @@ use std::{
 
 use machband::{
     report::StudyError,
-    store::FileErrors,
+    store::StoreError,
     work::{Request, from_names, told},
 };
 use numpy::IntoPyArray as _;
@@ -41,7 +41,10 @@ fn error(error: impl std::fmt::Display) -> PyErr {
 /// Turns an error of an operation into a Python exception; one about data knows the rows of their table.
 fn raised(py: Python<'_>, failed: &anyhow::Error) -> PyErr {
     let message = told(failed, str::to_owned);
-    let Some(StudyError::Files(FileErrors(errors))) = failed.downcast_ref() else { return error(message) };
+    let errors = match (failed.downcast_ref(), failed.downcast_ref()) {
+        (Some(StudyError::Files(errors)), _) | (_, Some(StoreError::FileErrors(errors))) => &errors.0,
+        _ => return error(message),
+    };
     let rows: BTreeSet<usize> = errors.iter().flat_map(|error| error.rows.iter().copied()).collect();
     let found = DataError::new_err(message);
     let rows: Vec<i64> = rows.into_iter().map(|row| row as i64).collect();

@@ -10,7 +10,7 @@ use machband::{
     light::{Bits, CodeImage, Depth, Dither, Interpolation, LinearImage, Quantizer, Samples, Transfer},
     stimulus::{ParameterValue, Stimulus, catalog, recipe::Recipe},
     store::{self, Writer, curve},
-    work::{Encoding, Image, Pixels},
+    work::{Encoding, Image},
 };
 use numpy::{IntoPyArray as _, PyArray1, PyArrayMethods as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
@@ -92,14 +92,14 @@ pub fn stimulus<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fiel
     if is_quick {
         return codes_array(py, py.detach(|| recipe.codes(&quantizer(&recipe))));
     }
-    codes_array(py, job::run(py, None, false, move |_, _| Ok(recipe.codes(&quantizer(&recipe))))?)
+    codes_array(py, job::run(py, None, false, move |_| Ok(recipe.codes(&quantizer(&recipe))))?)
 }
 
 /// Returns the light of a stimulus.
 #[pyfunction]
 pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyAny>> {
-    let (stimulus, Image { pixels: Pixels { size, .. }, .. }) = (stimulus_of(kind, parameters)?, request(image)?);
-    let LinearImage { width, height, data } = job::run(py, None, false, move |_, _| Ok(stimulus.linear(size)))?;
+    let (stimulus, Image { size, .. }) = (stimulus_of(kind, parameters)?, request(image)?);
+    let LinearImage { width, height, data } = job::run(py, None, false, move |_| Ok(stimulus.linear(size)))?;
     Ok(data.into_pyarray(py).reshape([height as usize, width as usize, 3])?.into_any())
 }
 
@@ -107,7 +107,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields)
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Bound<'py, PyDict>> {
     let recipe = recipe(py, kind, parameters, image)?;
-    let samples = job::run(py, None, false, move |_, _| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
+    let samples = job::run(py, None, false, move |_| Ok(curve::samples(&recipe, &quantizer(&recipe))))?;
     let columns = curve::table(&samples).columns.into_iter();
     table::columns(py, columns.map(|column| (column.name, Column::of(&column.cells))))
 }
@@ -123,7 +123,7 @@ pub fn save_stimulus(
     force: bool,
 ) -> PyResult<()> {
     let recipe = recipe(py, kind, parameters, image)?;
-    job::run(py, None, true, move |_, _| {
+    job::run(py, None, true, move |_| {
         Ok(store::image::write_recipe(&Writer::new([], force), &path, &recipe, &quantizer(&recipe))?)
     })
 }

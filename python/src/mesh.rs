@@ -1,11 +1,9 @@
 //! Shaded meshes.
 
-use std::path::Path;
-
 use glam::DVec3;
 use machband::{
-    store,
-    work::shade::{FoundMesh, Shade, Wanted},
+    store::mesh::{MeshFile, from_arrays},
+    work::shade::{Shade, Wanted},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,19 +18,16 @@ fn triples<T: Copy + numpy::Element>(array: &PyReadonlyArray2<'_, T>) -> PyResul
     Ok(array.as_slice()?.as_chunks::<3>().0.to_vec())
 }
 
-/// Copies arrays, which have three columns. Returns what makes their mesh, and a note if it was repaired, without the
-/// interpreter's lock.
+/// Copies arrays, which have three columns. Returns what makes their mesh without the interpreter's lock.
 fn mesh_of(
     Arrays(positions, triangles, normals, crease_deg): &Arrays<'_>,
-) -> PyResult<impl FnOnce() -> anyhow::Result<FoundMesh> + Send + 'static> {
+) -> PyResult<impl FnOnce() -> anyhow::Result<MeshFile> + Send + 'static> {
     let normals = normals.as_ref().map(triples).transpose()?;
     let (positions, triangles, crease_deg) = (triples(positions)?, triples(triangles)?, *crease_deg);
     Ok(move || {
         let vectors = |rows: Vec<[f64; 3]>| rows.into_iter().map(DVec3::from_array).collect::<Vec<_>>();
         let normals = normals.map(vectors);
-        let file = store::mesh::from_arrays("mesh", &vectors(positions), &triangles, normals.as_deref(), crease_deg)?;
-        let note = file.note(Path::new("mesh"));
-        Ok(FoundMesh { mesh: file.mesh, note })
+        Ok(from_arrays("mesh", &vectors(positions), &triangles, normals.as_deref(), crease_deg)?)
     })
 }
 
@@ -41,8 +36,10 @@ fn mesh_of(
 #[allow(clippy::type_complexity)]
 pub fn mesh(py: Python<'_>, fields: Fields) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyAny>)> {
     let request: Shade = request(fields)?;
-    let FoundMesh { mesh, note } = job::run(py, None, false, move |_, _| request.one.mesh())?;
-    job::warn(py, note.as_slice())?;
+    let path = request.one.mesh.clone();
+    let file = job::run(py, None, false, move |_| request.one.mesh())?;
+    job::warn(py, file.note(&path).as_slice())?;
+    let mesh = file.mesh;
     let vectors = |of: fn(&machband::shading::Vertex) -> DVec3| {
         let flat: Vec<f64> = mesh.vertices.iter().flat_map(|vertex| of(vertex).to_array()).collect();
         Ok::<_, PyErr>(flat.into_pyarray(py).reshape([mesh.vertices.len(), 3])?.into_any())
@@ -63,8 +60,7 @@ pub fn shade<'py>(
     let request: Shade = request(fields)?;
     let given = mesh.as_ref().map(mesh_of).transpose()?;
     let wanted = Wanted { picture: true, metrics: measure, creases: false };
-    let shaded =
-        job::run(py, None, false, move |job, _| request.shade(given.map(|of| of()).transpose()?, wanted, job))?;
+    let shaded = job::run(py, None, false, move |job| request.shade(given.map(|of| of()).transpose()?, wanted, job))?;
     job::warn(py, &shaded.notes)?;
     let codes = shaded.picture.ok_or_else(|| error("no picture; expected one"))?;
     let metrics = shaded.metrics.as_ref().map(serde_json::to_string).transpose().map_err(error)?;

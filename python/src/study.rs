@@ -10,7 +10,6 @@ use machband::{
     experiment,
     report::{
         self, Contents, Provenance, Study, StudyError,
-        document::Section,
         study::shell_command,
         tasks::{self, TaskResults, TaskStudy},
     },
@@ -24,11 +23,7 @@ use machband::{
     },
     system::now,
     text::{Cell, Table},
-    work::{
-        Analyze, Export, Only, Ratings, changed,
-        verify::{Verified, Verify},
-        words,
-    },
+    work::{Analyze, Export, Only, Ratings, Watcher as _, changed, verify::Verify, words},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _};
 use pyo3::{
@@ -56,7 +51,7 @@ pub fn read_results(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'_, PyDict>, Vec<(String, String, String)>)> {
-    let (columns, described) = job::run(py, progress, false, move |job, _| read(&folder, job))?;
+    let (columns, described) = job::run(py, progress, false, move |job| read(&folder, job))?;
     Ok((table::columns(py, columns)?, described))
 }
 
@@ -64,7 +59,7 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Described> {
     let files = Listed::sessions(folder).complete(folder)?.files;
     let (mut described, mut sessions, mut simulated) = (Vec::new(), Vec::new(), Vec::new());
     for (i, csv) in files.iter().enumerate() {
-        job.set(i, files.len());
+        job.progress(i as u64, files.len() as u64);
         let header = ratings::column_names(csv)?;
         let columns = experiment::columns_by_header(header.iter().map(String::as_str));
         let rows = results::read(csv, &columns)?;
@@ -148,13 +143,16 @@ pub fn analyze(
     let mut asked: Analyze = request(fields)?;
     asked.ratings.orders = orders.into_iter().map(|(factor, levels)| Only { factor, levels }).collect();
     let command = if columns.is_some() { call(&asked) } else { command(&asked) };
-    let found = job::run(py, progress, false, move |job, _| {
-        let refused = |errors: &[FileError]| match errors {
-            [_, ..] if !drop_errors => Err(StudyError::Files(FileErrors(errors.to_vec()))),
+    let found = job::run(py, progress, false, move |job| {
+        let refused = |errors: &[FileError], is_many: bool| match errors {
+            [_, ..] if !drop_errors || is_many => Err(StudyError::Files(FileErrors(errors.to_vec()))),
             _ => Ok(()),
         };
         let of_task = |study: TaskStudy| {
-            refused(&study.errors)?;
+            let wrong: usize = study.errors.iter().map(|error| error.rows.len()).sum();
+            let right: usize = study.files.iter().map(|(_, rows)| rows).sum();
+            // More than 2 % of the rows. Of ratings, the library itself drops no more.
+            refused(&study.errors, 49 * wrong > right)?;
             let results = TaskResults::of(&study, asked.resampling.seed);
             Ok(Found::Task(Arc::new(study), Arc::new(results)))
         };
@@ -168,7 +166,7 @@ pub fn analyze(
                 None => asked.read()?,
             },
         };
-        refused(&study.source.errors)?;
+        refused(&study.source.errors, false)?;
         let results = asked.analyze(&study, job)?;
         Ok(Found::Ratings(Arc::new(study), Arc::new(results)))
     })?;
@@ -257,7 +255,7 @@ impl Analysis {
     fn report_files<'py>(&self, py: Python<'py>) -> PyResult<Files<'py>> {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
         let here = Path::new(".");
-        let contents = job::run(py, None, false, move |_, _| match found {
+        let contents = job::run(py, None, false, move |_| match found {
             Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?.0),
             Found::Task(study, results) => {
                 let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
@@ -287,14 +285,19 @@ impl Analysis {
         Ok(cells.into_pyarray(py).reshape([size, size])?.into_any())
     }
 
-    /// Returns the sentences of the summary.
-    fn summary(&self) -> Vec<String> {
-        self.first_section(report::skins::terminal)
-    }
-
-    /// Returns the summary as HTML without a page around it.
-    fn summary_html(&self) -> String {
-        self.first_section(report::skins::fragment)
+    /// Returns the sentences of the summary, and the summary as HTML without a page around it.
+    fn summaries(&self) -> (Vec<String>, String) {
+        let document = match &self.found {
+            Found::Ratings(study, results) => {
+                report::study::document(&study.source, results, report::study::Parts::default())
+            }
+            Found::Task(study, results) => tasks::document(study, results, &[], None),
+        };
+        let summary = document.sections.first();
+        (
+            summary.map(report::skins::terminal).unwrap_or_default(),
+            summary.map_or_else(String::new, report::skins::fragment),
+        )
     }
 
     /// Returns the warnings about the input, and its errors. Ratings that the model cannot use are a warning.
@@ -312,19 +315,6 @@ impl Analysis {
     }
 }
 
-impl Analysis {
-    /// Shows the summary with a skin.
-    fn first_section<T: Default>(&self, skin: impl Fn(&Section) -> T) -> T {
-        let document = match &self.found {
-            Found::Ratings(study, results) => {
-                report::study::document(&study.source, results, report::study::Parts::default())
-            }
-            Found::Task(study, results) => tasks::document(study, results, &[], None),
-        };
-        document.sections.first().map(skin).unwrap_or_default()
-    }
-}
-
 /// Writes the files of an analysis into a folder, which none of the `inputs` may be in; `force` replaces an earlier
 /// analysis. Returns their paths.
 #[pyfunction]
@@ -335,13 +325,9 @@ pub fn write_analysis(
     inputs: Vec<PathBuf>,
     force: bool,
 ) -> PyResult<Vec<PathBuf>> {
-    job::run(py, None, true, move |_, _| {
+    job::run(py, None, true, move |_| {
         let writer = Writer::new(inputs, force);
-        report::check_folder(&writer, &folder)?;
-        writer.make_folder(&folder)?;
-        let files: Vec<_> = files.into_iter().map(|(name, content)| (folder.join(name), content)).collect();
-        writer.write_all(&files)?;
-        Ok(files.into_iter().map(|(path, _)| path).collect())
+        Ok(report::write_files(&writer, &folder, files)?)
     })
 }
 
@@ -353,7 +339,7 @@ pub fn verify(
     folder: PathBuf,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Vec<(PathBuf, String)>, Vec<String>)> {
-    let Verified(found) = job::run(py, progress, false, move |job, _| Verify { folder }.verify(job))?;
+    let found = job::run(py, progress, false, move |job| Verify { folder }.verify(job))?;
     Ok((found.files, found.errors.iter().map(ToString::to_string).collect()))
 }
 
@@ -362,6 +348,6 @@ pub fn verify(
 #[pyfunction]
 pub fn export(py: Python<'_>, fields: Fields) -> PyResult<(Vec<String>, [usize; 3])> {
     let request: Export = request(fields)?;
-    let exported = job::run(py, None, true, move |job, _| request.export(job))?;
+    let exported = job::run(py, None, true, move |job| request.export(job))?;
     Ok((exported.experiments, [exported.sessions, exported.rows, exported.pictures]))
 }

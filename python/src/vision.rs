@@ -42,7 +42,7 @@ impl Shown<'_> {
 #[pyfunction]
 pub fn predict<'py>(py: Python<'py>, fields: Fields, kind: &str, parameters: Given) -> PyResult<Bound<'py, PyDict>> {
     let (request, stimulus) = (request::<Predict>(fields)?, stimulus_of(kind, parameters)?);
-    let found = job::run(py, None, false, move |job, _| request.one(Some(&stimulus), job))?;
+    let found = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
     let (bands, difference) = match found.visible {
         Visible::Ramp(bands) => (Some(bands), None),
         Visible::Surface(difference) => (None, Some(difference)),
@@ -68,7 +68,7 @@ pub fn compare<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = request::<Compare>(fields)?;
     let given = given.map(|(a, b)| PyResult::Ok([a.picture()?, b.picture()?])).transpose()?;
-    let found = job::run(py, None, false, move |job, _| request.pair(given, job))?;
+    let found = job::run(py, None, false, move |job| request.pair(given, job))?;
     job::warn(py, found.note().as_slice())?;
     let Compared {
         times_threshold, center, places, map, size: [width, height], light, mean_ratio, color_ignored, ..
@@ -93,7 +93,7 @@ pub fn steps<'py>(py: Python<'py>, fields: Fields, given: Option<Shown<'py>>) ->
         Some(Picture::Codes(codes)) => Some(codes),
         None => None,
     };
-    let found = job::run(py, None, false, move |job, _| request.steps(given, job))?;
+    let found = job::run(py, None, false, move |job| request.steps(given, job))?;
     job::warn(py, found.note().as_slice())?;
     let Steps { steps, rounded, dithered, picture_dithered, light, .. } = found;
     let dict = PyDict::new(py);

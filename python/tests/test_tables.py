@@ -289,10 +289,10 @@ def test_wrong_answers_at_levels_have_their_rows():
     given = dict(level="level", correct="right", total="n", guess=0.5)
     expected = machband.analyze(table, **given).tables["thresholds"]["threshold"]
     for column, value, message in [
-        ("level", "high", "level is 'high'; expected a number"),
-        ("level", np.inf, "level is inf; expected a number"),
-        ("right", "x", "right is 'x'; expected 0 to 10, the number of trials"),
-        ("n", 10.5, "n is 10.5; expected a number of trials"),
+        ("level", "high", 'level is "high"; expected a level, which is a number'),
+        ("level", np.inf, 'level is "inf"; expected a level, which is a number'),
+        ("right", "x", 'right is "x"; expected a number of correct answers'),
+        ("n", 10.5, 'n is "10.5"; expected a number of trials'),
     ]:
         changed = {**table, column: [*table[column][:7], value, *table[column][8:]]}
         changed[column] = np.array(changed[column], object if isinstance(value, str) else None)

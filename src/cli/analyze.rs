@@ -11,12 +11,13 @@ use super::{
 use crate::{
     report::{
         AnalysisOutput, Predicted, Provenance, check_folder,
+        document::Document,
         prediction::StudyPrediction,
         skins,
         study::{Parts, document, shell_command},
         task_files,
         tasks::{self, TaskResults, TaskStudy},
-        write_all,
+        write_all, write_files,
     },
     store::Writer,
     system::now,
@@ -59,10 +60,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     progress.clear();
     super::print_line(&sentence(&study.source, &results.measured))?;
-    let document = document(&study.source, &results, Parts::default());
-    for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
-        super::print_line(&line)?;
-    }
+    print_summary(&document(&study.source, &results, Parts::default()))?;
     if let Ok(report) = &results.model {
         let terms = results.spec.terms.to_string();
         let terms = if terms.is_empty() { "without terms" } else { &terms };
@@ -88,18 +86,18 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
     progress.stage("drawing and writing");
     let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
     let provenance = Provenance::new(shell_command(words), now());
-    writer.make_folder(&arguments.out)?;
     let contents = task_files(study, &results, &provenance, &arguments.out, arguments.tables_only)?;
-    let files: Vec<_> = contents.into_iter().map(|(name, content)| (arguments.out.join(name), content)).collect();
-    writer.write_all(&files)?;
+    let files = write_files(writer, &arguments.out, contents)?;
     progress.clear();
-    let document = tasks::document(study, &results, &[], None);
-    for line in document.sections.first().iter().flat_map(|summary| skins::terminal(summary)) {
-        super::print_line(&line)?;
-    }
-    let (files, _): (Vec<PathBuf>, Vec<_>) = files.into_iter().unzip();
+    print_summary(&tasks::document(study, &results, &[], None))?;
     report_written(&files, &arguments.out)?;
     problems(&study.warnings, &study.errors)
+}
+
+/// Prints the first section of a report.
+fn print_summary(document: &Document) -> anyhow::Result<()> {
+    let mut lines = document.sections.first().into_iter().flat_map(skins::terminal);
+    lines.try_for_each(|line| super::print_line(&line))
 }
 
 /// Says how many files were written into a folder, and which to open.

@@ -4,10 +4,7 @@ use super::{Bar, option, print_line};
 use crate::{
     report::document::numbers::count,
     store::StoreError,
-    work::{
-        Check, Found, Repair, Request, told,
-        verify::{Verified, Verify},
-    },
+    work::{Check, Found, Repair, Request, told, verify::Verify},
 };
 
 pub(super) fn check(request: &Check) -> anyhow::Result<()> {
@@ -18,7 +15,7 @@ pub(super) fn verify(request: &Verify) -> anyhow::Result<()> {
     let bar = Bar::new("sessions");
     let verified = request.verify(&bar);
     bar.clear();
-    let Verified(found) = verified?;
+    let found = verified?;
     let sessions = found.files.len() as u64;
     conclude::<Verify>(found)?;
     print_line(&format!("{} verified; no errors", count(sessions, "session")))

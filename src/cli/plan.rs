@@ -4,7 +4,7 @@ use super::{Bar, OutPath, columns, print_line};
 use crate::{
     analysis::{
         Slopes,
-        power::{Effect, Hypothesis, Power, Precision, Quantity, Sampling, ThresholdObserver},
+        power::{Effect, Hypothesis, Power, Precision, Sampling, ThresholdObserver},
     },
     report::document::Shown,
     store::Writer,
@@ -92,10 +92,7 @@ fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
         planned.unit(),
     );
     let row = |found: &Precision| {
-        let truth = match found.quantity {
-            Quantity::Difference { truth, .. } => Some(truth),
-            _ => None,
-        };
+        let (truth, differs) = (found.quantity.truth(), found.quantity.differs());
         let number =
             |value: Option<f64>| Shown::new(value, value.map_or_else(String::new, |value| format!("{value:.3}")));
         let (share, interval) = found.share();
@@ -111,8 +108,8 @@ fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
             number(truth),
             number(found.half_width),
             number(found.error),
-            percent(truth.is_some_and(|truth| truth != 0.0)),
-            percent(truth == Some(0.0)),
+            percent(differs),
+            percent(truth.is_some() && !differs),
         ]
     };
     let table = columns(&HEADER, &planned.found.iter().map(row).collect::<Vec<_>>());

@@ -13,12 +13,6 @@ pub struct Factor {
     pub levels: Vec<ParameterValue>,
 }
 
-impl From<(String, Vec<ParameterValue>)> for Factor {
-    fn from((name, levels): (String, Vec<ParameterValue>)) -> Self {
-        Self { name, levels }
-    }
-}
-
 /// One cell of the crossed factors: the stimulus with every parameter set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {

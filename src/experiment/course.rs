@@ -7,7 +7,7 @@ use super::{
     identity::fnv1a,
     protocol::Protocol,
     schedule::{Phase, Schedule},
-    task::{Adaptive, Answer, Method, Pick, Presentation, Quest, Ranking, Track, Turn},
+    task::{Adaptive, Answer, Method, Pick, Presentation, Ranking, Track, Turn},
 };
 
 /// A session's trials, and the answers to them so far.
@@ -62,7 +62,7 @@ impl Course {
     fn pick(&self, trial: usize) -> Pick {
         let draw = self.draw(trial);
         match self.track(trial) {
-            Some(track) => self.tracks[track].pick(self.protocol.adaptive.as_ref(), draw),
+            Some(track) => self.tracks[track].pick(draw),
             None if self.protocol.task.ranking().is_some() => {
                 let pairs = self.protocol.pairs().unwrap_or_default();
                 pairs.get((draw * pairs.len() as f64) as usize).map_or(Pick::Planned, |pair| Pick::Pair(*pair))
@@ -127,7 +127,7 @@ impl Course {
             outcome = !outcome;
         }
         let is_catch = task.catches().is_some() && shown.target == Some(0);
-        self.tracks[track].learn(self.protocol.adaptive.as_ref(), pick, outcome, is_catch);
+        self.tracks[track].learn(pick, outcome, is_catch);
         self.last = Some((trial, Some((track, before))));
     }
 
@@ -173,27 +173,19 @@ fn tracks(protocol: &Protocol, schedule: &Schedule) -> Vec<Track> {
         return vec![Track::Ranking(Ranking::new(protocol.conditions().len()))];
     }
     let Some(adaptive) = &protocol.adaptive else { return Vec::new() };
-    let quest: Option<Quest> = match &adaptive.method {
-        Method::QuestPlus(options) => Some(options.prepare(&adaptive.common, protocol.task.guess())),
-        _ => None,
-    };
-    let track = |condition: usize| {
+    let generator = |condition: usize| {
         let mut rng = ChaCha8Rng::seed_from_u64(schedule.seed);
         rng.set_stream(fnv1a(format!("levels\0{}\0{condition}", schedule.stream).as_bytes()));
-        Track::new(adaptive, quest.as_ref(), &mut rng)
+        rng
     };
-    (0..protocol.slots()).map(track).collect()
+    Track::begin(adaptive, protocol.task.guess(), protocol.slots(), generator)
 }
 
 /// Returns the level of a practice trial: any of the levels, or where a staircase begins.
 fn practice(adaptive: &Adaptive, draw: f64) -> Pick {
-    let any = |levels: &[f64]| levels.get((draw * levels.len() as f64) as usize).copied();
-    let (level, second) = match &adaptive.method {
-        Method::Staircase(staircase) => (Some(staircase.start), None),
-        Method::QuestPlus(quest) => {
-            (any(&quest.levels), quest.second.as_ref().and_then(|second| second.levels.first()).copied())
-        }
-        Method::Constant(constant) => (any(&constant.levels), None),
-    };
+    let levels = adaptive.levels();
+    let any = levels.get((draw * levels.len() as f64) as usize).copied();
+    let level = if let Method::Staircase(staircase) = &adaptive.method { Some(staircase.start) } else { any };
+    let second = adaptive.second().and_then(|second| second.levels.first()).copied();
     level.map_or(Pick::Planned, |level| Pick::Level(level, second))
 }

@@ -29,7 +29,7 @@ pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
-pub use participant::{AnswerError, Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
+pub use participant::{Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
     Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, Seconds, TaskAnswer, TrialRecord,

@@ -32,11 +32,10 @@ pub trait Observer: Sync {
     fn strength(&self, stimulus: &Stimulus, subject: f64) -> f64;
     /// Returns the probability of a random answer.
     fn lapse(&self) -> f64;
-    /// Returns how strongly a band must be seen to count as seen.
-    fn criterion(&self) -> f64 {
-        1.0
-    }
 }
+
+/// How strongly a band must be seen to count as seen; see [`Observer::strength`].
+const CRITERION: f64 = 1.0;
 
 /// Returns the answer of an observer to a trial of any task.
 fn answered(
@@ -62,7 +61,7 @@ fn answered(
         let noise: f64 = StandardNormal.sample(rng);
         mean(stimulus) + noise
     };
-    task.answer(shown, Senses { noisy: &mut noisy, mean: &mean, criterion: observer.criterion() })
+    task.answer(shown, Senses { noisy: &mut noisy, mean: &mean, criterion: CRITERION })
 }
 
 /// Presses keys at random: each rating is equally probable.
@@ -256,14 +255,13 @@ pub fn judged(
     viewing.visible(&conditions.iter().map(|condition| &condition.stimulus).collect::<Vec<_>>(), px)
 }
 
-/// A [`VisionRater`] with what it sees in an experiment's stimuli, each computed once.
+/// A [`VisionRater`] with what it sees in stimuli, each computed once.
 #[derive(Debug)]
 pub struct VisionObserver {
     rater: VisionRater,
     viewing: ViewingConditions,
-    seen: Vec<(Stimulus, f64)>,
-    /// What it sees in stimuli that are not conditions, by [`Stimulus::key`].
-    others: Mutex<HashMap<String, f64>>,
+    /// What it saw, by [`Stimulus::key`].
+    seen: Mutex<HashMap<String, f64>>,
 }
 
 /// The reason why the vision observer cannot rate an experiment.
@@ -290,25 +288,24 @@ impl VisionObserver {
         let found = judged(conditions, &viewing, None)?;
         let seen = conditions.iter().zip(found).map(|(condition, visible)| {
             let rated = visible.rated().ok_or(Unrated::NoReference(condition.stimulus.kind()))?;
-            Ok((condition.stimulus.clone(), rated))
+            Ok((condition.stimulus.key(), rated))
         });
         let seen = seen.collect::<Result<_, Unrated>>()?;
-        Ok(Self { rater, viewing, seen, others: Mutex::default() })
+        Ok(Self { rater, viewing, seen: Mutex::new(seen) })
     }
 
     /// Returns what the observer sees in a stimulus, in times threshold; 0 if the model does not say.
     #[must_use]
     pub fn seen(&self, stimulus: &Stimulus) -> f64 {
-        let known = self.seen.iter().find(|(known, _)| known == stimulus).map(|(_, times)| *times);
+        let key = stimulus.key();
+        let known = self.seen.lock().ok().and_then(|seen| seen.get(&key).copied());
         known.unwrap_or_else(|| {
-            let key = stimulus.key();
-            let found = self.others.lock().ok().and_then(|others| others.get(&key).copied());
-            found.unwrap_or_else(|| {
-                let visible = self.viewing.visible(&[stimulus], None).ok().and_then(|visible| visible.first()?.rated());
-                let times = visible.unwrap_or(0.0);
-                self.others.lock().into_iter().for_each(|mut others| _ = others.insert(key.clone(), times));
-                times
-            })
+            let visible = self.viewing.visible(&[stimulus], None).ok().and_then(|visible| visible.first()?.rated());
+            let times = visible.unwrap_or(0.0);
+            if let Ok(mut seen) = self.seen.lock() {
+                seen.insert(key, times);
+            }
+            times
         })
     }
 }

@@ -7,7 +7,7 @@ use serde::{
     de::{MapAccess, Visitor},
 };
 
-use super::faults::DefinitionErrors;
+use super::{faults::DefinitionErrors, texts::Texts};
 use crate::text::names::expected_one_of;
 
 /// The fields of a definition's `[participant]` table, in its order.
@@ -66,19 +66,6 @@ pub enum FieldKind {
     Agreement,
 }
 
-/// Why an answer is not accepted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AnswerError {
-    /// A required answer is missing.
-    Missing,
-    /// The answer is not a number, or not a possible age.
-    NotANumber,
-    /// No person has this age.
-    NoAge,
-    /// A spreadsheet would take the answer for a formula.
-    Formula,
-}
-
 /// The answers of one participant, by the names of the fields. A question without an answer is not among them.
 pub type Answers = serde_json::Map<String, serde_json::Value>;
 
@@ -133,16 +120,10 @@ const MAX_AGE: f64 = 130.0;
 pub const MAX_ANSWER: usize = 200;
 
 impl ParticipantFields {
-    /// The names with a meaning of their own.
-    pub const KNOWN_NAMES: [&'static str; KNOWN.len()] = {
-        let mut names = [""; KNOWN.len()];
-        let mut index = 0;
-        while index < KNOWN.len() {
-            names[index] = KNOWN[index].name;
-            index += 1;
-        }
-        names
-    };
+    /// Returns the names with a meaning of their own.
+    pub fn known_names() -> impl Iterator<Item = &'static str> {
+        KNOWN.iter().map(|known| known.name)
+    }
 
     /// True if nothing is asked.
     pub fn is_empty(&self) -> bool {
@@ -210,21 +191,24 @@ impl ParticipantField {
     /// answer is the day, or empty.
     ///
     /// # Errors
-    /// Why the answer is not accepted.
-    pub fn answer(&self, typed: &str) -> Result<Option<serde_json::Value>, AnswerError> {
+    /// The one of `texts` that says why the answer is not accepted: it is missing, not a number, no person's age, or a
+    /// spreadsheet would take it for a formula.
+    pub fn answer<'t>(&self, typed: &str, texts: &'t Texts) -> Result<Option<serde_json::Value>, &'t str> {
         let text = typed.split_whitespace().collect::<Vec<_>>().join(" ");
         if text.is_empty() {
-            return if self.spec.required { Err(AnswerError::Missing) } else { Ok(None) };
+            let is_agreement = self.kind() == FieldKind::Agreement;
+            let missing = if is_agreement { &texts.agreement_missing } else { &texts.answer_missing };
+            return if self.spec.required { Err(missing) } else { Ok(None) };
         }
         if self.kind() != FieldKind::Number {
             let is_formula = text.starts_with(['=', '+', '-', '@']);
-            return if is_formula { Err(AnswerError::Formula) } else { Ok(Some(text.into())) };
+            return if is_formula { Err(&texts.letter_expected) } else { Ok(Some(text.into())) };
         }
         // Many countries use a decimal comma.
         let number: Option<f64> = text.replace(',', ".").parse().ok().filter(|number: &f64| number.is_finite());
-        let number = number.ok_or(AnswerError::NotANumber)?;
+        let number = number.ok_or(texts.number_expected.as_str())?;
         if self.name == "age" && !(0.0..=MAX_AGE).contains(&number) {
-            return Err(AnswerError::NoAge);
+            return Err(&texts.age_expected);
         }
         let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
         Ok(Some(if is_whole { (number as i64).into() } else { number.into() }))

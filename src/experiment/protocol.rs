@@ -353,33 +353,24 @@ impl Definition {
         }
         let picks = self.picks();
         let dial = self.task.dial().and_then(|dial| Some((dial.parameter?, dial.range)));
+        let ends = dial.as_ref().map_or(vec![None], |(name, [low, high])| {
+            vec![Some((name, low, "task.low")), Some((name, high, "task.high"))]
+        });
         let places: BTreeSet<u32> = self.task.places().into_iter().collect();
         for condition in conditions {
-            let turns = places.iter().flat_map(|place| {
-                let turn = move |[level, second]: &[_; 2]| Turn {
-                    condition,
-                    other: None,
-                    place: *place,
-                    draw: 1.0,
-                    level: *level,
-                    second: *second,
+            let turn =
+                |place: u32, [level, second]: [_; 2]| Turn { condition, other: None, place, draw: 1.0, level, second };
+            let turns = places.iter().flat_map(|place| picks.iter().map(move |pick| turn(*place, *pick)));
+            for (turn, end) in turns.flat_map(|turn| ends.iter().map(move |end| (turn, *end))) {
+                let shown = self.task.present(&turn).stimuli.into_iter();
+                let mut shown = shown.map(|stimulus| match end {
+                    Some((name, end, _)) => at_level(stimulus, name, *end),
+                    None => stimulus,
+                });
+                let Some(error) = shown.find_map(|stimulus| stimulus.validate().err()?.into_iter().next()) else {
+                    continue;
                 };
-                picks.iter().map(turn)
-            });
-            let mut shown: Vec<Vec<Stimulus>> = turns.map(|turn| self.task.present(&turn).stimuli).collect();
-            if let Some((name, ends)) = &dial {
-                let turned = |stimulus: Stimulus| ends.map(|end| at_level(stimulus.clone(), name, end));
-                shown = shown.into_iter().map(|stimuli| stimuli.into_iter().flat_map(turned).collect()).collect();
-            }
-            if let Some(error) =
-                shown.iter().flatten().find_map(|stimulus| stimulus.validate().err()?.into_iter().next())
-            {
-                let is_wrong = |stimulus: &Stimulus| stimulus.validate().is_err();
-                // The ends of a dial alternate.
-                let of_dial = || {
-                    let end = shown.iter().find_map(|stimuli| stimuli.iter().position(is_wrong))? % 2;
-                    dial.as_ref().map(|_| ["task.low", "task.high"][end])
-                };
+                let of_dial = || end.map(|(.., key)| key);
                 let of_reference = || self.task.reference().map(|_| "task.reference");
                 let key = self.level_to_blame(condition, &picks).or_else(of_dial).or_else(of_reference);
                 errors.add(key.unwrap_or("task"), error.to_string());

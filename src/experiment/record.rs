@@ -45,15 +45,7 @@ plain_cell! {
         Depth::Infinite => f64::INFINITY,
     });
     Phase => "practice or main", |phase: &Phase| CellValue::Text(phase.to_string());
-}
-
-impl Cell for Timestamp {
-    fn value(&self) -> CellValue {
-        CellValue::Time(*self)
-    }
-    fn from_cell(text: &str) -> Result<Self, String> {
-        text.parse().map_err(|_| "expected an RFC 3339 time such as 2026-01-31T09:30:00Z".to_owned())
-    }
+    Timestamp => "an RFC 3339 time such as 2026-01-31T09:30:00Z", |time: &Timestamp| CellValue::Time(*time);
 }
 
 impl Cell for bool {

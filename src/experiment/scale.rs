@@ -52,22 +52,15 @@ impl Default for ResponseScale {
     /// The paper's four categories (Bangay §3.1).
     fn default() -> Self {
         let labels = ["No band", "Broad band", "Narrow band, indistinct boundaries", "Narrow band, clearly defined"];
-        Self {
-            question: "How visible is the brighter band?".to_owned(),
-            categories: labels
-                .iter()
-                .zip('0'..)
-                .map(|(label, key)| Category { label: (*label).to_owned(), key })
-                .collect(),
-        }
+        Self::new("How visible is the brighter band?", &labels, '0'..)
     }
 }
 
 impl ResponseScale {
-    /// Creates a scale whose answers have the keys 1, 2, ….
+    /// Creates a scale whose answers have these keys, as many as there are labels.
     #[must_use]
-    pub fn numbered(question: &str, labels: &[&str]) -> Self {
-        let categories = labels.iter().zip('1'..).map(|(label, key)| Category { label: (*label).to_owned(), key });
+    pub fn new(question: &str, labels: &[&str], keys: impl IntoIterator<Item = char>) -> Self {
+        let categories = labels.iter().zip(keys).map(|(label, key)| Category { label: (*label).to_owned(), key });
         Self { question: question.to_owned(), categories: categories.collect() }
     }
 

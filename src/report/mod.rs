@@ -19,5 +19,6 @@ pub mod terminal;
 
 pub use output::{
     AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, task_files, write_all,
+    write_files,
 };
 pub use study::{Provenance, Study, StudyError};

@@ -49,7 +49,6 @@ pub fn write_all(
     tables_only: bool,
 ) -> Result<AnalysisOutput, StoreError> {
     check_folder(writer, folder)?;
-    writer.make_folder(folder)?;
     let mut contents = table_files(study, results);
     let mut prediction = None;
     if !tables_only {
@@ -57,9 +56,19 @@ pub fn write_all(
         contents.extend(further);
         prediction = Some(predicted);
     }
+    Ok(AnalysisOutput { files: write_files(writer, folder, contents)?, prediction })
+}
+
+/// Writes the files of an analysis into a folder, or none if one of them cannot be written. Returns their paths.
+///
+/// # Errors
+/// The same errors as [`check_folder`] and [`Writer::write_all`].
+pub fn write_files(writer: &Writer, folder: &Path, contents: Contents) -> Result<Vec<PathBuf>, StoreError> {
+    check_folder(writer, folder)?;
+    writer.make_folder(folder)?;
     let files: Vec<_> = contents.into_iter().map(|(name, content)| (folder.join(name), content)).collect();
     writer.write_all(&files)?;
-    Ok(AnalysisOutput { files: files.into_iter().map(|(path, _)| path).collect(), prediction })
+    Ok(files.into_iter().map(|(path, _)| path).collect())
 }
 
 /// Returns the report and the figures. `folder` is where they will be, for error messages.

@@ -240,7 +240,9 @@ impl Written {
         let protocol = Protocol::new(Definition {
             title: self.title.unwrap_or_else(|| name.clone()),
             factors: match &stimulus {
-                Stimulus::Image(pictures) => pictures.factors().into_iter().map(Factor::from).collect(),
+                Stimulus::Image(pictures) => {
+                    pictures.factors().into_iter().map(|(name, levels)| Factor { name, levels }).collect()
+                }
                 _ => factors(self.factors, &stimulus, &mut errors),
             },
             design: self.design,

@@ -2,14 +2,12 @@
 
 use std::{
     collections::{BTreeSet, HashSet},
-    fmt,
     path::Path,
-    str::FromStr,
 };
 
 use serde::Serialize;
 
-use super::{Model, Only, Ratings, RequestError, Watcher, changed, named, ratings::explained};
+use super::{Model, Only, Ratings, RequestError, Watcher, named, ratings::explained, request::allow_only};
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
@@ -29,7 +27,7 @@ use crate::{
         ratings::Source,
         table::{List, list},
     },
-    text::names::{expected_one_of, serde_as_text},
+    text::names::expected_one_of,
 };
 
 /// The fields that apply to every task; the others are about ratings.
@@ -82,7 +80,7 @@ pub struct AnswersAtLevels {
     pub total: Option<String>,
     /// Probability of a correct answer by guessing, such as 0.5 for two alternatives; free to estimate it, as for yes answers.
     #[arg(long, value_name = "N|free", requires = "level")]
-    pub guess: Option<GuessRate>,
+    pub guess: Option<Guess>,
     /// Shape of the psychometric function [default: normal].
     #[arg(long, requires = "level", value_parser = named::<Curve>(Curve::NAMES))]
     pub function: Option<Curve>,
@@ -93,35 +91,6 @@ pub struct AnswersAtLevels {
     #[arg(long, requires = "level")]
     pub log: bool,
 }
-
-/// The probability of a correct answer by guessing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GuessRate(Guess);
-
-impl fmt::Display for GuessRate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Guess::Fixed(guess) => write!(f, "{guess}"),
-            Guess::Free => f.write_str("free"),
-        }
-    }
-}
-
-impl FromStr for GuessRate {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "free" {
-            return Ok(Self(Guess::Free));
-        }
-        let guess = text.parse().ok().filter(|guess: &f64| (0.0..1.0).contains(guess));
-        let guess =
-            guess.ok_or("expected free, or a probability from 0 to below 1, such as 0.5 for two alternatives")?;
-        Ok(Self(Guess::Fixed(guess)))
-    }
-}
-
-serde_as_text!(GuessRate);
 
 impl Analyze {
     /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
@@ -199,19 +168,17 @@ impl Analyze {
             return Ok(Some(self.answers(path, |columns| answers::read(path, columns))?));
         }
         let Some((_, task)) = TaskStudy::task_at(paths)? else { return Ok(None) };
-        let other = changed(self).into_iter().find(|(option, _)| !OF_TASKS.contains(&option.as_str()));
-        if let Some((option, _)) = other {
-            let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
-            return Err(RequestError::new(&option, message).into());
-        }
+        let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
+        allow_only(self, &OF_TASKS, &message)?;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         Ok(Some(TaskStudy::read(paths, &exclude)?))
     }
 
     /// Takes answers at levels from a table in memory, if the fields say that it has them; `name` stands for it in messages.
+    /// Rows with an unexpected value are left out and told.
     ///
     /// # Errors
-    /// A column is missing, a row has an unexpected value, or an option applies to ratings only.
+    /// A column is missing, every row has an unexpected value, or an option applies to ratings only.
     pub fn answers_in(&self, name: &str, table: &Columns) -> anyhow::Result<Option<TaskStudy>> {
         let read = |columns: &AnswerColumns| answers::of_columns(name, table, columns);
         self.levels.level.is_some().then(|| self.answers(Path::new(name), read)).transpose()
@@ -223,12 +190,9 @@ impl Analyze {
         path: &Path,
         read: impl FnOnce(&AnswerColumns) -> Result<AnswersRead, StoreError>,
     ) -> anyhow::Result<TaskStudy> {
-        let other = changed(self).into_iter().find(|(field, _)| !OF_LEVELS.contains(&field.as_str()));
-        if let Some((option, _)) = other {
-            let message = "does not apply to answers at levels; expected only --subject, --factors, --levels, --exclude, --seed \
-                           and the options of answers, such as --guess";
-            return Err(RequestError::new(&option, message).into());
-        }
+        let message = "does not apply to answers at levels; expected only --subject, --factors, --levels, --exclude, --seed \
+                       and the options of answers, such as --guess";
+        allow_only(self, &OF_LEVELS, message)?;
         let given = self.levels.clone();
         let factors = self.ratings.factors.clone().unwrap_or_default().0;
         let columns = AnswerColumns {
@@ -238,7 +202,7 @@ impl Analyze {
             subject: self.ratings.subject.clone(),
             factors: factors.clone(),
         };
-        let AnswersRead { mut rows, missing, notes } = read(&columns)?;
+        let AnswersRead { mut rows, missing, notes, errors } = read(&columns)?;
         let all = rows.len() + missing;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
@@ -260,7 +224,7 @@ impl Analyze {
         }
         let model = psychometric::Model {
             curve: given.function.unwrap_or(Curve::Normal),
-            guess: given.guess.map_or(Guess::Free, |GuessRate(guess)| guess),
+            guess: given.guess.unwrap_or(Guess::Free),
             falls: common.easier == Easier::Low,
             // Blocks can vary more than binomially; single trials say nothing about it.
             overdispersed: columns.total.is_some(),
@@ -289,7 +253,7 @@ impl Analyze {
         };
         let factors = factors.into_iter().map(order).collect();
         let mut study = TaskStudy::of_answers(path, &rows, factors, Levels { common, range, model, chosen_by: "" });
-        study.excluded = exclude;
+        (study.excluded, study.errors) = (exclude, errors);
         study.warnings.extend(notes);
         if missing > 0 {
             let (have, were) = if missing == 1 { ("has", "was") } else { ("have", "were") };
@@ -354,17 +318,13 @@ impl Analyze {
             }
         }
         let is_words = |name: &String| counts.factor(name).is_some_and(|(_, own)| numbers_of(&own.levels).is_none());
-        let not_numbers =
-            [("covariate", lists(&self.covariate)), ("direction", lists(&self.ratings.direction))].into_iter();
-        not_numbers.flat_map(|(option, names)| names.into_iter().map(move |name| (option, name))).try_for_each(
-            |(option, name)| match is_words(&name) {
-                true => Err(RequestError::value(
-                    option,
-                    format!("{name}: has levels that are not numbers; expected numbers"),
-                )),
-                false => Ok(()),
-            },
-        )
+        for (option, names) in [("covariate", &self.covariate), ("direction", &self.ratings.direction)] {
+            if let Some(name) = lists(names).into_iter().find(is_words) {
+                let message = format!("{name}: has levels that are not numbers; expected numbers");
+                return Err(RequestError::value(option, message));
+            }
+        }
+        Ok(())
     }
 
     /// Analyzes the ratings. The watcher learns the number of simulated studies that are done, and of all.

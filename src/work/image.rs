@@ -117,9 +117,9 @@ pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
 
-/// How many pixels an image has, and which codes they can have.
+/// How many pixels an image has, and how it converts light to codes.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
-pub struct Pixels {
+pub struct Image {
     /// Side of the image in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1024, value_parser = whole(1..=MAX_SIZE))]
     pub size: u32,
@@ -129,14 +129,6 @@ pub struct Pixels {
     /// Bits per channel.
     #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
     pub bits: Bits,
-}
-
-/// How an image converts light to codes.
-#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
-pub struct Image {
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub pixels: Pixels,
     /// Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
     /// ordered:clustered2 or 3.
     #[arg(long, default_value = "none")]
@@ -158,12 +150,12 @@ impl Image {
     /// # Errors
     /// The display profile cannot be read.
     pub fn recipe(&self, stimulus: Stimulus, watcher: &dyn Watcher) -> anyhow::Result<Recipe> {
-        let Encoded { transfers, profile, .. } = self.pixels.encoding.read(watcher)?;
+        let Encoded { transfers, profile, .. } = self.encoding.read(watcher)?;
         Ok(Recipe {
             stimulus,
-            size: self.pixels.size,
+            size: self.size,
             transfers,
-            bits: self.pixels.bits,
+            bits: self.bits,
             dither: self.dither,
             seed: self.seed,
             display_sha256: profile.map(|(_, hash)| hash),

@@ -33,7 +33,7 @@ pub use analyze::Analyze;
 pub use check::Check;
 pub use drawn::Drawn;
 pub use export::Export;
-pub use image::{Encoded, Encoding, Image, Luminances, Pixels, outdated, today};
+pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, explained};

@@ -1,8 +1,9 @@
 //! How many participants a study needs, whatever its task, and how precise thresholds are after so many trials.
 
 use super::{
-    RequestError, Watcher, changed,
+    RequestError, Watcher,
     plan::{Assignment, Plan, Planned, in_order, once, progress},
+    request::allow_only,
 };
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
@@ -83,11 +84,7 @@ impl Plan {
 
     /// Simulates studies of a definition with `[adaptive]`.
     fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
-        if let Some((field, _)) = changed(self).into_iter().find(|(field, _)| !OF_THRESHOLDS.contains(&field.as_str()))
-        {
-            let message = "does not apply to thresholds; expected a definition of ratings";
-            return Err(RequestError::new(&field, message).into());
-        }
+        allow_only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
         // What prevents one schedule prevents all.
         Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
@@ -212,11 +209,9 @@ impl PlannedThresholds {
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut told: Vec<&Quantity> = Vec::new();
-        for one in &self.found {
-            if matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0)
-                && !told.contains(&&one.quantity)
-            {
-                told.push(&one.quantity);
+        for quantity in self.found.iter().map(|one| &one.quantity) {
+            if quantity.differs() && !told.contains(&quantity) {
+                told.push(quantity);
             }
         }
         let sentence = |quantity: &Quantity| {
@@ -248,13 +243,10 @@ impl PlannedThresholds {
     }
 
     fn row(&self, found: &Precision) -> Vec<Cell> {
-        let truth = match found.quantity {
-            Quantity::Difference { truth, .. } => Some(truth),
-            _ => None,
-        };
+        let truth = found.quantity.truth();
         // One participant has no interval, which could exclude 0.
         let tested = truth.filter(|_| found.half_width.is_some());
-        let share = tested.map(|truth| (found.share(), truth != 0.0));
+        let share = tested.map(|_| (found.share(), found.quantity.differs()));
         let observer = &self.observer;
         vec![
             self.protocol.name.as_str().into(),

@@ -49,6 +49,7 @@ impl Plan {
             protocol.name,
         );
         let mut text = format!("# Preregistration: {title}\n");
+        let of_task = HEADINGS.into_iter().zip(of_task);
         for (heading, body) in
             [("Data collection", collected)].into_iter().chain(of_task).chain([("Programs", programs)])
         {
@@ -58,6 +59,10 @@ impl Plan {
         text
     }
 }
+
+/// The headings of what depends on the task.
+const HEADINGS: [&str; 6] =
+    ["Hypotheses", "Design", "Sample size", "Exclusions", "Analysis", "What each result would mean"];
 
 /// Returns how a session begins and what is shown between trials, whatever the task.
 fn course(protocol: &Protocol) -> String {
@@ -115,21 +120,15 @@ fn decision(tried: &[u32], has_effects: bool, enough: impl Fn(u32) -> bool, targ
 const UNDECIDED: &str = "Otherwise, the study is inconclusive; this will not be called evidence of no effect.";
 
 impl Planned {
-    fn sections(&self) -> Vec<(&'static str, String)> {
-        vec![
-            ("Hypotheses", bullets(self.effects().map(|one| hypothesis(self, one)).collect())),
-            ("Design", self.design()),
-            ("Sample size", self.sample_size()),
-            (
-                "Exclusions",
-                format!(
-                    "{EXCLUSIONS} [Or name each reason, with its limit, such as --min-time 0.2, and whether excluded participants are \
-                     replaced.]"
-                ),
-            ),
-            ("Analysis", self.analysis()),
-            ("What each result would mean", bullets(self.effects().map(|one| meaning(self, one)).collect())),
-        ]
+    /// Returns what stands below the [`HEADINGS`].
+    fn sections(&self) -> [String; 6] {
+        let exclusions = format!(
+            "{EXCLUSIONS} [Or name each reason, with its limit, such as --min-time 0.2, and whether excluded participants are \
+             replaced.]"
+        );
+        let hypotheses = bullets(self.effects().map(|one| hypothesis(self, one)).collect());
+        let meanings = bullets(self.effects().map(|one| meaning(self, one)).collect());
+        [hypotheses, self.design(), self.sample_size(), exclusions, self.analysis(), meanings]
     }
 
     /// Returns the hypotheses, each once: about the terms of the model, and about the factors of its interactions.
@@ -239,20 +238,12 @@ impl Planned {
 }
 
 impl PlannedThresholds {
-    fn sections(&self) -> Vec<(&'static str, String)> {
-        let mut sections = vec![
-            ("Hypotheses", bullets(self.differences().map(|(found, truth)| self.hypothesis(found, truth)).collect())),
-            ("Design", self.design()),
-            ("Sample size", self.sample_size()),
-            (
-                "Exclusions",
-                format!("{EXCLUSIONS} [Or name each reason, and whether excluded participants are replaced.]"),
-            ),
-            ("Analysis", self.analysis()),
-        ];
-        let meanings = self.differences().map(|(found, truth)| self.meaning(found, truth)).collect();
-        sections.push(("What each result would mean", bullets(meanings)));
-        sections
+    /// Returns what stands below the [`HEADINGS`].
+    fn sections(&self) -> [String; 6] {
+        let exclusions = format!("{EXCLUSIONS} [Or name each reason, and whether excluded participants are replaced.]");
+        let hypotheses = bullets(self.differences().map(|(found, truth)| self.hypothesis(found, truth)).collect());
+        let meanings = bullets(self.differences().map(|(found, truth)| self.meaning(found, truth)).collect());
+        [hypotheses, self.design(), self.sample_size(), exclusions, self.analysis(), meanings]
     }
 
     /// Returns what a precision is that of, in words.
@@ -268,10 +259,7 @@ impl PlannedThresholds {
     fn differences(&self) -> impl Iterator<Item = (&Precision, f64)> {
         let first =
             |one: &&Precision| one.participants == self.found[0].participants && one.trials == self.found[0].trials;
-        self.found.iter().filter(first).filter_map(|one| match one.quantity {
-            Quantity::Difference { truth, .. } => Some((one, truth)),
-            Quantity::Person | Quantity::Mean => None,
-        })
+        self.found.iter().filter(first).filter_map(|one| Some((one, one.quantity.truth()?)))
     }
 
     fn hypothesis(&self, found: &Precision, truth: f64) -> String {
@@ -317,19 +305,15 @@ impl PlannedThresholds {
         let most = trials.last().copied().unwrap_or_default();
         let enough = |people: u32| {
             let own = self.found.iter().filter(|one| one.participants == people && one.trials == most);
-            let mut effects =
-                own.filter(|one| matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0));
+            let mut effects = own.filter(|one| one.quantity.differs());
             effects.clone().count() > 0 && effects.all(|one| one.share().1.low >= self.target)
         };
         let row = |one: &Precision| {
             let number =
                 |what: &str, value: Option<f64>| value.map_or_else(String::new, |value| format!(", {what} {value:.3}"));
-            let share = match one.quantity {
-                _ if one.half_width.is_none() => String::new(),
-                Quantity::Difference { truth, .. } if truth != 0.0 => format!(", power {:.0} %", 100.0 * one.share().0),
-                Quantity::Difference { .. } => format!(", false alarms {:.0} %", 100.0 * one.share().0),
-                Quantity::Person | Quantity::Mean => String::new(),
-            };
+            let tested = one.quantity.truth().filter(|_| one.half_width.is_some());
+            let what = if one.quantity.differs() { "power" } else { "false alarms" };
+            let share = tested.map_or_else(String::new, |_| format!(", {what} {:.0} %", 100.0 * one.share().0));
             format!(
                 "{} with {} of each condition: {}{}{}{share}",
                 count(one.participants.into(), "participant"),

@@ -188,6 +188,19 @@ pub fn changed<T: Request + Serialize>(request: &T) -> Vec<(String, Value)> {
     given(request).into_iter().map(|(argument, value)| (argument.get_id().to_string(), value)).collect()
 }
 
+/// Checks that only these fields of a request differ from their defaults.
+///
+/// # Errors
+/// Says the message about the first other field.
+pub(super) fn allow_only<T: Request + Serialize>(
+    request: &T,
+    fields: &[&str],
+    message: &str,
+) -> Result<(), RequestError> {
+    let other = changed(request).into_iter().find(|(field, _)| !fields.contains(&field.as_str()));
+    other.map_or(Ok(()), |(field, _)| Err(RequestError::new(&field, message)))
+}
+
 /// Returns the words of the command line that repeat a request: what stands without an option, then every option that
 /// differs from its default.
 pub fn words<T: Request + Serialize>(request: &T) -> Vec<String> {

@@ -20,7 +20,7 @@ use crate::{
     light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
     shading::{
-        self, Body, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mesh, Mirrors, Normals, Scene, Shader,
+        self, Body, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mirrors, Normals, Scene, Shader,
         Surface, Truth, crease,
         shapes::{self, Shape},
     },
@@ -28,7 +28,7 @@ use crate::{
         Judged, Renderer, Residual, StimulusColor, SurfaceDifference, Triple, Undershoot, ViewingConditions,
         describe_scene,
     },
-    store::{self, scene::SceneFile},
+    store::{self, mesh::MeshFile, scene::SceneFile},
     system::{checkpoint, found},
     text::number::{whole, within},
     vision::VisionError,
@@ -280,8 +280,8 @@ impl Shade {
     /// # Errors
     /// A value is impossible, a file cannot be read, no triangle faces the viewer, or the picture is too small for a
     /// prediction.
-    pub fn shade(&self, given: Option<FoundMesh>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
-        let encoded = self.image.pixels.encoding.read(watcher)?;
+    pub fn shade(&self, given: Option<MeshFile>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
+        let encoded = self.image.encoding.read(watcher)?;
         if let Some(scene) = &self.scene {
             return self.scene(scene, encoded.transfers);
         }
@@ -297,11 +297,11 @@ impl Shade {
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let mut notes = Vec::new();
-        let drawing = one.drawing(found, self.image.pixels.size, encoded.transfers, viewing, &mut notes)?;
+        let drawing = one.drawing(found, self.image.size, encoded.transfers, viewing, &mut notes)?;
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            let quantizer = Quantizer::new(drawing.transfers.clone(), self.image.pixels.bits);
+            let quantizer = Quantizer::new(drawing.transfers.clone(), self.image.bits);
             quantizer.quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
@@ -318,20 +318,13 @@ impl Shade {
             non_manifold(&format_args!("{}, mesh {}", scene.display(), i + 1), &body.surface)
         };
         notes.extend(composition.bodies.iter().enumerate().filter_map(of_body));
-        let (size, bits) = (self.image.pixels.size, self.image.pixels.bits);
+        let (size, bits) = (self.image.size, self.image.bits);
         let image = composition.image(size, size);
         notes.extend(clipped(&image));
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
         Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, notes })
     }
-}
-
-/// A mesh, and a note if it was repaired.
-#[derive(Clone, Debug)]
-pub struct FoundMesh {
-    pub mesh: Mesh,
-    pub note: Option<String>,
 }
 
 /// A mesh in its place, with everything that determines how it looks.
@@ -498,7 +491,7 @@ impl OneMesh {
     /// Puts a mesh in its place.
     fn drawing(
         &self,
-        FoundMesh { mesh, note }: FoundMesh,
+        file: MeshFile,
         size: u32,
         transfers: Transfers,
         viewing: ViewingConditions,
@@ -506,10 +499,11 @@ impl OneMesh {
     ) -> anyhow::Result<Drawing<'_>> {
         let (renderer, scene) = (self.renderer()?, self.scene()?);
         notes.extend(self.idle(&renderer.shade));
-        let surface = Surface::new(mesh.estimated(self.normals));
+        notes.extend(file.note(&self.mesh));
+        let surface = Surface::new(file.mesh.estimated(self.normals));
         let frame = scene.frame(&surface, size, size);
         let name = self.mesh.display();
-        notes.extend(note.into_iter().chain(non_manifold(&name, &surface)));
+        notes.extend(non_manifold(&name, &surface));
         if self.truth.is_some() && self.fine_file().is_none() && frame.smooth.is_none() {
             let message = format!("the smooth surface behind {name} is not known; expected the file of a finer mesh");
             return Err(RequestError::new("truth", message).into());
@@ -518,11 +512,12 @@ impl OneMesh {
             anyhow::bail!("{name}: no triangle faces the viewer and is large enough to be seen; expected at least one");
         }
         // A smooth surface is not flat for want of normals.
-        let fine = self.fine_file().map(|file| self.read(file, Normals::Best)).transpose()?;
-        let fine = fine.map(|FoundMesh { mesh, note }| {
-            notes.extend(note);
-            Surface::new(mesh)
-        });
+        let fine = |path| {
+            let file = store::mesh::read(path, self.crease, Normals::Best)?;
+            notes.extend(file.note(path));
+            anyhow::Ok(Surface::new(file.mesh))
+        };
+        let fine = self.fine_file().map(fine).transpose()?;
         let description = self.describe(&scene, &renderer, size);
         Ok(Drawing { one: self, renderer, scene, viewing, transfers, surface, frame, fine, description })
     }
@@ -606,23 +601,17 @@ impl OneMesh {
     ///
     /// # Errors
     /// There is no such shape, or the file cannot be read.
-    pub fn mesh(&self) -> anyhow::Result<FoundMesh> {
+    pub fn mesh(&self) -> anyhow::Result<MeshFile> {
         let path = &self.mesh;
         if let Some(shape) = self.named() {
             let mesh = shapes::mesh(shape, self.vertices);
             let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
-            return Ok(FoundMesh { mesh, note: None });
+            return Ok(MeshFile { mesh, notes: Vec::new() });
         }
         if path.extension().is_none() && matches!(found(path), Ok(None)) {
             return Err(RequestError::new("mesh", Shape::missing(&path.to_string_lossy())).into());
         }
-        self.read(path, self.normals)
-    }
-
-    /// Reads a mesh from a file.
-    fn read(&self, path: &Path, normals: Normals) -> anyhow::Result<FoundMesh> {
-        let file = store::mesh::read(path, self.crease, normals)?;
-        Ok(FoundMesh { note: file.note(path), mesh: file.mesh })
+        Ok(store::mesh::read(path, self.crease, self.normals)?)
     }
 
     /// Describes all parameters of the image.

@@ -17,7 +17,7 @@ use serde::Serialize;
 use super::{RequestError, Watcher, request::paths};
 use crate::{
     experiment::{
-        self, Course, FrameCount, Identity, Observer, Protocol, RowContext, Schedule, Session, SessionOptions,
+        self, Course, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
         TrialRecord, UniformObserver, VisionObserver, VisionRater,
     },
     stimulus::Stimulus,
@@ -33,6 +33,9 @@ use crate::{
 /// Number of sessions that run at the same time. A session spends most of its time waiting for the disk (every row is
 /// synced), and a disk serves several waiting sessions at once, so this exceeds the number of cores.
 const AT_A_TIME: usize = 32;
+
+/// How a session begins that nobody sees.
+const NO_SCREEN: SessionOptions = SessionOptions { pages: 0, frames: FrameCount::Off };
 
 /// Run sessions with a simulated observer. The sessions and files are the same as those from the window, but no window
 /// opens.
@@ -150,10 +153,8 @@ pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
     let observer = VisionObserver::new(VisionRater::default(), protocol)?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(protocol, &identity, 1)?;
-    let Interrupted { course, resumed, .. } =
-        Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule));
-    let schedule = course.schedule().clone();
-    let mut session = Session::new(course, &resumed, SessionOptions { pages: 0, frames: FrameCount::Off });
+    let course = Course::new(protocol.clone(), schedule.clone());
+    let mut session = Session::new(course, &Resumed::default(), NO_SCREEN);
     let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting: 1 };
     let (mut rows, start) = (Vec::new(), now());
     experiment::simulate(&mut session, &observer, &identity, Duration::ZERO, |response| {
@@ -234,8 +235,7 @@ impl Simulation<'_> {
         // Simulated time continues from the recorded time. `origin` is the wall-clock time at which the session would
         // have started.
         let origin = before(now(), elapsed);
-        let options = SessionOptions { pages: 0, frames: FrameCount::Off };
-        let mut session = Session::new(course, &resumed, options);
+        let mut session = Session::new(course, &resumed, NO_SCREEN);
         let context = RowContext { protocol, schedule: &schedule, identity: &identity, sitting };
         let (mut shown, mut conditions) = (BTreeMap::new(), BTreeSet::new());
         let rated = experiment::simulate(&mut session, self.observer.as_ref(), &identity, elapsed, |response| {

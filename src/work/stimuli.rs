@@ -102,7 +102,7 @@ impl RenderAll {
         let manifest = Manifest::open(writer, out, &protocol, conditions, &recipes, (index, of))?;
         let (made, kept, done) = (manifest.missing.len(), manifest.kept, AtomicU64::new(0));
         let quantizer = like.quantizer();
-        for together in manifest.missing.chunks(at_once(self.image.pixels.size)) {
+        for together in manifest.missing.chunks(at_once(self.image.size)) {
             together.par_iter().try_for_each(|i| {
                 manifest.make(*i, &quantizer)?;
                 watcher.progress(done.fetch_add(1, Ordering::Relaxed) + 1, made as u64);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Drawn, Encoding, Image, Pixels, RequestError, Watcher, image::as_text, words};
+use super::{Drawn, Encoding, Image, RequestError, Watcher, image::as_text, words};
 use crate::{
     light::{
         Bits, Dither, Transfer,
@@ -55,7 +55,7 @@ impl Render {
             let message = "changes only the image; expected a file for the image";
             return Err(RequestError::value(field, message).into());
         }
-        if self.palette.is_some() && self.image.pixels.bits == Bits::Sixteen {
+        if self.palette.is_some() && self.image.bits == Bits::Sixteen {
             let message = "a palette has 8 bits per channel; expected 8 bits";
             return Err(RequestError::new("palette", message).into());
         }
@@ -89,8 +89,7 @@ pub fn command(recipe: &Recipe) -> String {
         display: transfers.has_table().then(|| "PROFILE.toml".into()),
     };
     let seed = if matches!(dither, Dither::Random { .. }) { *seed } else { 1 };
-    let pixels = Pixels { size: *size, encoding, bits: *bits };
-    let image = Image { pixels, dither: *dither, seed };
+    let image = Image { size: *size, encoding, bits: *bits, dither: *dither, seed };
     let request = Render { drawn: Drawn::of(stimulus), image, palette: None, halftone: None };
     let out = ["--out", "stimulus.png"].map(str::to_owned);
     shell_command(["stimulus".to_owned()].into_iter().chain(words(&request)).chain(out))

@@ -14,7 +14,7 @@ use crate::{
         FileError, FileErrors, StoreError,
         dataset::DATA_FILE,
         ratings::Listed,
-        verify::{self, Renderer},
+        verify::{self, Renderer, Verified},
     },
 };
 
@@ -32,19 +32,16 @@ pub struct Verify {
     pub folder: PathBuf,
 }
 
-/// A sentence about each session, and all errors.
-#[derive(Debug, Default)]
-pub struct Verified(pub Found);
-
 /// Maximum number of errors that are kept until all sessions are verified.
 const MAX_ERRORS: usize = 1000;
 
 impl Verify {
-    /// Verifies every session. The watcher learns the number of sessions.
+    /// Verifies every session, and returns a sentence about each, and all errors. The watcher learns the number of
+    /// sessions.
     ///
     /// # Errors
     /// The folder cannot be read, it contains no sessions, or the watcher ended it.
-    pub fn verify(&self, watcher: &dyn Watcher) -> anyhow::Result<Verified> {
+    pub fn verify(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
         let listed = Listed::sessions(&self.folder);
         // If the rows of every session were deleted, their sidecars still exist.
         let mut errors = [listed.errors.clone(), listed.unexpected(&listed.datasets)].concat();
@@ -72,15 +69,15 @@ impl Verify {
         }
         listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
-        Ok(Verified(found))
+        Ok(found)
     }
 }
 
-impl Verified {
+impl Found {
     /// Returns the data files of the sessions with an error in one of their files.
     #[must_use]
     pub fn wrong(&self) -> BTreeSet<PathBuf> {
-        let files = self.0.errors.iter().filter_map(|error| match error {
+        let files = self.errors.iter().filter_map(|error| match error {
             StoreError::FileErrors(FileErrors(errors)) => Some(errors),
             _ => None,
         });
@@ -91,13 +88,13 @@ impl Verified {
             let stem = stem.strip_suffix(DATA_FILE).unwrap_or(&stem);
             named.iter().any(|file| file.to_string_lossy().starts_with(stem))
         };
-        self.0.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
+        self.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
     }
 }
 
 /// Summarizes the findings about one session.
-fn sentence(found: &verify::Verified) -> String {
-    let verify::Verified { rows, rated: (rated, planned), pictures, sealed, accepted, errors, notes } = found;
+fn sentence(found: &Verified) -> String {
+    let Verified { rows, rated: (rated, planned), pictures, sealed, accepted, errors, notes } = found;
     let mut parts = vec![
         // A session that could not be read has no plan.
         if *planned == 0 && !errors.is_empty() {

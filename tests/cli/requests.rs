@@ -151,7 +151,7 @@ fn what_is_found_about_files_is_what_the_command_says() {
     let (check, line) = request::<Check>("check", json!({ "files": ["quick", csv, "nothing"], "large": true }));
     assert_said(folder.path(), &line, &check.check(&()).unwrap());
     let (verify, line) = request::<Verify>("verify", json!({ "folder": results }));
-    assert_said(folder.path(), &line, &verify.verify(&()).unwrap().0);
+    assert_said(folder.path(), &line, &verify.verify(&()).unwrap());
 
     // A file whose fourth line is damaged, and one that cannot be repaired.
     let damaged = fs::read_to_string(&csv).unwrap().replacen("S002_1_practice_0003", "", 1);

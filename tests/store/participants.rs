@@ -6,7 +6,7 @@ use std::{
 };
 
 use machband::{
-    experiment::{AnswerError, Answers, Identity, ParticipantField, Protocol},
+    experiment::{Answers, Identity, ParticipantField, Protocol},
     store::{
         dataset::SessionPaths,
         definition,
@@ -54,20 +54,22 @@ fn answers_are_checked_in_the_form_in_which_people_give_them() {
     let asking = asking();
     let fields = &asking.participant.0;
     let field = |name: &str| fields.iter().find(|field| field.name == name).unwrap();
-    let age = |typed: &str| field("age").answer(typed);
+    let texts = &asking.instructions;
+    let age = |typed: &str| field("age").answer(typed, texts);
     assert_eq!([" 27 ", "27,5", "1e1"].map(|typed| age(typed).unwrap().unwrap()), [json!(27), json!(27.5), json!(10)]);
     for (typed, error) in [
-        ("", AnswerError::Missing),
-        (" ", AnswerError::Missing),
-        ("old", AnswerError::NotANumber),
-        ("-1", AnswerError::NoAge),
-        ("1999", AnswerError::NoAge),
-        ("inf", AnswerError::NotANumber),
+        ("", &texts.answer_missing),
+        (" ", &texts.answer_missing),
+        ("old", &texts.number_expected),
+        ("-1", &texts.age_expected),
+        ("1999", &texts.age_expected),
+        ("inf", &texts.number_expected),
     ] {
-        assert_eq!(age(typed), Err(error), "{typed:?}");
+        assert_eq!(age(typed), Err(error.as_str()), "{typed:?}");
     }
-    assert_eq!(field("hobby").answer("\tchess and \n go "), Ok(Some(json!("chess and go"))));
-    assert_eq!((field("hobby").answer(""), field("hobby").answer("=1")), (Ok(None), Err(AnswerError::Formula)));
+    let hobby = |typed: &str| field("hobby").answer(typed, texts);
+    assert_eq!(hobby("\tchess and \n go "), Ok(Some(json!("chess and go"))));
+    assert_eq!((hobby(""), hobby("=1")), (Ok(None), Err(texts.letter_expected.as_str())));
     let labels: Vec<_> = fields.iter().map(ParticipantField::label).collect();
     assert_eq!(labels, ["Age in years", "Sex", "Consent", "Hobby"]);
     assert_eq!(field("sex").choices(), ["female", "male", "other"]);

@@ -345,7 +345,7 @@ fn adaptive_pairs_compare_neighbors_most() {
     let first: BTreeSet<[usize; 2]> = (0..28).map(|i| Ranking::new(8).choose((f64::from(i) + 0.5) / 28.0)).collect();
     assert_eq!(first.len(), 28);
     let track = Track::Ranking(ranking);
-    assert!(matches!(track.pick(None, 0.5), Pick::Pair(_)) && !track.is_over());
+    assert!(matches!(track.pick(0.5), Pick::Pair(_)) && !track.is_over());
 }
 
 /// Tables of a definition, where its error is, and a part of its message. Words in capitals stand for the tables above.

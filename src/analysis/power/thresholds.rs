@@ -79,6 +79,20 @@ pub enum Quantity {
     },
 }
 
+impl Quantity {
+    /// Returns the true value of a difference; `None` for the thresholds themselves.
+    #[must_use]
+    pub fn truth(&self) -> Option<f64> {
+        if let Self::Difference { truth, .. } = self { Some(*truth) } else { None }
+    }
+
+    /// Returns whether there is a difference to find.
+    #[must_use]
+    pub fn differs(&self) -> bool {
+        self.truth().is_some_and(|truth| truth != 0.0)
+    }
+}
+
 /// What studies of one size find.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Precision {

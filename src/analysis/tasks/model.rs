@@ -1,15 +1,18 @@
 //! The model of a psychometric function, and what is assumed about its parameters before the answers.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, fmt, str::FromStr};
 
 use serde::Serialize;
 
-use crate::experiment::{
-    Protocol,
-    task::{
-        Easier, Measures, Method,
-        curve::{Curve, Psychometric},
+use crate::{
+    experiment::{
+        Protocol,
+        task::{
+            Easier, Measures, Method,
+            curve::{Curve, Psychometric},
+        },
     },
+    text::names::serde_as_text,
 };
 
 /// The answers at one level, or in one block of trials at a level.
@@ -48,6 +51,31 @@ pub enum Guess {
     /// Estimated, 0…½, as for answers of yes and no.
     Free,
 }
+
+impl fmt::Display for Guess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(guess) => write!(f, "{guess}"),
+            Self::Free => f.write_str("free"),
+        }
+    }
+}
+
+impl FromStr for Guess {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "free" {
+            return Ok(Self::Free);
+        }
+        let guess = text.parse().ok().filter(|guess: &f64| (0.0..1.0).contains(guess));
+        let guess =
+            guess.ok_or("expected free, or a probability from 0 to below 1, such as 0.5 for two alternatives")?;
+        Ok(Self::Fixed(guess))
+    }
+}
+
+serde_as_text!(Guess);
 
 /// What is known about a psychometric function before the answers.
 #[derive(Clone, Copy, Debug, PartialEq)]

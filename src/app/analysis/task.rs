@@ -17,6 +17,7 @@ use crate::{
         document::{Document, numbers::count},
         task_files,
         tasks::{TaskResults, TaskStudy, document, figures},
+        write_files,
     },
     store::table::List,
     text::names::natural,
@@ -144,11 +145,8 @@ impl Opened for OpenTask {
             filter,
             files,
             write: Arc::new(move |writer, made, folder| {
-                writer.make_folder(folder)?;
                 let contents = task_files(&study, &results, made, folder, false)?;
-                let files: Vec<_> = contents.into_iter().map(|(name, text)| (folder.join(name), text)).collect();
-                writer.write_all(&files)?;
-                Ok(files.len())
+                Ok(write_files(writer, folder, contents)?.len())
             }),
         };
         if self.export.show(ui, Some(&exported).filter(|_| !*is_stale)) {

@@ -318,7 +318,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     for place in 0..names.len() {
         question(form, ui, &names, place);
     }
-    let known = ParticipantFields::KNOWN_NAMES.iter().map(|name| (*name).to_owned());
+    let known = ParticipantFields::known_names().map(str::to_owned);
     let own = (1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
     let own = own.map(|name| (name, "A question of your own".to_owned()));
     let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
@@ -346,7 +346,7 @@ const ANSWERS: [&str; 3] = ["any text", "a number", "one of several"];
 fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usize) {
     let name = &names[place];
     let key = format!("participant.{name}");
-    let is_known = |name: &str| ParticipantFields::KNOWN_NAMES.contains(&name);
+    let is_known = |name: &str| ParticipantFields::known_names().any(|known| known == name);
     let own = !is_known(name);
     let shown = if own { format!("Question {}", place + 1) } else { capitalized(name) };
     let draft = form.draft();

@@ -4,7 +4,7 @@ use eframe::egui::{self, Key, Modifiers, Ui};
 
 use crate::{
     app::ui::{self, Field, Step, theme, today},
-    experiment::{AnswerError, Answers, FieldKind, MAX_ANSWER, ParticipantField, ParticipantFields, Texts},
+    experiment::{Answers, FieldKind, MAX_ANSWER, ParticipantField, ParticipantFields, Texts},
 };
 
 /// Width of the column of labels, points.
@@ -42,9 +42,9 @@ impl ParticipantPage {
             ui.add_space(theme::GAP);
             let focus = self.focus.take();
             for (at, (field, typed)) in self.fields.0.iter().zip(&mut self.typed).enumerate() {
-                let error = match field.answer(typed) {
+                let error = match field.answer(typed, &self.texts) {
                     // An empty field is not an error before the participant tries to continue.
-                    Err(error) if self.tried || error != AnswerError::Missing => sentence(&self.texts, field, error),
+                    Err(error) if self.tried || !typed.trim().is_empty() => error,
                     _ => "",
                 };
                 let first = draw(ui, field, typed, &self.texts, error, &mut self.on_choice);
@@ -82,21 +82,11 @@ impl ParticipantPage {
     fn answers(&self) -> Result<Answers, usize> {
         let mut answers = Answers::new();
         for (at, (field, typed)) in self.fields.0.iter().zip(&self.typed).enumerate() {
-            if let Some(answer) = field.answer(typed).map_err(|_| at)? {
+            if let Some(answer) = field.answer(typed, &self.texts).map_err(|_| at)? {
                 answers.insert(field.name.clone(), answer);
             }
         }
         Ok(answers)
-    }
-}
-
-fn sentence<'t>(texts: &'t Texts, field: &ParticipantField, error: AnswerError) -> &'t str {
-    match error {
-        AnswerError::Missing if field.kind() == FieldKind::Agreement => &texts.agreement_missing,
-        AnswerError::Missing => &texts.answer_missing,
-        AnswerError::NotANumber => &texts.number_expected,
-        AnswerError::NoAge => &texts.age_expected,
-        AnswerError::Formula => &texts.letter_expected,
     }
 }
 

@@ -13,7 +13,7 @@ use anyhow::ensure;
 use eframe::egui::{Context, Ui};
 
 use crate::{
-    analysis::power::{Precision, Quantity},
+    analysis::power::Precision,
     app::ui::{
         self,
         theme::{Icon, ink},
@@ -63,8 +63,7 @@ impl Planned {
         };
         let row = |one: &Precision| {
             // One participant has no interval, and thus no test.
-            let is_tested =
-                one.half_width.is_some() && matches!(one.quantity, Quantity::Difference { truth, .. } if truth != 0.0);
+            let is_tested = one.half_width.is_some() && one.quantity.differs();
             let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
             let power = if is_tested { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
             [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
@@ -142,8 +141,8 @@ impl Job {
         Self::start(ctx, "Checking", move |watcher| {
             let verified = Verify { folder: folder.clone() }.verify(watcher)?;
             let wrong = verified.wrong();
-            let errors = verified.0.errors.iter().map(ToString::to_string).collect();
-            Ok(Made::Checked(Checked { folder, sessions: verified.0.files.len(), errors, wrong }))
+            let errors = verified.errors.iter().map(ToString::to_string).collect();
+            Ok(Made::Checked(Checked { folder, sessions: verified.files.len(), errors, wrong }))
         })
     }
 

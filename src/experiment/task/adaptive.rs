@@ -85,7 +85,7 @@ impl Adaptive {
     }
 
     /// Returns the levels from which the method chooses; none if it finds its own.
-    fn levels(&self) -> &[f64] {
+    pub(in crate::experiment) fn levels(&self) -> &[f64] {
         match &self.method {
             Method::Staircase(_) => &[],
             Method::QuestPlus(quest) => &quest.levels,

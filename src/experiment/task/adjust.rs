@@ -31,8 +31,7 @@ impl Adjust {
 
 impl Kind for Adjust {
     fn scale(&self) -> ResponseScale {
-        let question = "Change the image until the brighter band is just visible.".to_owned();
-        ResponseScale { question, categories: Vec::new() }
+        ResponseScale::new("Change the image until the brighter band is just visible.", &[], [])
     }
 
     fn instructions(&self) -> String {

@@ -41,7 +41,7 @@ impl Kind for Choice {
             }
             (Shown::Places, _) => ("Which image has the brighter band?", &["Left", "Right"]),
         };
-        ResponseScale::numbered(question, labels)
+        ResponseScale::new(question, labels, '1'..)
     }
 
     fn instructions(&self) -> String {

@@ -91,17 +91,18 @@ impl Task {
             return;
         }
         let (default, has_dial) = (Texts::default(), self.dial().is_some());
-        let keys = if has_dial { DIAL } else { KEYS };
-        let own =
-            [(&mut texts.task, &default.task, self.instructions()), (&mut texts.keys, &default.keys, keys.to_owned())];
+        let replace = |text: &mut String, default: String, own: &str| {
+            if *text == default {
+                own.clone_into(text);
+            }
+        };
+        replace(&mut texts.task, default.task, &self.instructions());
+        replace(&mut texts.keys, default.keys, if has_dial { DIAL } else { KEYS });
         // A dial has no scale that can be hidden.
-        let of_scale =
-            [(&mut texts.practice_scale, &default.practice_scale), (&mut texts.main_scale, &default.main_scale)];
-        let of_scale = of_scale.into_iter().filter(|_| has_dial).map(|(text, default)| (text, default, String::new()));
-        own.into_iter()
-            .chain(of_scale)
-            .filter(|(text, default, _)| text == default)
-            .for_each(|(text, _, own)| *text = own);
+        if has_dial {
+            replace(&mut texts.practice_scale, default.practice_scale, "");
+            replace(&mut texts.main_scale, default.main_scale, "");
+        }
     }
 
     /// Replaces the default text of the first page, which is about bands, by one for pictures of the study's own: what they

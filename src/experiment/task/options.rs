@@ -64,17 +64,14 @@ macro_rules! options {
         impl $name {
             /// The options, as a form lists them.
             pub const OPTIONS: &[$crate::experiment::task::options::TaskOption] = &[
-                $($crate::experiment::task::options::TaskOption::new(stringify!($field), $label, $value, $about),)*
-                $($($crate::experiment::task::options::TaskOption::new($key, $key_label, $key_value, $key_about),)*)?
+                $($crate::experiment::task::options::TaskOption {
+                    key: stringify!($field), label: $label, value: $value, about: $about
+                },)*
+                $($($crate::experiment::task::options::TaskOption {
+                    key: $key, label: $key_label, value: $key_value, about: $key_about
+                },)*)?
             ];
         }
     };
 }
 pub(super) use options;
-
-impl TaskOption {
-    /// Describes an option.
-    pub(super) const fn new(key: &'static str, label: &'static str, value: OptionValue, about: &'static str) -> Self {
-        Self { key, label, about, value }
-    }
-}

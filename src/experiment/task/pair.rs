@@ -65,7 +65,7 @@ impl Pair {
 
 impl Kind for Pair {
     fn scale(&self) -> ResponseScale {
-        ResponseScale::numbered("Which image has the more visible band?", &["Left", "Right"])
+        ResponseScale::new("Which image has the more visible band?", &["Left", "Right"], '1'..)
     }
 
     fn instructions(&self) -> String {

@@ -35,7 +35,7 @@ impl Kind for Rating {
             Scale::Categories => ResponseScale::default(),
             Scale::Slider => {
                 let ends = ["Not visible", "Very clearly visible"];
-                ResponseScale::numbered("How visible is the brighter band?", &ends)
+                ResponseScale::new("How visible is the brighter band?", &ends, '1'..)
             }
         }
     }

@@ -4,7 +4,8 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     adaptive::{Adaptive, Method},
-    quest::Quest,
+    common::Common,
+    quest::{Quest, QuestPlus},
     ranking::Ranking,
     staircase::{Staircase, Stairs},
 };
@@ -24,17 +25,10 @@ pub enum Pick {
 /// A method at some trial.
 #[derive(Clone, Debug)]
 pub enum Track {
-    /// The schedule plans everything.
-    Planned,
-    /// A staircase.
-    Stairs(Staircase, Stairs),
-    /// QUEST+, and whether it learned enough.
-    Quest {
-        /// The run.
-        quest: Quest,
-        /// The width of the threshold's interval that ends it.
-        stop_width: Option<f64>,
-    },
+    /// A staircase, with what the definition says about it.
+    Stairs(Staircase, Common, Stairs),
+    /// QUEST+, with what the definition says about it.
+    Quest(QuestPlus, Quest),
     /// The levels of constant stimuli in their order, and the number of those that are done.
     Levels(Vec<f64>, usize),
     /// Comparisons.
@@ -42,26 +36,32 @@ pub enum Track {
 }
 
 impl Track {
-    /// Begins a method. `quest` is its prepared run, which all conditions share.
+    /// Begins the method of each of `count` conditions, of which each has a generator of its own.
     #[must_use]
-    pub fn new(adaptive: &Adaptive, quest: Option<&Quest>, rng: &mut ChaCha8Rng) -> Self {
-        match (&adaptive.method, quest) {
-            (Method::Staircase(staircase), _) => Self::Stairs(staircase.clone(), Stairs::new(staircase)),
-            (Method::QuestPlus(options), Some(quest)) => {
-                Self::Quest { quest: quest.clone(), stop_width: options.stop_width }
+    pub fn begin(
+        Adaptive { common, method }: &Adaptive,
+        guess: Option<f64>,
+        count: usize,
+        generator: impl Fn(usize) -> ChaCha8Rng,
+    ) -> Vec<Self> {
+        match method {
+            Method::Staircase(staircase) => {
+                vec![Self::Stairs(staircase.clone(), common.clone(), Stairs::new(staircase)); count]
             }
-            (Method::Constant(constant), _) => {
-                let rounds = adaptive.common.trials as usize / constant.levels.len().max(1);
+            // All conditions share what was prepared.
+            Method::QuestPlus(quest) => vec![Self::Quest(quest.clone(), quest.prepare(common, guess)); count],
+            Method::Constant(constant) => {
+                let rounds = common.trials as usize / constant.levels.len().max(1);
                 // Shuffled round by round, so that catch trials, which take no level, leave every level about equally
                 // often.
-                let round = |_| {
+                let round = |rng: &mut ChaCha8Rng| {
                     let mut round = constant.levels.clone();
                     shuffle(&mut round, rng);
                     round
                 };
-                Self::Levels((0..rounds).flat_map(round).collect(), 0)
+                let levels = |mut rng| (0..rounds).flat_map(|_| round(&mut rng)).collect();
+                (0..count).map(|condition| Self::Levels(levels(generator(condition)), 0)).collect()
             }
-            (Method::QuestPlus(_), None) => Self::Planned,
         }
     }
 
@@ -69,44 +69,36 @@ impl Track {
     #[must_use]
     pub fn is_over(&self) -> bool {
         match self {
-            Self::Stairs(staircase, stairs) => stairs.is_over(staircase),
-            Self::Quest { quest, stop_width } => stop_width.is_some_and(|width| quest.width() <= width),
+            Self::Stairs(staircase, _, stairs) => stairs.is_over(staircase),
+            Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width() <= width),
             Self::Levels(levels, done) => *done >= levels.len(),
-            Self::Planned | Self::Ranking(_) => false,
+            Self::Ranking(_) => false,
         }
     }
 
     /// Returns what the next trial shows. `draw` is uniform in 0…1.
     #[must_use]
-    pub fn pick(&self, adaptive: Option<&Adaptive>, draw: f64) -> Pick {
+    pub fn pick(&self, draw: f64) -> Pick {
         match self {
-            Self::Planned => Pick::Planned,
-            Self::Stairs(_, stairs) => Pick::Level(stairs.level, None),
-            Self::Quest { quest, .. } => adaptive.map_or(Pick::Planned, |adaptive| level(adaptive, quest.choose())),
+            Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
+            Self::Quest(options, quest) => level(options, quest.choose()),
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
     }
 
     /// Learns the outcome of a trial. `is_catch` if it showed no target.
-    pub fn learn(&mut self, adaptive: Option<&Adaptive>, pick: Pick, outcome: bool, is_catch: bool) {
+    pub fn learn(&mut self, pick: Pick, outcome: bool, is_catch: bool) {
         match (self, pick) {
-            (Self::Stairs(staircase, stairs), _) if !is_catch => {
-                adaptive.into_iter().for_each(|adaptive| stairs.answer(outcome, staircase, &adaptive.common));
-            }
-            (Self::Quest { quest, .. }, _) if is_catch => quest.learn_catch(outcome),
-            (Self::Quest { quest, .. }, pick) => {
-                if let Some(index) = adaptive.and_then(|adaptive| index(adaptive, pick)) {
-                    quest.learn(index, outcome);
-                }
+            (Self::Quest(_, quest), _) if is_catch => quest.learn_catch(outcome),
+            (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
+            (Self::Quest(options, quest), Pick::Level(x, y)) => {
+                index(options, x, y).into_iter().for_each(|index| quest.learn(index, outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,
             (Self::Ranking(ranking), Pick::Pair([left, right])) => {
-                if outcome {
-                    ranking.learn(left, right)
-                } else {
-                    ranking.learn(right, left)
-                }
+                let [winner, loser] = if outcome { [left, right] } else { [right, left] };
+                ranking.learn(winner, loser);
             }
             _ => {}
         }
@@ -114,8 +106,7 @@ impl Track {
 }
 
 /// Returns the level with a number in QUEST+.
-fn level(adaptive: &Adaptive, index: usize) -> Pick {
-    let Method::QuestPlus(quest) = &adaptive.method else { return Pick::Planned };
+fn level(quest: &QuestPlus, index: usize) -> Pick {
     match &quest.second {
         None => Pick::Level(quest.levels[index], None),
         Some(second) => {
@@ -126,13 +117,11 @@ fn level(adaptive: &Adaptive, index: usize) -> Pick {
 }
 
 /// Returns the number of a level in QUEST+.
-fn index(adaptive: &Adaptive, pick: Pick) -> Option<usize> {
-    let (Method::QuestPlus(quest), Pick::Level(x, y)) = (&adaptive.method, pick) else { return None };
-    let first = quest.levels.iter().position(|level| *level == x)?;
+fn index(quest: &QuestPlus, x: f64, y: Option<f64>) -> Option<usize> {
+    let place = |levels: &[f64], of: f64| levels.iter().position(|level| *level == of);
+    let first = place(&quest.levels, x)?;
     match (&quest.second, y) {
-        (Some(second), Some(y)) => {
-            Some(first * second.levels.len() + second.levels.iter().position(|level| *level == y)?)
-        }
+        (Some(second), Some(y)) => Some(first * second.levels.len() + place(&second.levels, y)?),
         _ => Some(first),
     }
 }

@@ -4,10 +4,7 @@ use super::{
     kind::{Answer, Given, Kind, Measures, Presentation, Senses, Settings, Turn},
     options::{OptionValue, options},
 };
-use crate::experiment::{
-    faults::DefinitionErrors,
-    scale::{Category, ResponseScale},
-};
+use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
 
 /// Number of trials of a condition over which catch trials are balanced.
 const CYCLE: u32 = 20;
@@ -23,9 +20,7 @@ options! {
 
 impl Kind for YesNo {
     fn scale(&self) -> ResponseScale {
-        let categories = [("No", 'n'), ("Yes", 'y')];
-        let categories = categories.map(|(label, key)| Category { label: label.to_owned(), key });
-        ResponseScale { question: "Do you see a brighter band?".to_owned(), categories: categories.to_vec() }
+        ResponseScale::new("Do you see a brighter band?", &["No", "Yes"], ['n', 'y'])
     }
 
     fn instructions(&self) -> String {

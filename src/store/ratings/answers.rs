@@ -56,6 +56,8 @@ pub struct AnswersRead {
     pub missing: usize,
     /// What a user should know about how the table was read.
     pub notes: Vec<FileError>,
+    /// What is wrong with the rows that are left out because of it.
+    pub errors: Vec<FileError>,
 }
 
 /// Maximum number of rows.
@@ -66,13 +68,16 @@ const MAX_ROWS: usize = 10_000_000;
 /// # Errors
 /// The file cannot be read, a column is missing, or a row has an unexpected value. Every row with an error is told.
 pub fn read(path: &Path, columns: &AnswerColumns) -> Result<AnswersRead, StoreError> {
-    answers(Input::plain(path.to_owned(), Header::read(path)?, Layout::Long), columns)
+    let mut read = answers(Input::plain(path.to_owned(), Header::read(path)?, Layout::Long), columns)?;
+    FileErrors::none(std::mem::take(&mut read.errors))?;
+    Ok(read)
 }
 
-/// Takes the rows of a table in memory; `name` stands for it in messages.
+/// Takes the rows of a table in memory; `name` stands for it in messages. Rows with an unexpected value are among the errors
+/// that were found.
 ///
 /// # Errors
-/// As for [`read`].
+/// The columns differ in length, one is missing, or every row has an error.
 pub fn of_columns(name: &str, table: &Columns, columns: &AnswerColumns) -> Result<AnswersRead, StoreError> {
     table.check(name)?;
     answers(Input::plain(name.into(), Header::of(table.clone()), Layout::Long), columns)
@@ -99,14 +104,15 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));
     notes.extend(used.pooled(&input, &rows));
     notes.extend(content(&input)?.and_then(|bytes| doubled(&input, &bytes)));
-    FileErrors::none(file_errors(&input, rows, &[]))?;
+    let errors = file_errors(&input, rows, &[]);
     let all = found.len();
     let rows: Vec<AnswerRow> = found.into_iter().flatten().collect();
     if rows.is_empty() || rows.len() > MAX_ROWS {
+        FileErrors::none(errors)?;
         let message = format!("has {} rows; expected 1 to {MAX_ROWS}", rows.len());
         return Err(FileErrors::whole(&input.name, message).into());
     }
-    Ok(AnswersRead { missing: all - rows.len(), rows, notes })
+    Ok(AnswersRead { missing: all - rows.len(), rows, notes, errors })
 }
 
 /// Where the columns are.
