@@ -365,6 +365,15 @@ impl Frame {
         }
     }
 
+    /// Returns the light that the display emits for a value that a shader computes from the frame's light values.
+    #[must_use]
+    pub fn emitted(&self, value: DVec3) -> DVec3 {
+        match &self.encoding {
+            Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),
+            None => value,
+        }
+    }
+
     fn find_triangles(&mut self, surface: &Surface, open: bool) {
         let mesh = &surface.mesh;
         let back = mesh.vertices.len() as u32;
