@@ -6,6 +6,7 @@ use std::{cell::RefCell, sync::Arc};
 use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
 
+use super::fft::{SHORT, transpose};
 use crate::system::checkpoint;
 
 thread_local! {
@@ -16,9 +17,6 @@ thread_local! {
 fn plan(length: usize) -> Arc<dyn TransformType2And3<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_dct2(length))
 }
-
-/// Fewer runs, or values, than this are not worth another thread.
-const SHORT: usize = 4096;
 
 /// An axis of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +38,8 @@ impl Cosines {
     pub(super) fn of(mut picture: Vec<f64>, size: [usize; 2]) -> Cosines {
         let [columns, rows] = size;
         each(&mut picture, columns, |plan, row, scratch| plan.process_dct2_with_scratch(row, scratch));
-        let mut amplitudes = transposed(&picture, [columns, rows]);
+        let mut amplitudes = vec![0.0; picture.len()];
+        transpose(&picture, &mut amplitudes, [columns, rows]);
         drop(picture);
         let scale = 4.0 / (columns * rows) as f64;
         each(&mut amplitudes, rows, |plan, column, scratch| {
@@ -90,7 +89,8 @@ impl Cosines {
             to.iter_mut().zip(from).enumerate().for_each(|(down, (to, from))| *to = from * gain(across, down));
         });
         each(&mut values, rows, |plan, column, scratch| inverse(plan, column, scratch, odd == Some(Axis::Down)));
-        let mut picture = transposed(&values, [rows, columns]);
+        let mut picture = vec![0.0; values.len()];
+        transpose(&values, &mut picture, [rows, columns]);
         drop(values);
         each(&mut picture, columns, |plan, row, scratch| inverse(plan, row, scratch, odd == Some(Axis::Across)));
         picture
@@ -126,22 +126,4 @@ fn each(
             transform(&*plan, run, scratch);
         },
     );
-}
-
-/// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
-fn transposed(from: &[f64], [columns, rows]: [usize; 2]) -> Vec<f64> {
-    const TILE: usize = 16;
-    let mut to = vec![0.0; from.len()];
-    to.par_chunks_mut(TILE * rows).enumerate().for_each(|(tile, to)| {
-        let first = tile * TILE;
-        for top in (0..rows).step_by(TILE) {
-            for (x, column) in to.chunks_exact_mut(rows).enumerate() {
-                let bottom = (top + TILE).min(rows);
-                for (y, to) in column[top..bottom].iter_mut().enumerate() {
-                    *to = from[(top + y) * columns + first + x];
-                }
-            }
-        }
-    });
-    to
 }

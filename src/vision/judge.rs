@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     cosine::{Axis, Cosines},
-    error::{VisionError, check},
+    error::{VisionError, check, check_extent},
     eye::Eye,
     fft::{next_fast_length, transform},
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
@@ -69,7 +69,7 @@ impl Judge {
     }
 
     fn new(given: [usize; 2], px_per_deg: f64, eye: Eye, across: Option<[f64; 2]>) -> Result<Judge, VisionError> {
-        check_size(given, px_per_deg)?;
+        check_extent(given[0], given[1], px_per_deg)?;
         let Eye { sensitivity, masking, .. } = eye;
         let extent = given.map(|side| side as f64 / px_per_deg);
         let grid = Grid { size: coarser(given, px_per_deg / ENOUGH_PX_PER_DEG), extent };
@@ -372,13 +372,4 @@ impl DifferenceMap {
         });
         values
     }
-}
-
-/// Checks the size of pictures to be judged.
-fn check_size(size: [usize; 2], px_per_deg: f64) -> Result<(), VisionError> {
-    let [width, height] = size;
-    if width == 0 || height == 0 {
-        return Err(VisionError::TooSmall { width, height, least: 1 });
-    }
-    super::error::check_extent(width, height, px_per_deg)
 }
