@@ -60,33 +60,22 @@ impl View {
     /// at the farthest point, and within a plane it is affine on the screen.
     #[must_use]
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
-        // In perspective, the visible rim of the sphere, not its equator, fills the window.
-        let d = self.distance;
-        let (xy, depth) = if d.is_finite() {
-            let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
+        let (xy, d) = (eye.truncate() * self.ratio(eye.z), self.distance);
+        let depth = if d.is_finite() {
             // 1/(d − z) is affine on the screen.
-            (
-                eye.truncate() * ratio,
-                1.0 - ((1.0 / (d - eye.z)) - 1.0 / (d + 1.0)) / (1.0 / (d - 1.0) - 1.0 / (d + 1.0)),
-            )
+            1.0 - ((1.0 / (d - eye.z)) - 1.0 / (d + 1.0)) / (1.0 / (d - 1.0) - 1.0 / (d + 1.0))
         } else {
-            (eye.truncate(), (1.0 - eye.z) / 2.0)
+            (1.0 - eye.z) / 2.0
         };
         let middle = DVec2::new(f64::from(self.width), f64::from(self.height)) / 2.0;
         (middle + DVec2::new(xy.x, -xy.y) * self.scale(), depth)
     }
 
-    /// Returns the movement on the screen, in pixels, of a point that moves from `eye` along `step`, per step.
-    #[must_use]
-    pub fn moved(&self, eye: DVec3, step: DVec3) -> DVec2 {
+    /// Returns how many times larger than at the rim of the bounding sphere a point with this z is seen. In perspective,
+    /// the visible rim of the sphere, not its equator, fills the window.
+    fn ratio(&self, z: f64) -> f64 {
         let d = self.distance;
-        let xy = if d.is_finite() {
-            let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
-            (step.truncate() + eye.truncate() * (step.z / (d - eye.z))) * ratio
-        } else {
-            step.truncate()
-        };
-        DVec2::new(xy.x, -xy.y) * self.scale()
+        if d.is_finite() { (d * d - 1.0).sqrt() / (d - z) } else { 1.0 }
     }
 
     /// Returns the weight of a point with this z in interpolation that is corrected for perspective: the eye's distance
@@ -104,8 +93,7 @@ impl View {
     /// Returns the pixels per unit of the plane z = 0 in eye space.
     #[must_use]
     pub fn pixels_per_unit(&self) -> f64 {
-        let d = self.distance;
-        self.scale() * if d.is_finite() { (d * d - 1.0).sqrt() / d } else { 1.0 }
+        self.scale() * self.ratio(0.0)
     }
 
     /// Returns the line of sight through a position on the screen: a point on it in front of the bounding sphere, and
@@ -132,7 +120,10 @@ impl View {
 
 impl cubic::Screen for View {
     fn moved(&self, eye: cubic::V, step: cubic::V) -> [f64; 2] {
-        View::moved(self, eye.into(), step.into()).to_array()
+        let (eye, step) = (DVec3::from(eye), DVec3::from(step));
+        // In a parallel projection, the eye is infinitely far away, and only `step` counts.
+        let xy = (step.truncate() + eye.truncate() * (step.z / (self.distance - eye.z))) * self.ratio(eye.z);
+        (DVec2::new(xy.x, -xy.y) * self.scale()).to_array()
     }
 
     fn toward(&self, eye: cubic::V) -> cubic::V {
