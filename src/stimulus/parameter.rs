@@ -310,9 +310,6 @@ macro_rules! kind {
                 levels_hint: &[$($level),*],
             },)*];
 
-            /// The ranges of the parameters, in the same order.
-            const RANGES: &'static [$crate::stimulus::parameter::Range] = &[$($range,)*];
-
             /// Sets the parameter `name`. This checks only the range of the parameter itself.
             ///
             /// # Errors
@@ -322,12 +319,11 @@ macro_rules! kind {
                 name: &str,
                 value: &$crate::stimulus::parameter::ParameterValue,
             ) -> Result<(), $crate::stimulus::parameter::ParameterError> {
-                let Some(at) = Self::PARAMETERS.iter().position(|parameter| parameter.name == name) else {
+                let Some(parameter) = Self::PARAMETERS.iter().find(|parameter| parameter.name == name) else {
                     return Err($crate::stimulus::parameter::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
                 };
-                let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
                 $(if name == stringify!($field) {
-                    self.$field = $crate::stimulus::parameter::ParameterType::read(parameter, range, value)?;
+                    self.$field = $crate::stimulus::parameter::ParameterType::read(parameter, $range, value)?;
                 })*
                 Ok(())
             }

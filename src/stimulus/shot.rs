@@ -162,14 +162,8 @@ impl Shot<'_> {
     pub fn undershoot(&self) -> Undershoot {
         let (light, ambient) =
             (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
-        let seen = coverage::visible(&self.frame);
-        let shown: Vec<&[f32]> = light
-            .data
-            .chunks_exact(3)
-            .zip(seen)
-            .filter(|(_, t)| *t != coverage::NONE)
-            .map(|(pixel, _)| pixel)
-            .collect();
+        let pixels = light.data.chunks_exact(3).zip(coverage::visible(&self.frame));
+        let shown: Vec<&[f32]> = pixels.filter(|(_, t)| *t != coverage::NONE).map(|(pixel, _)| pixel).collect();
         let missing = |pixel: &&[f32]| (0..3).map(|c| ambient[c] - pixel[c]).fold(0.0, f32::max);
         let share = |is: &dyn Fn(&&[f32]) -> bool| {
             shown.iter().filter(|pixel| is(pixel)).count() as f64 / shown.len().max(1) as f64
