@@ -18,13 +18,6 @@ fn plan(length: usize) -> Arc<dyn TransformType2And3<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_dct2(length))
 }
 
-/// An axis of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
-    Across,
-    Down,
-}
-
 /// The amplitudes of the cosines whose sum is a picture, column by column: the one at `across · rows + down` has
 /// `across` and `down` half periods over the picture.
 #[derive(Clone)]
@@ -75,11 +68,11 @@ impl Cosines {
     }
 
     /// Returns the picture at `places` `[across, down]`, row by row; coarser places lose the finer cosines. Each
-    /// amplitude is multiplied by `gain`. Along an `odd` axis, sines take the place of cosines.
+    /// amplitude is multiplied by `gain`. Along an `odd` axis, 0 across or 1 down, sines take the place of cosines.
     pub(super) fn at(
         &self,
         places: [usize; 2],
-        odd: Option<Axis>,
+        odd: Option<usize>,
         gain: impl Fn(usize, usize) -> f64 + Sync,
     ) -> Vec<f64> {
         let ([columns, rows], whole) = (places, self.size[1]);
@@ -88,11 +81,11 @@ impl Cosines {
         out.with_min_len(SHORT / rows.min(SHORT)).for_each(|(across, (to, from))| {
             to.iter_mut().zip(from).enumerate().for_each(|(down, (to, from))| *to = from * gain(across, down));
         });
-        each(&mut values, rows, |plan, column, scratch| inverse(plan, column, scratch, odd == Some(Axis::Down)));
+        each(&mut values, rows, |plan, column, scratch| inverse(plan, column, scratch, odd == Some(1)));
         let mut picture = vec![0.0; values.len()];
         transpose(&values, &mut picture, [rows, columns]);
         drop(values);
-        each(&mut picture, columns, |plan, row, scratch| inverse(plan, row, scratch, odd == Some(Axis::Across)));
+        each(&mut picture, columns, |plan, row, scratch| inverse(plan, row, scratch, odd == Some(0)));
         picture
     }
 }

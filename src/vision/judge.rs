@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    cosine::{Axis, Cosines},
+    cosine::Cosines,
     error::{VisionError, check, check_extent},
     eye::Eye,
     fft::{next_fast_length, transform},
@@ -206,13 +206,10 @@ impl Judge {
             let places = [0, 1].map(|axis| enough(axis).min(self.grid.size[axis]));
             let mut mask = reference.at(places, None, share);
             mask.par_iter_mut().for_each(|value| *value *= *value);
-            for axis in [Axis::Across, Axis::Down] {
-                if places[axis as usize] == 1 {
-                    continue;
-                }
+            for axis in (0..2).filter(|axis| places[*axis] > 1) {
                 // The Riesz transform: odd responses in all orientations alike.
                 let odd = reference.at(places, Some(axis), |x, y| {
-                    let (part, f) = (self.grid.frequencies(x, y)[axis as usize], self.grid.frequency(x, y));
+                    let (part, f) = (self.grid.frequencies(x, y)[axis], self.grid.frequency(x, y));
                     share(x, y) * part / f.max(f64::MIN_POSITIVE)
                 });
                 mask.par_iter_mut().zip(odd).for_each(|(sum, odd)| *sum += odd * odd);

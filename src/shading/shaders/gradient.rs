@@ -5,7 +5,7 @@ use super::{fixed::Fixed, gouraud::ShaderKernel, strips::OTHERS};
 use crate::{
     light::Depth,
     shading::{
-        frame::{Across, Frame},
+        frame::{Frame, Neighbor},
         number::{Channels, Constant, Number},
     },
 };
@@ -26,11 +26,8 @@ pub struct Gradient<T, const C: usize> {
 impl<T: Constant, const C: usize> Gradient<T, C> {
     /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
     pub fn new(frame: &Frame, channels: Channels, is_repaired: bool, b: f64, depth: Depth) -> Self {
-        let apex = |across| match across {
-            Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
-            Across::Nothing => None,
-        };
-        let apexes = frame.triangles.iter().map(|triangle| triangle.across.map(apex)).collect();
+        let apex = |neighbor: Neighbor| channels.pick(frame.vertices[neighbor.apex as usize].light);
+        let apexes = frame.each_triangle(|t| frame.triangles[t].across.map(|neighbor| neighbor.map(apex)));
         Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, is_repaired }
     }
 
