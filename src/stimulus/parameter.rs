@@ -225,13 +225,9 @@ impl ParameterType for Depth {
     }
 }
 
-/// Implements [`ParameterType`] for types that are written as text.
+/// Implements [`ParameterType`] for types that are written as text; each with all its values, if they are a few names.
 macro_rules! text_field {
-    ($($kind:ty),* $(; $($named:ty),*)?) => {
-        $($crate::stimulus::parameter::text_field! { @impl $kind, &[] })*
-        $($($crate::stimulus::parameter::text_field! { @impl $named, Self::NAMES })*)?
-    };
-    (@impl $kind:ty, $choices:expr) => {
+    ($($kind:ty: $choices:expr),*) => {$(
         impl $crate::stimulus::parameter::ParameterType for $kind {
             const CHOICES: &'static [&'static str] = $choices;
             fn read(
@@ -246,7 +242,7 @@ macro_rules! text_field {
                 self.to_string().as_str().into()
             }
         }
-    };
+    )*};
 }
 pub(super) use text_field;
 

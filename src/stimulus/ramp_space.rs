@@ -25,7 +25,7 @@ named! {
         Lab = "lab",
     }
 }
-text_field!(; RampSpace);
+text_field!(RampSpace: Self::NAMES);
 
 impl RampSpace {
     /// Returns whether this is the default, which files omit.

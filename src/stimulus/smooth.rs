@@ -65,7 +65,10 @@ impl Judged {
     /// the surface is not known.
     #[must_use]
     pub fn not_compared(&self) -> Option<f64> {
-        self.truth.as_ref().map(|truth| self.share(&truth.common))
+        let Smooth { common, .. } = self.truth.as_ref()?;
+        let shown = self.shown.iter().filter(|shown| **shown).count();
+        let compared = self.shown.iter().zip(common).filter(|(shown, counts)| **shown && **counts).count();
+        Some(1.0 - compared as f64 / shown.max(1) as f64)
     }
 
     /// Returns the number of pixels that show either the mesh or the smooth surface, as a share of those that show the
@@ -73,12 +76,6 @@ impl Judged {
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         self.truth.as_ref().map(|truth| truth.apart)
-    }
-
-    fn share(&self, mask: &[bool]) -> f64 {
-        let count = |mask: &mut dyn Iterator<Item = bool>| mask.filter(|is| *is).count() as f64;
-        let shown = count(&mut self.shown.iter().copied());
-        1.0 - count(&mut self.shown.iter().zip(mask).map(|(shown, counts)| *shown && *counts)) / shown.max(1.0)
     }
 
     /// Returns how visible the difference between `picture` and the smooth surface is; `None` if the surface is not

@@ -133,7 +133,7 @@ impl Judge {
         share: Option<&[f64]>,
     ) -> Result<Difference<'_>, VisionError> {
         let (contrast, reference) = self.contrasts(shown, reference, share)?;
-        Ok(self.judged(contrast, Some(reference)))
+        Ok(self.judged(contrast, reference))
     }
 
     /// Judges the same difference as if the reference masked nothing.
@@ -142,7 +142,7 @@ impl Judge {
     /// As for [`Judge::difference`].
     pub fn unmasked(&self, shown: &[f64], reference: &[f64]) -> Result<Difference<'_>, VisionError> {
         let (contrast, _) = self.contrasts(shown, reference, None)?;
-        Ok(self.judged(contrast, None))
+        Ok(Difference { judge: self, response: contrast.at(self.grid.size, None, |_, _| 1.0) })
     }
 
     /// Returns the difference and the reference in units of the light to which the eye adapts, through the eye's filter.
@@ -192,11 +192,8 @@ impl Judge {
         averaged(picture.to_vec(), self.given, self.grid.size)
     }
 
-    /// Masks the difference by the reference, band by band, if there is one.
-    fn judged(&self, contrast: Cosines, reference: Option<Cosines>) -> Difference<'_> {
-        let Some(reference) = reference else {
-            return Difference { judge: self, response: contrast.at(self.grid.size, None, |_, _| 1.0) };
-        };
+    /// Masks the difference by the reference, band by band.
+    fn judged(&self, contrast: Cosines, reference: Cosines) -> Difference<'_> {
         let mut masked = Cosines::none(self.grid.size);
         let mut finest = vec![0.0; self.grid.size[0] * self.grid.size[1]];
         for (band, share) in self.shares.iter().enumerate() {
