@@ -29,13 +29,13 @@ kind! {
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::YELLOW, Range::Any, "", color::MEANING, color::EXPECTED, ["yellow", "gray"];
-        #[serde(skip_serializing_if = "Option::is_none")]
+        #[serde(skip_serializing_if = "is_default")]
         color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means the color of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
-        #[serde(skip_serializing_if = "RampSpace::is_default")]
+        #[serde(skip_serializing_if = "is_default")]
         space: RampSpace = RampSpace::Rgb, Range::Any, "", "Color space in which the ramp is a straight line; rgb is linear light", "rgb, hsv or lab", ["rgb", "hsv", "lab"];
-        #[serde(skip_serializing_if = "is_zero")]
+        #[serde(skip_serializing_if = "is_default")]
         rounding: f64 = 0.0, Range::Within(0.0, 1.0), "1", "Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged over it", "the proportion of the window over which the corners are rounded", ["0", "0.1", "0.4"];
-        #[serde(skip_serializing_if = "is_zero")]
+        #[serde(skip_serializing_if = "is_default")]
         nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1"];
     }
 }
@@ -43,8 +43,8 @@ kind! {
 /// Standard deviation of the lines that `nulling` draws, window sides.
 const NULLING_SD: f64 = 0.02;
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Returns ∫ I₁ from −∞ to `u`.

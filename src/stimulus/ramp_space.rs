@@ -27,13 +27,6 @@ named! {
 }
 text_field!(RampSpace: Self::NAMES);
 
-impl RampSpace {
-    /// Returns whether this is the default, which files omit.
-    pub(super) fn is_default(&self) -> bool {
-        *self == RampSpace::default()
-    }
-}
-
 /// The light between two plateaus of a ramp that is not just one color at varying luminance, prepared for repeated
 /// evaluation.
 #[derive(Clone, Copy, Debug)]
