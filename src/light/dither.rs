@@ -212,16 +212,6 @@ const FIRST_STREAM: u64 = u64::from_be_bytes(*b"dith\0\0\0\0");
 struct Tiles(ChaCha8Rng);
 
 impl Tiles {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// Moves to the first tile of row `row` of tiles.
-    fn seek(&mut self, row: u32) {
-        self.0.set_stream(FIRST_STREAM + u64::from(row));
-        self.0.set_word_pos(0);
-    }
-
     /// Returns the thresholds of the current tile, row by row, and moves to the next tile on the right.
     fn next(&mut self) -> [f64; STRATA] {
         // quarters[i][k]: the threshold in the k-th quarter of (0, 1) that the i-th quarter of the tile gets.
@@ -288,7 +278,7 @@ impl Thresholds {
             Dither::Ordered(matrix) => periodic(matrix.size(), matrix.ranks()),
             Dither::BlueNoise => periodic(MASK_SIZE, mask()),
             Dither::Random { seed } => Source::Tiled {
-                tiles: Box::new(Tiles::new(seed)),
+                tiles: Box::new(Tiles(ChaCha8Rng::seed_from_u64(seed))),
                 at: None,
                 band: vec![[0.0; STRATA]; width.div_ceil(TILE as usize)],
             },
@@ -307,7 +297,8 @@ impl Thresholds {
             }
             Source::Tiled { tiles, at, band } => {
                 if at.replace(y / TILE) != Some(y / TILE) {
-                    tiles.seek(y / TILE);
+                    tiles.0.set_stream(FIRST_STREAM + u64::from(y / TILE));
+                    tiles.0.set_word_pos(0);
                     band.iter_mut().for_each(|tile| *tile = tiles.next());
                 }
                 let first = (y % TILE * TILE) as usize;

@@ -2,6 +2,7 @@
 //! green and blue are interleaved.
 
 use super::Transfers;
+use crate::system::checkpoint;
 
 /// An image of relative luminances, 0…1, proportional to light.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,11 +23,12 @@ impl LinearImage {
         Self { width, height, data: vec![0.0; samples(width, height)] }
     }
 
-    /// Makes the image whose pixel in column x and row y is `light(x, y)`.
+    /// Makes the image whose pixel in column x and row y is `light(x, y)`; `light` is called row by row.
     #[must_use]
     pub fn from_fn(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> [f32; 3]) -> Self {
         let mut data = Vec::with_capacity(samples(width, height));
         for y in 0..height {
+            checkpoint();
             for x in 0..width {
                 data.extend(light(x, y));
             }
@@ -96,18 +98,11 @@ impl CodeImage {
     /// Returns the light that a screen with these transfer functions emits.
     #[must_use]
     pub fn light(&self, transfers: &Transfers) -> LinearImage {
-        let light = |encoded: [f64; 3]| transfers.linear_from_encoded(encoded).map(|light| light as f32);
-        let data = match &self.samples {
-            Samples::Eight(codes) => {
-                let pixels = codes.as_chunks::<3>().0.iter();
-                pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 255.0))).collect()
-            }
-            Samples::Sixteen(codes) => {
-                let pixels = codes.as_chunks::<3>().0.iter();
-                pixels.flat_map(|pixel| light(pixel.map(|code| f64::from(code) / 65535.0))).collect()
-            }
-        };
-        LinearImage { width: self.width, height: self.height, data }
+        let full = f64::from((1 << self.bits()) - 1);
+        LinearImage::from_fn(self.width, self.height, |x, y| {
+            let encoded = self.pixel(x, y).map(|code| f64::from(code) / full);
+            transfers.linear_from_encoded(encoded).map(|light| light as f32)
+        })
     }
 
     /// Returns the red, green and blue codes in column `x` and row `y`, both counted from 0 at the top left.

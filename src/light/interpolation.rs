@@ -165,15 +165,12 @@ pub const fn coefficients<const N: usize>() -> [f64; N] {
 
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interpolation {
-    form: Family,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Family {
-    /// n and the first n elements of `SUMS[n]`.
-    Polynomial(u8, &'static [f64]),
+pub enum Interpolation {
+    /// Of a finite depth n: C(n−1+k, k) for each k < n, the coefficients of the sum.
+    Polynomial(&'static [f64]),
+    /// Of the infinite depth: a scaled tanh of this steepness.
     Tanh {
+        /// The steepness, above 0.
         k: f64,
     },
 }
@@ -189,14 +186,13 @@ impl Interpolation {
     /// Uses the steepness `k` (> 0) if `depth` is infinite; a finite depth ignores `k`.
     #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
-        let form = match depth {
-            Depth::Infinite => Family::Tanh { k },
+        match depth {
+            Depth::Infinite => Self::Tanh { k },
             Depth::Finite(n) => {
-                let n = n.clamp(1, Depth::MAX_FINITE);
-                Family::Polynomial(n, &SUMS[usize::from(n)][..usize::from(n)])
+                let n = usize::from(n).clamp(1, MAX);
+                Self::Polynomial(&SUMS[n][..n])
             }
-        };
-        Self { form }
+        }
     }
 
     /// Returns I_n at `u`, the position across the ramp: 0 for u < 0 (the lower plateau), 1 for u ≥ 1 (the upper
@@ -222,20 +218,20 @@ impl Interpolation {
     /// I_n on 0…½.
     #[inline]
     fn lower_half(&self, u: f64) -> f64 {
-        match self.form {
-            Family::Polynomial(n, sum) => {
+        match self {
+            Self::Polynomial(sum) => {
                 let v = 1.0 - u;
-                power(u, n) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
+                power(u, sum.len()) * sum.iter().rev().fold(0.0, |sum, c| sum * v + c)
             }
             // (1 + tanh(k(u−½)))/2, in a form that does not cancel below u = ½.
-            Family::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
+            Self::Tanh { k } => 1.0 / (1.0 + (2.0 * k * (0.5 - u)).exp()),
         }
     }
 }
 
 /// x^n by squaring. The precision of `f64::powi` is unspecified; this gives the same result on every machine.
 #[inline]
-fn power(x: f64, n: u8) -> f64 {
+fn power(x: f64, n: usize) -> f64 {
     let (mut result, mut square, mut n) = (1.0, x, n);
     while n > 0 {
         if n & 1 == 1 {

@@ -26,13 +26,14 @@ pub mod shaders;
 
 pub use draw::{Body, Composition, Encoder, Prepared, Reference, picture};
 pub use frame::{
-    Across, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Mirrors, Patches, Scene, View, coverage,
+    Fan, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Mirrors, Neighbor, Patches, Scene, View,
+    coverage,
 };
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
 pub use mesh::{
-    Coat, Edge, EdgeKind, Edges, Fan, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface,
-    Texture, Vertex, Wrap, shapes,
+    Coat, Edge, EdgeKind, Edges, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture,
+    Vertex, Wrap, shapes,
 };
 pub use number::Channels;
 pub use shaders::{Correction, Shade, Shader};

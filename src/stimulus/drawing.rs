@@ -85,12 +85,7 @@ impl<'a> Pixels<'a> {
 /// Returns the light of a window of `size` × `size` pixels.
 pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> LinearImage {
     let pixels = Pixels::new(profile, orientation_deg, size);
-    LinearImage::from_fn(size, size, |ix, iy| {
-        if ix == 0 {
-            checkpoint();
-        }
-        pixels.light(ix, iy)
-    })
+    LinearImage::from_fn(size, size, |ix, iy| pixels.light(ix, iy))
 }
 
 /// Returns the 8-bit codes of a window of `size` × `size` pixels. They are exactly the quantized light of [`linear`].

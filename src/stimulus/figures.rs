@@ -1,13 +1,14 @@
 //! Stimuli that vary in both directions: Vasarely's nested squares and Kanizsa's triangle. The area of each pixel that
 //! a shape covers is computed exactly.
 
+use glam::DVec2;
+
 use super::{
     color::{self, StimulusColor},
     drawing::{Area, Grid, cos_sin, place},
     parameter::{ParameterError, Range, kind, parameter_error},
 };
 use crate::light::LinearImage;
-use crate::system::checkpoint;
 
 kind! {
     /// Nested squares of graded luminance. Their diagonals look brighter. After Vasarely's "Arcturus"; Bangay fig. 1 j,
@@ -32,14 +33,14 @@ impl Vasarely {
     }
 
     /// Returns the mean of [`Self::inside`] over a pixel, within which it ranges from `least` to `most`.
-    fn covered(&self, grid: &Grid, place: Point, least: f64, most: f64) -> f64 {
+    fn covered(&self, grid: &Grid, place: DVec2, least: f64, most: f64) -> f64 {
         let side = f64::from(grid.size);
         // In the frame of the pixel, whose sides run along the axes, the squares are rotated.
         let corner = |x: f64, y: f64| {
-            let (x, y) = (x - place[0] * side, y - place[1] * side);
-            [x * grid.cos - y * grid.sin, x * grid.sin + y * grid.cos]
+            let (x, y) = (x - place.x * side, y - place.y * side);
+            DVec2::new(x * grid.cos - y * grid.sin, x * grid.sin + y * grid.cos)
         };
-        let cell = pixel([0.0, 0.0]);
+        let cell = pixel(DVec2::ZERO);
         (least as u32 + 1..=most as u32).fold(least, |sum, k| {
             let half = side / 2.0 * (1.0 - f64::from(k) / f64::from(self.squares));
             let square = [corner(-half, -half), corner(half, -half), corner(half, half), corner(-half, half)];
@@ -60,11 +61,8 @@ impl Area for Vasarely {
         let turned = Grid::new(size, self.orientation_deg + 90.0);
         let sharp = grid.is_along_pixels();
         LinearImage::from_fn(size, size, |ix, iy| {
-            if ix == 0 {
-                checkpoint();
-            }
-            let place = [grid.across(ix, iy), turned.across(ix, iy)];
-            let distance = place[0].abs().max(place[1].abs());
+            let place = DVec2::new(grid.across(ix, iy), turned.across(ix, iy));
+            let distance = place.abs().max_element();
             let reach = if sharp { 0.0 } else { std::f64::consts::FRAC_1_SQRT_2 / f64::from(size) };
             let (least, most) = (self.inside(distance + reach), self.inside((distance - reach).max(0.0)));
             let squares = if least == most { least } else { self.covered(&grid, place, least, most) };
@@ -101,11 +99,11 @@ impl Kanizsa {
     }
 
     /// Returns the triangle's corners counterclockwise, relative to the center of a window with this side; y points up.
-    fn corners(&self, window: f64) -> [Point; 3] {
+    fn corners(&self, window: f64) -> [DVec2; 3] {
         let reach = self.side * window / 3f64.sqrt();
         [90.0, 210.0, 330.0].map(|degrees| {
             let (cos, sin) = cos_sin(self.orientation_deg + degrees);
-            [reach * cos, reach * sin]
+            DVec2::new(reach * cos, reach * sin)
         })
     }
 
@@ -121,12 +119,8 @@ impl Area for Kanizsa {
         let corners = self.corners(side);
         let radius = self.radius * side;
         LinearImage::from_fn(size, size, |ix, iy| {
-            if ix == 0 {
-                checkpoint();
-            }
-            let center = [f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5];
-            let disc =
-                corners.iter().find(|corner| (center[0] - corner[0]).hypot(center[1] - corner[1]) < radius + 1.0);
+            let center = DVec2::new(f64::from(ix) + 0.5 - side / 2.0, side / 2.0 - f64::from(iy) - 0.5);
+            let disc = corners.iter().find(|corner| center.distance(**corner) < radius + 1.0);
             let share = disc.map_or(0.0, |disc| notched(center, *disc, &corners, radius));
             self.light(share)
         })
@@ -134,85 +128,74 @@ impl Area for Kanizsa {
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         let corners = self.corners(1.0);
-        let light = |x: f64| {
-            let in_triangle = (0..3).all(|i| {
-                let (a, b) = (corners[i], corners[(i + 1) % 3]);
-                (b[0] - a[0]) * -a[1] - (b[1] - a[1]) * (x - a[0]) >= 0.0
-            });
-            let in_disc = corners.iter().any(|corner| (x - corner[0]).hypot(corner[1]) < self.radius);
+        let light = |at: DVec2| {
+            let in_triangle = edges(&corners).all(|(a, b)| (b - a).perp_dot(at - a) >= 0.0);
+            let in_disc = corners.iter().any(|corner| at.distance(*corner) < self.radius);
             self.light(f64::from(u8::from(in_disc && !in_triangle)))
         };
-        (0..size).map(|i| light(place(i, size))).collect()
+        (0..size).map(|i| light(DVec2::new(place(i, size), 0.0))).collect()
     }
 }
 
 /// Returns the share of the area of the pixel at `center` that lies in the disc but not in the triangle.
-fn notched(center: Point, disc: Point, triangle: &[Point; 3], radius: f64) -> f64 {
-    let from_disc = |p: Point| [p[0] - disc[0], p[1] - disc[1]];
-    let cell = pixel(from_disc(center));
-    let triangle: Polygon = triangle.iter().map(|corner| from_disc(*corner)).collect();
+fn notched(center: DVec2, disc: DVec2, triangle: &[DVec2; 3], radius: f64) -> f64 {
+    let cell = pixel(center - disc);
+    let triangle = triangle.map(|corner| corner - disc);
     let share = area_in_disc(&cell, radius) - area_in_disc(&within(&cell, &triangle), radius);
     share.clamp(0.0, 1.0)
 }
 
-/// A point: x and y in pixels.
-type Point = [f64; 2];
-
-/// A convex polygon with its corners in counterclockwise order.
-type Polygon = Vec<Point>;
+/// A convex polygon with its corners in counterclockwise order, in pixels.
+type Polygon = Vec<DVec2>;
 
 /// Returns the unit square around a center.
-fn pixel(center: Point) -> Polygon {
-    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, y]| [center[0] + x, center[1] + y]).to_vec()
+fn pixel(center: DVec2) -> Polygon {
+    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|corner| center + DVec2::from(corner)).to_vec()
 }
 
 /// Returns the part of a convex polygon to the left of the line from `a` to `b`; Sutherland and Hodgman 1974.
-fn left_of(polygon: &[Point], a: Point, b: Point) -> Polygon {
-    let side = |p: Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+fn left_of(polygon: &[DVec2], a: DVec2, b: DVec2) -> Polygon {
     let mut kept = Polygon::with_capacity(polygon.len() + 1);
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (side(p), side(q));
+    for (p, q) in edges(polygon) {
+        let [at_p, at_q] = [p, q].map(|point| (b - a).perp_dot(point - a));
         if at_p >= 0.0 {
             kept.push(p);
         }
         if (at_p > 0.0 && at_q < 0.0) || (at_p < 0.0 && at_q > 0.0) {
-            let t = at_p / (at_p - at_q);
-            kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+            kept.push(p + at_p / (at_p - at_q) * (q - p));
         }
     }
     kept
 }
 
 /// Returns the part of a convex polygon that lies within `clip`, whose corners must be in counterclockwise order.
-fn within(polygon: &[Point], clip: &[Point]) -> Polygon {
-    (0..clip.len()).fold(polygon.to_vec(), |kept, i| left_of(&kept, clip[i], clip[(i + 1) % clip.len()]))
+fn within(polygon: &[DVec2], clip: &[DVec2]) -> Polygon {
+    edges(clip).fold(polygon.to_vec(), |kept, (a, b)| left_of(&kept, a, b))
 }
 
 /// Returns the area of a polygon, positive if its corners are in counterclockwise order.
-fn area(polygon: &[Point]) -> f64 {
-    edges(polygon).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>() / 2.0
+fn area(polygon: &[DVec2]) -> f64 {
+    edges(polygon).map(|(p, q)| p.perp_dot(q)).sum::<f64>() / 2.0
 }
 
 /// Returns the area of the intersection of a polygon and the disc of this radius around the origin. Each edge
 /// contributes the triangle that its part inside the disc forms with the origin, and the sectors that its parts outside
 /// span.
-fn area_in_disc(polygon: &[Point], radius: f64) -> f64 {
+fn area_in_disc(polygon: &[DVec2], radius: f64) -> f64 {
     edges(polygon).map(|(p, q)| edge_in_disc(p, q, radius)).sum()
 }
 
-fn edges(polygon: &[Point]) -> impl Iterator<Item = (Point, Point)> {
+fn edges(polygon: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
     polygon.iter().enumerate().map(|(i, &p)| (p, polygon[(i + 1) % polygon.len()]))
 }
 
-fn edge_in_disc(p: Point, q: Point, radius: f64) -> f64 {
-    let d = [q[0] - p[0], q[1] - p[1]];
-    let (a, b, c) = (dot(d, d), dot(p, d), dot(p, p) - radius * radius);
+fn edge_in_disc(p: DVec2, q: DVec2, radius: f64) -> f64 {
+    let d = q - p;
+    let (a, b, c) = (d.dot(d), p.dot(d), p.dot(p) - radius * radius);
     if a == 0.0 {
         return 0.0;
     }
     let discriminant = b * b - a * c;
-    let point = |t: f64| [p[0] + t * d[0], p[1] + t * d[1]];
     if discriminant <= 0.0 {
         return sector(p, q, radius);
     }
@@ -222,19 +205,11 @@ fn edge_in_disc(p: Point, q: Point, radius: f64) -> f64 {
     if enter >= leave {
         return sector(p, q, radius);
     }
-    let (first, last) = (point(enter), point(leave));
-    sector(p, first, radius) + cross(first, last) / 2.0 + sector(last, q, radius)
+    let (first, last) = (p + enter * d, p + leave * d);
+    sector(p, first, radius) + first.perp_dot(last) / 2.0 + sector(last, q, radius)
 }
 
 /// Returns the signed area of the sector between the directions of two points.
-fn sector(p: Point, q: Point, radius: f64) -> f64 {
-    radius * radius / 2.0 * cross(p, q).atan2(dot(p, q))
-}
-
-fn dot(p: Point, q: Point) -> f64 {
-    p[0] * q[0] + p[1] * q[1]
-}
-
-fn cross(p: Point, q: Point) -> f64 {
-    p[0] * q[1] - p[1] * q[0]
+fn sector(p: DVec2, q: DVec2, radius: f64) -> f64 {
+    radius * radius / 2.0 * p.perp_dot(q).atan2(p.dot(q))
 }

@@ -29,13 +29,13 @@ kind! {
         low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.25"];
         high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75"];
         color: StimulusColor = StimulusColor::YELLOW, Range::Any, "", color::MEANING, color::EXPECTED, ["yellow", "gray"];
-        #[serde(skip_serializing_if = "Option::is_none")]
+        #[serde(skip_serializing_if = "is_default")]
         color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means the color of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
-        #[serde(skip_serializing_if = "RampSpace::is_default")]
+        #[serde(skip_serializing_if = "is_default")]
         space: RampSpace = RampSpace::Rgb, Range::Any, "", "Color space in which the ramp is a straight line; rgb is linear light", "rgb, hsv or lab", ["rgb", "hsv", "lab"];
-        #[serde(skip_serializing_if = "is_zero")]
+        #[serde(skip_serializing_if = "is_default")]
         rounding: f64 = 0.0, Range::Within(0.0, 1.0), "1", "Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged over it", "the proportion of the window over which the corners are rounded", ["0", "0.1", "0.4"];
-        #[serde(skip_serializing_if = "is_zero")]
+        #[serde(skip_serializing_if = "is_default")]
         nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1"];
     }
 }
@@ -43,8 +43,8 @@ kind! {
 /// Standard deviation of the lines that `nulling` draws, window sides.
 const NULLING_SD: f64 = 0.02;
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Returns ∫ I₁ from −∞ to `u`.
@@ -67,39 +67,26 @@ impl MachBand {
 
     /// Returns the profile across the ramp, prepared for repeated evaluation.
     #[must_use]
-    pub fn ramp(&self) -> Ramp {
+    pub fn ramp(&self) -> Ramp<'_> {
         let color_high = self.color_high.unwrap_or(self.color);
         // In any space, a catch trial must be uniform to the last bit.
         let is_one_color = self.color == color_high && (self.space != RampSpace::Lab || self.low == self.high);
         let color_ramp = || ColorRamp::new(self.color, self.low, color_high, self.high, self.space);
-        Ramp {
-            interpolation: Interpolation::with_k(self.depth, self.tanh_k),
-            width: self.width,
-            rounding: self.rounding,
-            nulling: self.nulling,
-            low: self.low,
-            high: self.high,
-            color: self.color,
-            color_ramp: (!is_one_color).then(color_ramp),
-        }
+        let interpolation = Interpolation::with_k(self.depth, self.tanh_k);
+        Ramp { band: self, interpolation, color_ramp: (!is_one_color).then(color_ramp) }
     }
 }
 
 /// The light across a ramp.
 #[derive(Clone, Copy, Debug)]
-pub struct Ramp {
+pub struct Ramp<'a> {
+    band: &'a MachBand,
     interpolation: Interpolation,
-    width: f64,
-    rounding: f64,
-    nulling: f64,
-    low: f64,
-    high: f64,
-    color: StimulusColor,
     /// `None` if the ramp is just one color at varying luminance.
     color_ramp: Option<ColorRamp>,
 }
 
-impl Ramp {
+impl Ramp<'_> {
     /// Returns low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side. The
     /// result does not depend on the colors or the space.
     ///
@@ -110,9 +97,9 @@ impl Ramp {
         let fraction = self.fraction_at(x);
         if fraction >= 1.0 {
             // low + (high − low) can differ from high by a rounding error.
-            self.high
+            self.band.high
         } else {
-            (self.low + (self.high - self.low) * fraction).min(self.high)
+            (self.band.low + (self.band.high - self.band.low) * fraction).min(self.band.high)
         }
     }
 
@@ -121,7 +108,7 @@ impl Ramp {
     pub fn light_at(&self, x: f64) -> [f64; 3] {
         match &self.color_ramp {
             Some(color_ramp) => color_ramp.light_at_fraction(self.fraction_at(x)),
-            None => self.color.light(self.luminance_at(x)),
+            None => self.band.color.light(self.luminance_at(x)),
         }
     }
 
@@ -129,39 +116,39 @@ impl Ramp {
     fn fraction_at(&self, x: f64) -> f64 {
         // At a width of 0, x/0 is ±∞ off the line, which the interpolation maps to 0 and 1. Only 0/0 needs a decision
         // here.
-        let at = |x: f64| if x == 0.0 { 0.5 } else { x / self.width + 0.5 };
-        let ramp = match self.rounding {
+        let at = |x: f64| if x == 0.0 { 0.5 } else { x / self.band.width + 0.5 };
+        let ramp = match self.band.rounding {
             0.0 => self.interpolation.value(at(x)),
-            _ if self.width == 0.0 => (x / self.rounding + 0.5).clamp(0.0, 1.0),
+            _ if self.band.width == 0.0 => (x / self.band.rounding + 0.5).clamp(0.0, 1.0),
             rounding => {
-                let share = rounding / self.width;
+                let share = rounding / self.band.width;
                 (integral(at(x) + 0.5 * share) - integral(at(x) - 0.5 * share)) / share
             }
         };
-        if self.nulling == 0.0 {
+        if self.band.nulling == 0.0 {
             return ramp;
         }
         let line = |center: f64| (-0.5 * ((x - center) / NULLING_SD).powi(2)).exp();
-        let opposite = line(0.5 * self.width) - line(-0.5 * self.width);
-        (ramp - self.nulling * opposite).clamp(0.0, 1.0)
+        let opposite = line(0.5 * self.band.width) - line(-0.5 * self.band.width);
+        (ramp - self.band.nulling * opposite).clamp(0.0, 1.0)
     }
 }
 
-impl Profile for Ramp {
+impl Profile for Ramp<'_> {
     fn light(&self, x: f64, _: f64) -> [f64; 3] {
         self.light_at(x)
     }
 
     fn turning_points(&self) -> Vec<f64> {
-        vec![-0.5 * self.width, 0.5 * self.width]
+        vec![-0.5 * self.band.width, 0.5 * self.band.width]
     }
 
     fn is_level(&self, x: f64) -> bool {
-        x.abs() > 0.5 * self.width
+        x.abs() > 0.5 * self.band.width
     }
 
     fn is_plain(&self) -> bool {
-        self.rounding == 0.0 && self.nulling == 0.0
+        self.band.rounding == 0.0 && self.band.nulling == 0.0
     }
 
     fn bounds(&self, [from, to]: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {

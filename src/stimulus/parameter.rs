@@ -225,13 +225,9 @@ impl ParameterType for Depth {
     }
 }
 
-/// Implements [`ParameterType`] for types that are written as text.
+/// Implements [`ParameterType`] for types that are written as text; each with all its values, if they are a few names.
 macro_rules! text_field {
-    ($($kind:ty),* $(; $($named:ty),*)?) => {
-        $($crate::stimulus::parameter::text_field! { @impl $kind, &[] })*
-        $($($crate::stimulus::parameter::text_field! { @impl $named, Self::NAMES })*)?
-    };
-    (@impl $kind:ty, $choices:expr) => {
+    ($($kind:ty: $choices:expr),*) => {$(
         impl $crate::stimulus::parameter::ParameterType for $kind {
             const CHOICES: &'static [&'static str] = $choices;
             fn read(
@@ -246,7 +242,7 @@ macro_rules! text_field {
                 self.to_string().as_str().into()
             }
         }
-    };
+    )*};
 }
 pub(super) use text_field;
 
@@ -310,9 +306,6 @@ macro_rules! kind {
                 levels_hint: &[$($level),*],
             },)*];
 
-            /// The ranges of the parameters, in the same order.
-            const RANGES: &'static [$crate::stimulus::parameter::Range] = &[$($range,)*];
-
             /// Sets the parameter `name`. This checks only the range of the parameter itself.
             ///
             /// # Errors
@@ -322,12 +315,11 @@ macro_rules! kind {
                 name: &str,
                 value: &$crate::stimulus::parameter::ParameterValue,
             ) -> Result<(), $crate::stimulus::parameter::ParameterError> {
-                let Some(at) = Self::PARAMETERS.iter().position(|parameter| parameter.name == name) else {
+                let Some(parameter) = Self::PARAMETERS.iter().find(|parameter| parameter.name == name) else {
                     return Err($crate::stimulus::parameter::ParameterError::unknown(name, value, Self::KIND, Self::PARAMETERS));
                 };
-                let (parameter, range) = (&Self::PARAMETERS[at], Self::RANGES[at]);
                 $(if name == stringify!($field) {
-                    self.$field = $crate::stimulus::parameter::ParameterType::read(parameter, range, value)?;
+                    self.$field = $crate::stimulus::parameter::ParameterType::read(parameter, $range, value)?;
                 })*
                 Ok(())
             }

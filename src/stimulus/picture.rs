@@ -279,7 +279,10 @@ impl Picture {
             ShownAs::Display => content.light.clone(),
             ShownAs::Codes => content.codes.light(&Transfer::Srgb.into()),
         };
-        framed(&self.sized(light, side), side, |image, x, y| image.pixel(x, y), background)
+        let light = self.sized(light, side);
+        LinearImage::from_fn(side, side, |x, y| {
+            inside([light.width, light.height], side, x, y).map_or(background, |[x, y]| light.pixel(x, y))
+        })
     }
 
     /// Returns the codes of the same window.
@@ -301,7 +304,7 @@ impl Picture {
             }
         };
         let pixel = |x, y| {
-            let inside = inside(&[codes.width, codes.height], side, x, y);
+            let inside = inside([codes.width, codes.height], side, x, y);
             inside.map_or(background, |[x, y]| codes.pixel(x, y)).map(|code| code as u8)
         };
         let samples = (0..side).flat_map(|y| (0..side).flat_map(move |x| pixel(x, y))).collect();
@@ -321,21 +324,10 @@ impl Picture {
 }
 
 /// Returns the pixel of a picture of this size at a place of the square in whose middle it is.
-fn inside([width, height]: &[u32; 2], side: u32, x: u32, y: u32) -> Option<[u32; 2]> {
+fn inside([width, height]: [u32; 2], side: u32, x: u32, y: u32) -> Option<[u32; 2]> {
     let offset = |n: u32| (i64::from(side) - i64::from(n)).div_euclid(2);
     let at = |place: u32, n: u32| u32::try_from(i64::from(place) - offset(n)).ok().filter(|at| *at < n);
-    Some([at(x, *width)?, at(y, *height)?])
-}
-
-fn framed(
-    image: &LinearImage,
-    side: u32,
-    pixel: impl Fn(&LinearImage, u32, u32) -> [f32; 3],
-    background: [f32; 3],
-) -> LinearImage {
-    LinearImage::from_fn(side, side, |x, y| {
-        inside(&[image.width, image.height], side, x, y).map_or(background, |[x, y]| pixel(image, x, y))
-    })
+    Some([at(x, width)?, at(y, height)?])
 }
 
 /// Resizes a picture in linear light: every pixel is the mean of the area that it covers; a picture that grows is

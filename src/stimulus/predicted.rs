@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     text::Cell,
-    vision::{self, Eye, Judge, LuminanceImage, RampBands, VisionError, next_fast_length},
+    vision::{ContrastSpectrum, Eye, Judge, RampBands, VisionError, luminance, next_fast_length},
 };
 
 /// Pixels per degree of the pictures whose detection is predicted: as fine as an average person sees with ease.
@@ -120,8 +120,7 @@ impl ViewingConditions {
     fn ramp(&self, stimulus: &Stimulus, size: u32) -> Option<Ramp> {
         let Stimulus::MachBand(_) = stimulus else { return None };
         let fine = stimulus.profile(size.saturating_mul(IN_PIXEL));
-        let mean =
-            |pixel: &[[f32; 3]]| pixel.iter().map(|light| vision::luminance(*light)).sum::<f64>() / pixel.len() as f64;
+        let mean = |pixel: &[[f32; 3]]| pixel.iter().map(|light| luminance(*light)).sum::<f64>() / pixel.len() as f64;
         let window: Vec<f64> = fine.chunks_exact(IN_PIXEL as usize).map(|pixel| self.cd_m2(mean(pixel))).collect();
         let (first, last) = (*window.first()?, *window.last()?);
         let least = (PLATEAU_DEG * self.px_per_deg(size)).ceil() as usize;
@@ -145,17 +144,15 @@ impl ViewingConditions {
     }
 
     /// Returns the contrast of a stimulus that fills the window, in multiples of the threshold of an average person who
-    /// looks at its middle; see [`vision::detection`].
+    /// looks at its middle; see [`ContrastSpectrum::detection`].
     ///
     /// # Errors
     /// Returns a [`VisionError`] if the window is all black.
     pub fn detection(&self, stimulus: &Stimulus) -> Result<f64, VisionError> {
         let size = (DETECTION_PX_PER_DEG * self.window_deg).clamp(256.0, 1024.0) as u32;
-        let image = stimulus.linear(size);
-        let light = self.luminances(&image);
-        let (width, height) = (image.width as usize, image.height as usize);
-        let picture = LuminanceImage { light: &light, width, height, px_per_deg: self.px_per_deg(size) };
-        vision::detection(&picture, &self.eye(&light))
+        let light = self.luminances(&stimulus.linear(size));
+        let spectrum = ContrastSpectrum::new(&light, [size as usize; 2], self.px_per_deg(size))?;
+        Ok(spectrum.detection(&self.eye(&light)))
     }
 
     /// Prepares to judge pictures of `size` pixels `[across, down]` that fill the window's width, by an eye that is adapted

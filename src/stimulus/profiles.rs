@@ -94,7 +94,7 @@ named! {
         Phong = "phong",
     }
 }
-text_field!(; Shading);
+text_field!(Shading: Self::NAMES);
 
 kind! {
     /// A cylinder of flat facets, seen from the side and lit from the viewer's position: the one-dimensional

@@ -25,14 +25,7 @@ named! {
         Lab = "lab",
     }
 }
-text_field!(; RampSpace);
-
-impl RampSpace {
-    /// Returns whether this is the default, which files omit.
-    pub(super) fn is_default(&self) -> bool {
-        *self == RampSpace::default()
-    }
-}
+text_field!(RampSpace: Self::NAMES);
 
 /// The light between two plateaus of a ramp that is not just one color at varying luminance, prepared for repeated
 /// evaluation.

@@ -45,7 +45,7 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple; Shape, Shader, Correction, Gradients);
+text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES, Gradients: Self::NAMES);
 
 serde_as_text!(Triple);
 

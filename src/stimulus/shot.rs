@@ -31,8 +31,6 @@ pub struct Shot<'f> {
     pub frame: Cow<'f, Frame>,
     /// The shader with its options.
     pub shade: Shade,
-    /// The display's transfer functions if the shader computes encoded values; otherwise `None`.
-    encoding: Option<Transfers>,
     /// Turns the values that the shader computes into codes.
     pub transfers: Transfers,
 }
@@ -71,9 +69,9 @@ impl Renderer {
         let shade = self.shade;
         if self.is_naive() {
             let frame = Cow::Owned(frame.clone().encoded(transfers));
-            Shot { frame, shade, encoding: Some(transfers.clone()), transfers: Transfer::Linear.into() }
+            Shot { frame, shade, transfers: Transfer::Linear.into() }
         } else {
-            Shot { frame: Cow::Borrowed(frame), shade, encoding: None, transfers: transfers.clone() }
+            Shot { frame: Cow::Borrowed(frame), shade, transfers: transfers.clone() }
         }
     }
 
@@ -153,7 +151,7 @@ impl Shot<'_> {
     fn light(&self, shown: impl Fn(f64) -> f32) -> LinearImage {
         let mut image = self.image();
         for pixel in image.data.chunks_exact_mut(3) {
-            let light = self.decoded(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
+            let light = self.frame.emitted(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
             pixel.copy_from_slice(&light.to_array().map(&shown));
         }
         image
@@ -164,14 +162,8 @@ impl Shot<'_> {
     pub fn undershoot(&self) -> Undershoot {
         let (light, ambient) =
             (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
-        let seen = coverage::visible(&self.frame);
-        let shown: Vec<&[f32]> = light
-            .data
-            .chunks_exact(3)
-            .zip(seen)
-            .filter(|(_, t)| *t != coverage::NONE)
-            .map(|(pixel, _)| pixel)
-            .collect();
+        let pixels = light.data.chunks_exact(3).zip(coverage::visible(&self.frame));
+        let shown: Vec<&[f32]> = pixels.filter(|(_, t)| *t != coverage::NONE).map(|(pixel, _)| pixel).collect();
         let missing = |pixel: &&[f32]| (0..3).map(|c| ambient[c] - pixel[c]).fold(0.0, f32::max);
         let share = |is: &dyn Fn(&&[f32]) -> bool| {
             shown.iter().filter(|pixel| is(pixel)).count() as f64 / shown.len().max(1) as f64
@@ -186,10 +178,7 @@ impl Shot<'_> {
     /// Returns the creases in the light that the display emits.
     #[must_use]
     pub fn creases(&self) -> Creases {
-        match self.encoding {
-            Some(_) => Creases::of_encoded(&self.frame, &self.shade, |value| self.decoded(value)),
-            None => Creases::of(&self.frame, &self.shade),
-        }
+        Creases::of(&self.frame, &self.shade)
     }
 
     /// Divides the line from `from` to `to`, in pixels from the top left, into `count` equal segments and returns the
@@ -220,14 +209,6 @@ impl Shot<'_> {
             }
         }
         let shader = Reference::new(&self.frame, &self.shade);
-        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.decoded(shader.light(t, w)))).collect()
-    }
-
-    /// Returns the light that the display emits for a value that the shader computes.
-    fn decoded(&self, value: DVec3) -> DVec3 {
-        match &self.encoding {
-            Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),
-            None => value,
-        }
+        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.frame.emitted(shader.light(t, w)))).collect()
     }
 }

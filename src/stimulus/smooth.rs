@@ -1,6 +1,8 @@
 //! The smooth surface behind a mesh: what a shader's picture should look like, and how visibly it
 //! differs from that.
 
+use rayon::prelude::*;
+
 use super::viewing::ViewingConditions;
 use crate::{
     light::LinearImage,
@@ -63,7 +65,10 @@ impl Judged {
     /// the surface is not known.
     #[must_use]
     pub fn not_compared(&self) -> Option<f64> {
-        self.truth.as_ref().map(|truth| self.share(&truth.common))
+        let Smooth { common, .. } = self.truth.as_ref()?;
+        let shown = self.shown.iter().filter(|shown| **shown).count();
+        let compared = self.shown.iter().zip(common).filter(|(shown, counts)| **shown && **counts).count();
+        Some(1.0 - compared as f64 / shown.max(1) as f64)
     }
 
     /// Returns the number of pixels that show either the mesh or the smooth surface, as a share of those that show the
@@ -71,12 +76,6 @@ impl Judged {
     #[must_use]
     pub fn apart(&self) -> Option<f64> {
         self.truth.as_ref().map(|truth| truth.apart)
-    }
-
-    fn share(&self, mask: &[bool]) -> f64 {
-        let count = |mask: &mut dyn Iterator<Item = bool>| mask.filter(|is| *is).count() as f64;
-        let shown = count(&mut self.shown.iter().copied());
-        1.0 - count(&mut self.shown.iter().zip(mask).map(|(shown, counts)| *shown && *counts)) / shown.max(1.0)
     }
 
     /// Returns how visible the difference between `picture` and the smooth surface is; `None` if the surface is not
@@ -98,7 +97,7 @@ impl Judged {
         let smooth = viewing.luminances(truth);
         let judge = viewing.judge([width, height], &smooth)?;
         let px = TAPER_DEG * viewing.px_per_deg(truth.width);
-        let share: Vec<f64> = distances(mask, width, height).iter().map(|away| (away / px).min(1.0)).collect();
+        let share: Vec<f64> = distances(mask, width, height, px).iter().map(|away| (away / px).min(1.0)).collect();
         let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
         let map = difference.map();
         let mut inside: Vec<f64> = map.enlarged();
@@ -155,10 +154,9 @@ pub struct SurfaceDifference {
     pub map: DifferenceMap,
 }
 
-/// Returns the distance of each pixel from the nearest pixel that does not count, in pixels. It is computed first along
-/// the columns, and then along the rows as the lower envelope of parabolas (Felzenszwalb & Huttenlocher 2012, Theory of
-/// Computing 8:415).
-fn distances(mask: &[bool], width: usize, height: usize) -> Vec<f64> {
+/// Returns the distance of each pixel from the nearest pixel that does not count, in pixels, but at least `reach` if it is
+/// farther away. It is computed first along the columns, and then along the rows.
+fn distances(mask: &[bool], width: usize, height: usize, reach: f64) -> Vec<f64> {
     let far = (width + height) as f64;
     let mut squares = vec![0.0; mask.len()];
     for x in 0..width {
@@ -174,37 +172,13 @@ fn distances(mask: &[bool], width: usize, height: usize) -> Vec<f64> {
             squares[y * width + x] = both * both;
         }
     }
-    let mut row = vec![0.0; width];
-    for squares in squares.chunks_exact_mut(width) {
-        row.copy_from_slice(squares);
-        envelope(&row, squares);
-    }
-    squares.iter().map(|square: &f64| square.sqrt()).collect()
-}
-
-fn envelope(row: &[f64], lowest: &mut [f64]) {
-    let mut apexes: Vec<(usize, f64)> = Vec::with_capacity(row.len());
-    for (x, value) in row.iter().enumerate() {
-        let meets = |apex: usize| {
-            let square = |x: usize| (x * x) as f64;
-            (value + square(x) - row[apex] - square(apex)) / (2 * (x - apex)) as f64
+    let beside = reach.ceil() as usize;
+    let along_row = |row: &[f64]| -> Vec<f64> {
+        let nearest = |x: usize| {
+            let near = x.saturating_sub(beside)..(x + beside + 1).min(width);
+            near.map(|other| (x.abs_diff(other) as f64).powi(2) + row[other]).fold(f64::INFINITY, f64::min).sqrt()
         };
-        while let Some((apex, from)) = apexes.last().copied() {
-            if meets(apex) > from {
-                break;
-            }
-            apexes.pop();
-        }
-        let from = apexes.last().map_or(f64::NEG_INFINITY, |(apex, _)| meets(*apex));
-        apexes.push((x, from));
-    }
-    let mut k = 0;
-    for (x, lowest) in lowest.iter_mut().enumerate() {
-        while apexes.get(k + 1).is_some_and(|(_, from)| *from < x as f64) {
-            k += 1;
-        }
-        let apex = apexes[k].0;
-        let away = x as f64 - apex as f64;
-        *lowest = away * away + row[apex];
-    }
+        (0..width).map(nearest).collect()
+    };
+    squares.par_chunks_exact(width).flat_map_iter(along_row).collect()
 }

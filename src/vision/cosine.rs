@@ -6,6 +6,7 @@ use std::{cell::RefCell, sync::Arc};
 use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
 
+use super::fft::{SHORT, transpose};
 use crate::system::checkpoint;
 
 thread_local! {
@@ -15,16 +16,6 @@ thread_local! {
 /// Returns the transforms of `length` values.
 fn plan(length: usize) -> Arc<dyn TransformType2And3<f64>> {
     PLANNER.with_borrow_mut(|planner| planner.plan_dct2(length))
-}
-
-/// Fewer runs, or values, than this are not worth another thread.
-const SHORT: usize = 4096;
-
-/// An axis of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
-    Across,
-    Down,
 }
 
 /// The amplitudes of the cosines whose sum is a picture, column by column: the one at `across · rows + down` has
@@ -40,7 +31,8 @@ impl Cosines {
     pub(super) fn of(mut picture: Vec<f64>, size: [usize; 2]) -> Cosines {
         let [columns, rows] = size;
         each(&mut picture, columns, |plan, row, scratch| plan.process_dct2_with_scratch(row, scratch));
-        let mut amplitudes = transposed(&picture, [columns, rows]);
+        let mut amplitudes = vec![0.0; picture.len()];
+        transpose(&picture, &mut amplitudes, [columns, rows]);
         drop(picture);
         let scale = 4.0 / (columns * rows) as f64;
         each(&mut amplitudes, rows, |plan, column, scratch| {
@@ -76,11 +68,11 @@ impl Cosines {
     }
 
     /// Returns the picture at `places` `[across, down]`, row by row; coarser places lose the finer cosines. Each
-    /// amplitude is multiplied by `gain`. Along an `odd` axis, sines take the place of cosines.
+    /// amplitude is multiplied by `gain`. Along an `odd` axis, 0 across or 1 down, sines take the place of cosines.
     pub(super) fn at(
         &self,
         places: [usize; 2],
-        odd: Option<Axis>,
+        odd: Option<usize>,
         gain: impl Fn(usize, usize) -> f64 + Sync,
     ) -> Vec<f64> {
         let ([columns, rows], whole) = (places, self.size[1]);
@@ -89,10 +81,11 @@ impl Cosines {
         out.with_min_len(SHORT / rows.min(SHORT)).for_each(|(across, (to, from))| {
             to.iter_mut().zip(from).enumerate().for_each(|(down, (to, from))| *to = from * gain(across, down));
         });
-        each(&mut values, rows, |plan, column, scratch| inverse(plan, column, scratch, odd == Some(Axis::Down)));
-        let mut picture = transposed(&values, [rows, columns]);
+        each(&mut values, rows, |plan, column, scratch| inverse(plan, column, scratch, odd == Some(1)));
+        let mut picture = vec![0.0; values.len()];
+        transpose(&values, &mut picture, [rows, columns]);
         drop(values);
-        each(&mut picture, columns, |plan, row, scratch| inverse(plan, row, scratch, odd == Some(Axis::Across)));
+        each(&mut picture, columns, |plan, row, scratch| inverse(plan, row, scratch, odd == Some(0)));
         picture
     }
 }
@@ -126,22 +119,4 @@ fn each(
             transform(&*plan, run, scratch);
         },
     );
-}
-
-/// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
-fn transposed(from: &[f64], [columns, rows]: [usize; 2]) -> Vec<f64> {
-    const TILE: usize = 16;
-    let mut to = vec![0.0; from.len()];
-    to.par_chunks_mut(TILE * rows).enumerate().for_each(|(tile, to)| {
-        let first = tile * TILE;
-        for top in (0..rows).step_by(TILE) {
-            for (x, column) in to.chunks_exact_mut(rows).enumerate() {
-                let bottom = (top + TILE).min(rows);
-                for (y, to) in column[top..bottom].iter_mut().enumerate() {
-                    *to = from[(top + y) * columns + first + x];
-                }
-            }
-        }
-    });
-    to
 }

@@ -11,27 +11,6 @@ use super::{
 
 /// The picture stands on an endless field of its mean light. This is how much of that field is computed, degrees.
 const FIELD_DEG: f64 = 2.0;
-/// An image in linear light.
-#[derive(Clone, Copy, Debug)]
-pub struct LuminanceImage<'a> {
-    /// Luminance, row by row, starting at the upper left corner; its unit does not matter.
-    pub light: &'a [f64],
-    pub width: usize,
-    pub height: usize,
-    /// Pixels per degree.
-    pub px_per_deg: f64,
-}
-
-/// Returns the contrast of `picture`, in multiples of the threshold at which `eye` tells it from a uniform field of its
-/// mean light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye
-/// looks at the middle of the picture.
-///
-/// # Errors
-/// Returns a [`VisionError`] if the light has the wrong length, if the number of pixels per degree is not above 0, if a
-/// light value is negative or not finite, or if the picture is all black.
-pub fn detection(picture: &LuminanceImage, eye: &Eye) -> Result<f64, VisionError> {
-    Ok(ContrastSpectrum::new(picture)?.detection(eye))
-}
 
 /// The spectrum of a picture's contrast: light divided by mean light, minus 1.
 pub struct ContrastSpectrum {
@@ -45,15 +24,17 @@ pub struct ContrastSpectrum {
 }
 
 impl ContrastSpectrum {
-    /// Computes the spectrum of a picture's contrast with its mean light.
+    /// Computes the spectrum of the contrast of a picture of `size` pixels `[across, down]` with its mean light. `light` is
+    /// its luminance, row by row; the unit does not matter.
     ///
     /// # Errors
-    /// As for [`detection`].
-    pub fn new(picture: &LuminanceImage) -> Result<ContrastSpectrum, VisionError> {
-        check(picture.light, picture.width, picture.height, picture.px_per_deg)?;
-        let mean = picture.light.iter().sum::<f64>() / picture.light.len() as f64;
-        let contrast: Vec<f64> = picture.light.iter().map(|light| light / mean - 1.0).collect();
-        Ok(Self::of(&contrast, [picture.width, picture.height], picture.px_per_deg))
+    /// Returns a [`VisionError`] if the light has the wrong length, if the number of pixels per degree is not above 0, if
+    /// a light value is negative or not finite, or if the picture is all black.
+    pub fn new(light: &[f64], size: [usize; 2], px_per_deg: f64) -> Result<ContrastSpectrum, VisionError> {
+        check(light, size[0], size[1], px_per_deg)?;
+        let mean = light.iter().sum::<f64>() / light.len() as f64;
+        let contrast: Vec<f64> = light.iter().map(|light| light / mean - 1.0).collect();
+        Ok(Self::of(&contrast, size, px_per_deg))
     }
 
     /// Computes the spectrum of the contrast with a field, row by row, for `size` pixels `[across, down]`.
@@ -72,7 +53,9 @@ impl ContrastSpectrum {
         ContrastSpectrum { cosines: Cosines::of(values, whole), field, given, size, first }
     }
 
-    /// Returns the contrast in multiples of the threshold of `eye`, which looks at the middle of the picture.
+    /// Returns the contrast in multiples of the threshold at which `eye` tells the picture from a uniform field of its mean
+    /// light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye looks at the middle
+    /// of the picture.
     #[must_use]
     pub fn detection(&self, eye: &Eye) -> f64 {
         self.pooled(&eye.sensitivity, |frequency| eye.sensitivity.at(frequency, eye.luminance))

@@ -9,14 +9,9 @@ const MAX_DEG: f64 = 360.0;
 /// The reason why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VisionError {
-    /// The image has too few pixels.
-    #[error("an image of {width} × {height} pixels is too small; expected at least {least} on each side")]
-    TooSmall {
-        width: usize,
-        height: usize,
-        /// Minimum number of pixels per side.
-        least: usize,
-    },
+    /// The image has no pixels.
+    #[error("an image of {width} × {height} pixels is too small; expected at least 1 on each side")]
+    TooSmall { width: usize, height: usize },
     /// The number of pixels per degree is not a positive number, or is so large that the surround does not fit into
     /// memory.
     #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
@@ -73,8 +68,11 @@ pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64)
     if light.iter().all(|value| *value == 0.0) { Err(VisionError::AllBlack) } else { Ok(()) }
 }
 
-/// Checks that `px_per_deg` is positive, and that the picture fits into the field around the eye.
+/// Checks that there are pixels, that `px_per_deg` is positive, and that the picture fits into the field around the eye.
 pub(super) fn check_extent(width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
+    if width == 0 || height == 0 {
+        return Err(VisionError::TooSmall { width, height });
+    }
     if !(px_per_deg > 0.0 && px_per_deg <= MAX_PX_PER_DEG) {
         return Err(VisionError::Sampling(px_per_deg));
     }

@@ -47,16 +47,21 @@ pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
     transpose(&turned, values, [rows, columns]);
 }
 
+/// Fewer runs, or values, than this are not worth another thread.
+pub(super) const SHORT: usize = 4096;
+
 /// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
-fn transpose(from: &[Complex64], to: &mut [Complex64], [columns, rows]: [usize; 2]) {
+pub(super) fn transpose<T: Copy + Send + Sync>(from: &[T], to: &mut [T], [columns, rows]: [usize; 2]) {
     const TILE: usize = 16;
-    for top in (0..rows).step_by(TILE) {
-        for first in (0..columns).step_by(TILE) {
-            for y in top..(top + TILE).min(rows) {
-                for x in first..(first + TILE).min(columns) {
-                    to[x * rows + y] = from[y * columns + x];
+    to.par_chunks_mut(TILE * rows).enumerate().with_min_len(SHORT.div_ceil(TILE * rows)).for_each(|(tile, to)| {
+        let first = tile * TILE;
+        for top in (0..rows).step_by(TILE) {
+            for (x, column) in to.chunks_exact_mut(rows).enumerate() {
+                let bottom = (top + TILE).min(rows);
+                for (y, to) in column[top..bottom].iter_mut().enumerate() {
+                    *to = from[(top + y) * columns + first + x];
                 }
             }
         }
-    }
+    });
 }

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    cosine::{Axis, Cosines},
-    error::{VisionError, check},
+    cosine::Cosines,
+    error::{VisionError, check, check_extent},
     eye::Eye,
     fft::{next_fast_length, transform},
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
@@ -69,7 +69,7 @@ impl Judge {
     }
 
     fn new(given: [usize; 2], px_per_deg: f64, eye: Eye, across: Option<[f64; 2]>) -> Result<Judge, VisionError> {
-        check_size(given, px_per_deg)?;
+        check_extent(given[0], given[1], px_per_deg)?;
         let Eye { sensitivity, masking, .. } = eye;
         let extent = given.map(|side| side as f64 / px_per_deg);
         let grid = Grid { size: coarser(given, px_per_deg / ENOUGH_PX_PER_DEG), extent };
@@ -133,7 +133,7 @@ impl Judge {
         share: Option<&[f64]>,
     ) -> Result<Difference<'_>, VisionError> {
         let (contrast, reference) = self.contrasts(shown, reference, share)?;
-        Ok(self.judged(contrast, Some(reference)))
+        Ok(self.judged(contrast, reference))
     }
 
     /// Judges the same difference as if the reference masked nothing.
@@ -142,7 +142,7 @@ impl Judge {
     /// As for [`Judge::difference`].
     pub fn unmasked(&self, shown: &[f64], reference: &[f64]) -> Result<Difference<'_>, VisionError> {
         let (contrast, _) = self.contrasts(shown, reference, None)?;
-        Ok(self.judged(contrast, None))
+        Ok(Difference { judge: self, response: contrast.at(self.grid.size, None, |_, _| 1.0) })
     }
 
     /// Returns the difference and the reference in units of the light to which the eye adapts, through the eye's filter.
@@ -192,11 +192,8 @@ impl Judge {
         averaged(picture.to_vec(), self.given, self.grid.size)
     }
 
-    /// Masks the difference by the reference, band by band, if there is one.
-    fn judged(&self, contrast: Cosines, reference: Option<Cosines>) -> Difference<'_> {
-        let Some(reference) = reference else {
-            return Difference { judge: self, response: contrast.at(self.grid.size, None, |_, _| 1.0) };
-        };
+    /// Masks the difference by the reference, band by band.
+    fn judged(&self, contrast: Cosines, reference: Cosines) -> Difference<'_> {
         let mut masked = Cosines::none(self.grid.size);
         let mut finest = vec![0.0; self.grid.size[0] * self.grid.size[1]];
         for (band, share) in self.shares.iter().enumerate() {
@@ -206,13 +203,10 @@ impl Judge {
             let places = [0, 1].map(|axis| enough(axis).min(self.grid.size[axis]));
             let mut mask = reference.at(places, None, share);
             mask.par_iter_mut().for_each(|value| *value *= *value);
-            for axis in [Axis::Across, Axis::Down] {
-                if places[axis as usize] == 1 {
-                    continue;
-                }
+            for axis in (0..2).filter(|axis| places[*axis] > 1) {
                 // The Riesz transform: odd responses in all orientations alike.
                 let odd = reference.at(places, Some(axis), |x, y| {
-                    let (part, f) = (self.grid.frequencies(x, y)[axis as usize], self.grid.frequency(x, y));
+                    let (part, f) = (self.grid.frequencies(x, y)[axis], self.grid.frequency(x, y));
                     share(x, y) * part / f.max(f64::MIN_POSITIVE)
                 });
                 mask.par_iter_mut().zip(odd).for_each(|(sum, odd)| *sum += odd * odd);
@@ -372,13 +366,4 @@ impl DifferenceMap {
         });
         values
     }
-}
-
-/// Checks the size of pictures to be judged.
-fn check_size(size: [usize; 2], px_per_deg: f64) -> Result<(), VisionError> {
-    let [width, height] = size;
-    if width == 0 || height == 0 {
-        return Err(VisionError::TooSmall { width, height, least: 1 });
-    }
-    super::error::check_extent(width, height, px_per_deg)
 }

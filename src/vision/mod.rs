@@ -10,7 +10,7 @@
 //! ```
 //!
 //! [`Judge`] compares pictures, or lines that vary in one direction; [`RampBands`] compares a ramp with the nearest
-//! smooth edge; [`detection`] compares a picture with a uniform field. [`Sensitivity`] was fitted to people's thresholds,
+//! smooth edge; [`ContrastSpectrum`] compares a picture with a uniform field. [`Sensitivity`] was fitted to people's thresholds,
 //! and the sources of all other constants are cited where they are defined. See `docs/models.md`.
 
 mod cosine;
@@ -26,7 +26,7 @@ mod sensitivity;
 mod steps;
 
 pub use criterion::Criterion;
-pub use detection::{ContrastSpectrum, LuminanceImage, detection};
+pub use detection::ContrastSpectrum;
 pub use error::VisionError;
 pub use eye::{Eye, Masking, luminance, luminances};
 pub use fft::next_fast_length;

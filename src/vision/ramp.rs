@@ -41,7 +41,7 @@ impl RampBands {
     /// As for [`Judge::difference`].
     pub fn of(judge: &Judge, light: &[f64]) -> Result<RampBands, VisionError> {
         let (Some(first), Some(last)) = (light.first().copied(), light.last().copied()) else {
-            return Err(VisionError::TooSmall { width: 0, height: 1, least: 1 });
+            return Err(VisionError::TooSmall { width: 0, height: 1 });
         };
         if first == last {
             return Ok(RampBands::default());

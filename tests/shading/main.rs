@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Depth, LinearImage},
-    shading::{Across, Fan, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Shade, Shader, View},
+    shading::{Fan, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Neighbor, Shade, Shader, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -50,8 +50,8 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         let (a, b) = ends(t, k);
         let others: Vec<_> = sides[&[a.min(b), a.max(b)]].iter().filter(|side| side.0 != t).collect();
         match others[..] {
-            [&(u, l)] if ends(u, l) == (b, a) => Across::Triangle { triangle: u as u32, apex: triangles[u][l] },
-            _ => Across::Nothing,
+            [&(u, l)] if ends(u, l) == (b, a) => Some(Neighbor { triangle: u as u32, apex: triangles[u][l] }),
+            _ => None,
         }
     };
     let triangle = |t: usize| FrameTriangle {

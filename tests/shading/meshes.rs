@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use machband::shading::{
-    EdgeKind, Edges, Fan, Mesh, MeshError, Surface,
+    EdgeKind, Edges, Mesh, MeshError, Surface,
     mesh::newell,
     mesh::triangulated,
     shapes::{self, Shape},
@@ -251,11 +251,12 @@ fn curvature_error(mesh: &Mesh, truth: impl Fn(DVec3) -> DMat3) -> f64 {
     let surface = Surface::new(mesh.clone());
     let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
     let mut worst = [0f64; 2];
-    for (vertex, Fan { curvature, .. }) in mesh.vertices.iter().zip(&surface.fans) {
-        assert!(norm(*curvature - curvature.transpose()) < 1e-12 * norm(*curvature));
-        assert!((*curvature * vertex.normal).length() < 1e-12 * norm(*curvature));
+    for (vertex, rows) in mesh.vertices.iter().zip(&surface.fans.curvature) {
+        let curvature = DMat3::from_cols_array_2d(rows);
+        assert!(norm(curvature - curvature.transpose()) < 1e-12 * norm(curvature));
+        assert!((curvature * vertex.normal).length() < 1e-12 * norm(curvature));
         let truth = truth(vertex.position);
-        worst = [worst[0].max(norm(*curvature - truth)), worst[1].max(norm(truth))];
+        worst = [worst[0].max(norm(curvature - truth)), worst[1].max(norm(truth))];
     }
     worst[0] / worst[1]
 }
@@ -337,7 +338,7 @@ proptest! {
             Ok(mesh) => {
                 prop_assert!(mesh.vertices.iter().all(|v| (v.normal.length() - 1.0).abs() < 1e-12));
                 let surface = Surface::new(mesh);
-                prop_assert!(surface.fans.iter().all(|fan| fan.curvature.is_finite()));
+                prop_assert!(surface.fans.curvature.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
                 prop_assert_eq!(surface.mesh.triangles.len(), triangles.len());
             }
         }

@@ -5,7 +5,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Channels, Fan, Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
+        Channels, Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
         cubic::Gradient,
         mesh::newell,
         shaders::{Patch, ShaderKernel as _},
@@ -143,10 +143,11 @@ fn sphere(vertices: usize) -> Surface {
 /// Makes a sphere with true normals and true curvature.
 fn true_sphere(vertices: usize) -> Surface {
     let mut surface = sphere(vertices);
-    for (Fan { curvature: tensor, .. }, vertex) in surface.fans.iter_mut().zip(&mut surface.mesh.vertices) {
+    for (tensor, vertex) in surface.fans.curvature.iter_mut().zip(&mut surface.mesh.vertices) {
         let n = vertex.position.normalize();
         vertex.normal = n;
-        *tensor = (DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z)) * (1.0 / vertex.position.length());
+        let flat = DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z);
+        *tensor = (flat * (1.0 / vertex.position.length())).to_cols_array_2d();
     }
     surface
 }

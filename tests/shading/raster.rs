@@ -2,7 +2,7 @@
 //! threads.
 
 use glam::{DVec2, DVec3};
-use machband::light::{Depth, LinearImage, Transfer};
+use machband::light::{Bits, ChannelQuantizer, Depth, LinearImage, Transfer};
 use machband::shading::{
     Correction, Encoder, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Prepared, Reference, Shade, Shader,
     Specular, Surface, View, coverage, shapes,
@@ -201,8 +201,8 @@ fn vectors_of_any_width_make_the_same_picture() {
 #[test]
 fn every_code_begins_at_its_threshold() {
     for transfer in [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2)] {
-        let encoder = Encoder::new(&transfer);
-        let mut lights: Vec<f32> = (1..=255).map(|code| encoder.quantizer().threshold(code)).collect();
+        let (encoder, quantizer) = (Encoder::new(&transfer), ChannelQuantizer::new(&transfer, Bits::Eight));
+        let mut lights: Vec<f32> = (1..=255).map(|code| quantizer.threshold(code)).collect();
         lights.extend(lights.clone().iter().map(|light| light.next_down()));
         lights.extend([0.0, -0.0, -1.0, 1.0, 2.0, f32::NAN, 1e30, f32::MIN_POSITIVE, 1e-40]);
         // Every light from 2^-16 to 1 with the same distance between its bits.
@@ -213,7 +213,7 @@ fn every_code_begins_at_its_threshold() {
             frame.vertices.iter_mut().for_each(|vertex| vertex.light = DVec3::splat(f64::from(light)));
             let mut pixels = [0; 64];
             Prepared::new(&frame, &Shade::new(Shader::Gouraud)).codes(&encoder, &mut pixels);
-            let code = encoder.quantizer().code(light) as u8;
+            let code = quantizer.code(light) as u8;
             assert_eq!(pixels.as_chunks().0, [[code, code, code, 255]; 16], "{transfer}, {light}");
         }
     }

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::{
-    Across, Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
+    Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
 };
 
 use crate::{
@@ -163,7 +163,7 @@ fn a_uniform_field_stays_uniform() {
     for (i, vertex) in field.vertices.iter_mut().enumerate() {
         vertex.normal = DVec3::new((i as f64).sin(), (2.0 * i as f64).cos(), 1.0).normalize();
     }
-    field.triangles[9].across[0] = Across::Nothing;
+    field.triangles[9].across[0] = None;
     for &shader in Shader::ALL {
         for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
             for vertex in [Correction::Off, Correction::Repaired] {
@@ -274,7 +274,7 @@ fn every_shader_gives_finite_light_on_every_frame() {
         cube([25.0, 35.0, 10.0], &lighting(toward)),
         cube([45.0, 0.0, 0.0], &lighting(DVec3::Y)),
     ];
-    assert!(frames[1].triangles.iter().any(|t| t.across.contains(&Across::Nothing)));
+    assert!(frames[1].triangles.iter().any(|t| t.across.contains(&None)));
     let combinations = CORRECTIONS.into_iter().flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));
     for frame in &frames {
         for &shader in Shader::ALL {

@@ -4,7 +4,7 @@
 use machband::{
     light::Depth,
     stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
-    vision::{Difference, DifferenceMap, Eye, Judge, LuminanceImage, RampBands, VisionError, detection, unrounded},
+    vision::{ContrastSpectrum, Difference, DifferenceMap, Eye, Judge, RampBands, VisionError, unrounded},
 };
 
 /// Luminance of white without a black, so that contrasts are those of the numbers.
@@ -210,8 +210,8 @@ fn a_difference_from_a_uniform_field_is_detection() {
             let light: Vec<f64> = (0..SIDE * SIDE).map(gabor).collect();
             let uniform = vec![40.0; SIDE * SIDE];
             let center = judge().difference(&light, &uniform, None).unwrap().center();
-            let picture = LuminanceImage { light: &light, width: SIDE, height: SIDE, px_per_deg: PX_PER_DEG };
-            let detected = detection(&picture, &Eye::adapted_to(40.0)).unwrap();
+            let spectrum = ContrastSpectrum::new(&light, [SIDE; 2], PX_PER_DEG).unwrap();
+            let detected = spectrum.detection(&Eye::adapted_to(40.0));
             assert!((center / detected - 1.0).abs() < 5e-4, "{frequency} c/°: {center} {detected}");
         }
     }

@@ -76,17 +76,18 @@ impl Composition {
         let view = view.rotated(self.rotate_deg);
         let sphere = Mesh::bounds_of(&self.bodies.iter().map(|body| &body.surface.mesh).collect::<Vec<_>>());
         let lamps: Vec<Lamp> = self.lamps.iter().map(|lamp| in_eye_space(lamp, view.rotation, sphere)).collect();
-        let frames: Vec<Frame> = self
-            .bodies
-            .iter()
-            .map(|body| {
-                let lighting = Lighting { material: body.material, ambient: self.ambient, lamps: lamps.clone() };
-                Frame::within(sphere, &body.surface, &view, &lighting, self.background)
-            })
-            .collect();
-        let drawn = frames.iter().zip(&self.bodies).map(|(frame, body)| Drawn::new(frame, &body.shade)).collect();
+        let frame = |body: &Body| {
+            let lighting = Lighting { material: body.material, ambient: self.ambient, lamps: lamps.clone() };
+            Frame::within(sphere, &body.surface, &view, &lighting, self.background)
+        };
+        let frames: Vec<Frame> = self.bodies.iter().map(frame).collect();
+        let drawn = frames.iter().zip(&self.bodies).map(|(frame, body)| Drawn {
+            frame,
+            reference: Reference::new(frame, &body.shade),
+            outlines: coverage::outlines(frame),
+        });
         let targets = self.bodies.iter().any(|body| body.index.is_some()).then(|| targets(&self.bodies, &frames));
-        let picture = Picture { scene: self, view, drawn, targets };
+        let picture = Picture { scene: self, view, drawn: drawn.collect(), targets };
         let mut image = LinearImage::new(width, height);
         let row = 3 * width as usize;
         image.data.par_chunks_mut((row * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
@@ -126,12 +127,6 @@ struct Drawn<'f> {
     frame: &'f Frame,
     reference: Reference<'f>,
     outlines: Vec<Option<Outline>>,
-}
-
-impl<'f> Drawn<'f> {
-    fn new(frame: &'f Frame, shade: &Shade) -> Self {
-        Drawn { frame, reference: Reference::new(frame, shade), outlines: coverage::outlines(frame) }
-    }
 }
 
 /// A surface at a pixel.

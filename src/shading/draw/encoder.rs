@@ -44,12 +44,6 @@ impl Encoder {
         Encoder { table: Table::new(&quantizer), quantizer }
     }
 
-    /// Returns the quantizer that encodes one light value at a time.
-    #[must_use]
-    pub fn quantizer(&self) -> &ChannelQuantizer {
-        &self.quantizer
-    }
-
     /// Writes opaque RGBA codes, row by row. If one channel stands for several, it is the first in `light`.
     #[inline(always)]
     pub(super) fn write(&self, light: [&[f32]; 3], channels: Channels, samples: &mut [u8]) {

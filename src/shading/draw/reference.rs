@@ -42,20 +42,15 @@ impl<'f> Reference<'f> {
     #[must_use]
     pub fn image(&self) -> LinearImage {
         let frame = self.frame;
-        let visible = coverage::visible(frame);
-        let mut image = LinearImage::new(frame.width, frame.height);
-        image.data.par_chunks_exact_mut(3).zip(visible).enumerate().for_each(|(i, (pixel, triangle))| {
-            let (x, y) = (i % frame.width as usize, i / frame.width as usize);
+        let light = |(i, triangle): (usize, u32)| {
             checkpoint();
-            let light = match triangle {
-                coverage::NONE => frame.background,
-                _ => {
-                    let center = DVec2::new(x as f64, y as f64) + 0.5;
-                    self.light(triangle as usize, frame.weights(triangle as usize, center))
-                }
-            };
-            pixel.copy_from_slice(&light.as_vec3().to_array());
-        });
-        image
+            if triangle == coverage::NONE {
+                return frame.background.as_vec3().to_array();
+            }
+            let center = DVec2::new((i % frame.width as usize) as f64, (i / frame.width as usize) as f64) + 0.5;
+            self.light(triangle as usize, frame.weights(triangle as usize, center)).as_vec3().to_array()
+        };
+        let pixels: Vec<[f32; 3]> = coverage::visible(frame).into_par_iter().enumerate().map(light).collect();
+        LinearImage { width: frame.width, height: frame.height, data: pixels.into_flattened() }
     }
 }

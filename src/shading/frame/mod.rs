@@ -10,5 +10,5 @@ mod scene;
 pub use coverage::{Outline, Planes};
 pub use gradients::{Field, Gradients};
 pub use patches::Patches;
-pub use projected::{Across, Frame, FrameTriangle, FrameVertex, MeantCrease, View};
+pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, MeantCrease, Neighbor, View};
 pub use scene::{Highlight, Mirrors, Scene};

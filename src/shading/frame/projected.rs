@@ -9,7 +9,7 @@ use crate::{
     shading::{
         cubic,
         lighting::Lighting,
-        mesh::{EdgeKind, Fan, Paint, Smooth, Surface},
+        mesh::{EdgeKind, Paint, Smooth, Surface},
         number::Constant,
     },
 };
@@ -60,33 +60,22 @@ impl View {
     /// at the farthest point, and within a plane it is affine on the screen.
     #[must_use]
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
-        // In perspective, the visible rim of the sphere, not its equator, fills the window.
-        let d = self.distance;
-        let (xy, depth) = if d.is_finite() {
-            let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
+        let (xy, d) = (eye.truncate() * self.ratio(eye.z), self.distance);
+        let depth = if d.is_finite() {
             // 1/(d − z) is affine on the screen.
-            (
-                eye.truncate() * ratio,
-                1.0 - ((1.0 / (d - eye.z)) - 1.0 / (d + 1.0)) / (1.0 / (d - 1.0) - 1.0 / (d + 1.0)),
-            )
+            1.0 - ((1.0 / (d - eye.z)) - 1.0 / (d + 1.0)) / (1.0 / (d - 1.0) - 1.0 / (d + 1.0))
         } else {
-            (eye.truncate(), (1.0 - eye.z) / 2.0)
+            (1.0 - eye.z) / 2.0
         };
         let middle = DVec2::new(f64::from(self.width), f64::from(self.height)) / 2.0;
         (middle + DVec2::new(xy.x, -xy.y) * self.scale(), depth)
     }
 
-    /// Returns the movement on the screen, in pixels, of a point that moves from `eye` along `step`, per step.
-    #[must_use]
-    pub fn moved(&self, eye: DVec3, step: DVec3) -> DVec2 {
+    /// Returns how many times larger than at the rim of the bounding sphere a point with this z is seen. In perspective,
+    /// the visible rim of the sphere, not its equator, fills the window.
+    fn ratio(&self, z: f64) -> f64 {
         let d = self.distance;
-        let xy = if d.is_finite() {
-            let ratio = (d * d - 1.0).sqrt() / (d - eye.z);
-            (step.truncate() + eye.truncate() * (step.z / (d - eye.z))) * ratio
-        } else {
-            step.truncate()
-        };
-        DVec2::new(xy.x, -xy.y) * self.scale()
+        if d.is_finite() { (d * d - 1.0).sqrt() / (d - z) } else { 1.0 }
     }
 
     /// Returns the weight of a point with this z in interpolation that is corrected for perspective: the eye's distance
@@ -104,8 +93,7 @@ impl View {
     /// Returns the pixels per unit of the plane z = 0 in eye space.
     #[must_use]
     pub fn pixels_per_unit(&self) -> f64 {
-        let d = self.distance;
-        self.scale() * if d.is_finite() { (d * d - 1.0).sqrt() / d } else { 1.0 }
+        self.scale() * self.ratio(0.0)
     }
 
     /// Returns the line of sight through a position on the screen: a point on it in front of the bounding sphere, and
@@ -132,7 +120,10 @@ impl View {
 
 impl cubic::Screen for View {
     fn moved(&self, eye: cubic::V, step: cubic::V) -> [f64; 2] {
-        View::moved(self, eye.into(), step.into()).to_array()
+        let (eye, step) = (DVec3::from(eye), DVec3::from(step));
+        // In a parallel projection, the eye is infinitely far away, and only `step` counts.
+        let xy = (step.truncate() + eye.truncate() * (step.z / (self.distance - eye.z))) * self.ratio(eye.z);
+        (DVec2::new(xy.x, -xy.y) * self.scale()).to_array()
     }
 
     fn toward(&self, eye: cubic::V) -> cubic::V {
@@ -157,7 +148,7 @@ pub struct Frame {
     pub paint: Option<Arc<Paint>>,
     /// The vertices. If the surface also shows its back, the vertices of the back follow the vertices of the front.
     pub vertices: Vec<FrameVertex>,
-    /// The curvature at the vertices in eye space, as in [`Surface::fans`]. The fans of a back follow the fans of the
+    /// The curvature at the vertices, as in [`Surface::fans`]. The fans of a back follow the fans of the
     /// front.
     pub fans: Vec<Fan>,
     /// The triangles to draw: the ones that face the eye and have an area on the screen, in the order of the mesh.
@@ -190,6 +181,15 @@ pub struct FrameVertex {
     pub ambient: DVec3,
 }
 
+/// Triangles around a vertex over which the curvature does not jump; usually all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fan {
+    /// The index into [`Frame::vertices`].
+    pub vertex: u32,
+    /// dN/dp in eye space; see [`Surface::fans`].
+    pub curvature: DMat3,
+}
+
 /// A triangle on the screen. Edge k is opposite corner k, from corner k+1 to k+2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrameTriangle {
@@ -205,8 +205,10 @@ pub struct FrameTriangle {
     pub is_back: bool,
     /// Unit normal of the face in eye space, pointing toward the eye.
     pub normal: DVec3,
-    /// What lies across each edge.
-    pub across: [Across; 3],
+    /// The neighbor across each edge; `None` if there is none to join smoothly: the edge is a border of the surface, a
+    /// crease, a silhouette (the neighbor faces away or lies on the same side of the edge on the screen), or the edge of
+    /// more than two triangles.
+    pub across: [Option<Neighbor>; 3],
 }
 
 /// An edge at which the surface is meant to have a crease.
@@ -218,19 +220,13 @@ pub struct MeantCrease {
     pub triangle: u32,
 }
 
-/// What lies across an edge of a triangle, in this view.
+/// A triangle across an edge that is also visible and shares the vertices of the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Across {
-    /// A triangle that is also visible and shares the vertices of the edge.
-    Triangle {
-        /// The neighbor's index into [`Frame::triangles`].
-        triangle: u32,
-        /// The neighbor's third vertex D, an index into [`Frame::vertices`].
-        apex: u32,
-    },
-    /// No neighbor to join smoothly: the edge is a border of the surface, a crease, a silhouette (the neighbor faces
-    /// away or lies on the same side of the edge on the screen), or the edge of more than two triangles.
-    Nothing,
+pub struct Neighbor {
+    /// Its index into [`Frame::triangles`].
+    pub triangle: u32,
+    /// Its third vertex D, an index into [`Frame::vertices`].
+    pub apex: u32,
 }
 
 /// The number of positions per pixel on which vertices can lie.
@@ -277,11 +273,13 @@ impl Frame {
         }
         // The fans of the vertices come first on either side.
         let back = mesh.vertices.len() as u32;
-        let fan = |fan: &Fan, side: f64| Fan {
-            vertex: fan.vertex + if side < 0.0 { back } else { 0 },
-            curvature: rotation * fan.curvature * rotation.transpose() * (side / scale),
+        let fan = |(vertex, rows): (&u32, &cubic::Tensor), side: f64| Fan {
+            vertex: vertex + if side < 0.0 { back } else { 0 },
+            // The tensors are symmetric, so that their rows are their columns.
+            curvature: rotation * DMat3::from_cols_array_2d(rows) * rotation.transpose() * (side / scale),
         };
-        let fans = sides.iter().flat_map(|side| surface.fans.iter().map(|of| fan(of, *side))).collect();
+        let of_mesh = || surface.fans.vertices.iter().zip(&surface.fans.curvature);
+        let fans = sides.iter().flat_map(|side| of_mesh().map(|of| fan(of, *side))).collect();
         let mut frame = Frame {
             width: view.width,
             height: view.height,
@@ -365,6 +363,15 @@ impl Frame {
         }
     }
 
+    /// Returns the light that the display emits for a value that a shader computes from the frame's light values.
+    #[must_use]
+    pub fn emitted(&self, value: DVec3) -> DVec3 {
+        match &self.encoding {
+            Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),
+            None => value,
+        }
+    }
+
     fn find_triangles(&mut self, surface: &Surface, open: bool) {
         let mesh = &surface.mesh;
         let back = mesh.vertices.len() as u32;
@@ -392,18 +399,11 @@ impl Frame {
             // The back is the triangle with its corners reversed, so its edges 1 and 2 swap places.
             let edges = if is_back { [edges[0], edges[2], edges[1]] } else { edges };
             let across = edges.map(|e| {
-                let edge = &surface.edges.edges[e as usize];
-                match edge.kind {
-                    EdgeKind::Border | EdgeKind::Crease | EdgeKind::NonManifold => Across::Nothing,
-                    EdgeKind::Smooth => {
-                        let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
-                        let apex = mesh.triangles[other as usize][usize::from(k)] + if is_back { back } else { 0 };
-                        match drawn[other as usize] {
-                            Some((triangle, theirs)) if theirs.contains(&apex) => Across::Triangle { triangle, apex },
-                            _ => Across::Nothing,
-                        }
-                    }
-                }
+                let edge = Some(&surface.edges.edges[e as usize]).filter(|edge| edge.kind == EdgeKind::Smooth)?;
+                let (other, k) = edge.sides[usize::from(edge.sides[0].0 == t as u32)];
+                let apex = mesh.triangles[other as usize][usize::from(k)] + if is_back { back } else { 0 };
+                let (triangle, theirs) = drawn[other as usize]?;
+                theirs.contains(&apex).then_some(Neighbor { triangle, apex })
             });
             let [a, b, c] = corners.map(|v| self.vertices[v as usize].eye);
             let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -413,9 +413,9 @@ impl Frame {
                     self.creases.push(MeantCrease { ends, triangle: self.triangles.len() as u32 });
                 }
             }
-            let (mut fans, mut sides) = (surface.of_corners[t], surface.sides[t]);
+            let (mut fans, mut sides) = (surface.fans.of_corners[t], surface.fans.sides[t]);
             if is_back {
-                let of_back = |fan: u32| fan + surface.fans.len() as u32;
+                let of_back = |fan: u32| fan + surface.fans.vertices.len() as u32;
                 fans = [fans[0], fans[2], fans[1]].map(of_back);
                 sides = [sides[0], sides[2], sides[1]].map(|[next, previous]| [previous, next].map(of_back));
             }
@@ -429,7 +429,7 @@ impl Frame {
     pub(crate) fn shared_edges(&self) -> impl Iterator<Item = [(usize, usize); 2]> + '_ {
         let sides = (0..self.triangles.len()).flat_map(|t| [(t, 0), (t, 1), (t, 2)]);
         sides.filter_map(|(t, k)| {
-            let Across::Triangle { triangle, apex } = self.triangles[t].across[k] else { return None };
+            let Neighbor { triangle, apex } = self.triangles[t].across[k]?;
             let other = triangle as usize;
             let opposite = self.triangles[other].vertices.iter().position(|v| *v == apex)?;
             (t < other).then_some([(t, k), (other, opposite)])

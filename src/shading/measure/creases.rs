@@ -61,26 +61,19 @@ impl Creases {
         Creases::summed(shared.into_par_iter().map(measured).collect())
     }
 
-    /// Measures the creases that `shade` leaves in `frame`.
+    /// Measures the creases that `shade` leaves in `frame`, in the light that the display emits.
     #[must_use]
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
-        Creases::of_encoded(frame, shade, |light| light)
+        let reference = Reference::new(frame, shade);
+        // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
+        let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
+        Creases::of_field(frame, step, |triangle, weights| frame.emitted(reference.light(triangle, weights)))
     }
 
     /// Measures the creases that the Gouraud shader leaves in `frame`, for comparison.
     #[must_use]
     pub fn of_gouraud(frame: &Frame) -> Creases {
         Creases::of(frame, &Shade::new(Shader::Gouraud))
-    }
-
-    /// Measures the creases in the light that a display emits for a `frame` of encoded light values; `decode` turns
-    /// encoded values into light.
-    #[must_use]
-    pub fn of_encoded(frame: &Frame, shade: &Shade, decode: impl Fn(DVec3) -> DVec3 + Sync) -> Creases {
-        let reference = Reference::new(frame, shade);
-        // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
-        let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
-        Creases::of_field(frame, step, |triangle, weights| decode(reference.light(triangle, weights)))
     }
 
     /// Returns this rms divided by the rms of `other`; `None` if the latter is only rounding error, at most [`NOISE`].

@@ -63,15 +63,12 @@ fn draw(image: &mut LinearImage, frame: &Frame, visible: &[u32], edge: &EdgeCrea
             let along = ((center - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
             let nearest = a + along * (b - a);
             let cover = (HALF_WIDTH + 0.5 - center.distance(nearest)).clamp(0.0, 1.0) as f32;
-            if cover > 0.0 && is_near(frame, visible, nearest, edge.triangles) {
+            // One of the triangles is visible within a pixel.
+            let is_seen = || coverage::around(frame, nearest).any(|pixel| edge.triangles.contains(&visible[pixel]));
+            if cover > 0.0 && is_seen() {
                 let under = image.pixel(x, y);
                 image.set_pixel(x, y, [0, 1, 2].map(|c| under[c] + cover * (color[c] - under[c])));
             }
         }
     }
-}
-
-/// True if one of `triangles` is visible within a pixel of `place`.
-fn is_near(frame: &Frame, visible: &[u32], place: DVec2, triangles: [u32; 2]) -> bool {
-    coverage::around(frame, place).any(|pixel| triangles.contains(&visible[pixel]))
 }

@@ -1,6 +1,6 @@
 //! Builds meshes from positions and faces, and triangulates polygons.
 
-use std::collections::VecDeque;
+use std::{collections::VecDeque, ops::Range};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -107,26 +107,24 @@ impl Polygons {
     /// Makes polygons flat that were given no normal; returns whether there are any.
     pub fn flatten(&mut self, positions: &[DVec3]) -> bool {
         self.normals.resize(self.sites.len(), None);
-        let (mut start, mut are_any) = (0, false);
-        for end in &self.ends {
-            let (sites, normals) = (&self.sites[start..*end], &mut self.normals[start..*end]);
+        let mut are_any = false;
+        for corners in self.corners() {
+            let (sites, normals) = (&self.sites[corners.clone()], &mut self.normals[corners]);
             if normals.iter().all(Option::is_none) {
                 let corners: Vec<DVec3> = sites.iter().map(|site| positions[*site as usize]).collect();
                 normals.fill(normals::newell(&corners).try_normalize());
                 are_any = true;
             }
-            start = *end;
         }
         are_any
     }
 
     /// Leaves out polygons that go around the same sites in the same direction as an earlier one, and returns how many.
     pub fn drop_repeated(&mut self) -> usize {
-        let starts: Vec<usize> = std::iter::once(0).chain(self.ends.iter().copied()).collect();
-        let corners = |face: &u32| starts[*face as usize]..starts[*face as usize + 1];
+        let corners = self.corners();
         // From the lowest site on.
         let around = |face: &u32| {
-            let sites = &self.sites[corners(face)];
+            let sites = &self.sites[corners[*face as usize].clone()];
             let first = (0..sites.len()).min_by_key(|at| sites[*at]).unwrap_or_default();
             sites[first..].iter().chain(&sites[..first])
         };
@@ -137,17 +135,16 @@ impl Polygons {
         kept.sort_unstable();
         let repeated = faces.len() - kept.len();
         if repeated > 0 {
-            *self = self.only(kept.iter().map(|face| (*face as usize, corners(face))));
+            *self = self.only(kept.iter().map(|face| (*face as usize, corners[*face as usize].clone())));
         }
         repeated
     }
 
     /// Leaves out corners at the site of the next one, and polygons that have fewer than three others.
     pub(super) fn drop_collapsed(&mut self) {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        let others = starts.zip(&self.ends).map(|(start, end)| {
-            let next = |at: usize| if at + 1 < *end { at + 1 } else { start };
-            (start..*end).filter(|at| self.sites[*at] != self.sites[next(*at)]).collect::<Vec<usize>>()
+        let others = self.corners().into_iter().map(|Range { start, end }| {
+            let next = |at: usize| if at + 1 < end { at + 1 } else { start };
+            (start..end).filter(|at| self.sites[*at] != self.sites[next(*at)]).collect::<Vec<usize>>()
         });
         *self = self.only(others.enumerate().filter(|(_, others)| others.len() >= 3));
     }
@@ -165,10 +162,23 @@ impl Polygons {
         left
     }
 
-    /// Returns the sites of each polygon, and its normals if any polygon has normals.
-    fn iter(&self) -> impl Iterator<Item = (&[u32], Option<&[Option<DVec3>]>)> {
+    /// Returns the corners of each polygon, as indices into `sites`.
+    pub(super) fn corners(&self) -> Vec<Range<usize>> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, end)| (&self.sites[start..*end], self.normals.get(start..*end)))
+        starts.zip(&self.ends).map(|(start, end)| start..*end).collect()
+    }
+
+    /// Returns the sides of all polygons in the order of their edges: the edge, with its lower site first; the polygon; and
+    /// whether it goes along the edge from the lower site to the higher.
+    pub(super) fn sides(&self) -> Vec<([u32; 2], u32, bool)> {
+        let mut sides = Vec::with_capacity(self.sites.len());
+        for (face, corners) in (0..).zip(self.corners()) {
+            let sites = &self.sites[corners];
+            let around = sites.iter().zip(sites.iter().cycle().skip(1));
+            sides.extend(around.filter(|(a, b)| a != b).map(|(a, b)| ([*a.min(b), *a.max(b)], face, a < b)));
+        }
+        sides.sort_unstable();
+        sides
     }
 }
 
@@ -196,9 +206,9 @@ impl Mesh {
         check(positions, polygons)?;
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
-        let mut first = 0;
-        for (face, (sites, theirs)) in polygons.iter().enumerate() {
+        for (face, range) in polygons.corners().into_iter().enumerate() {
             checkpoint();
+            let (sites, theirs) = (&polygons.sites[range.clone()], polygons.normals.get(range.clone()));
             let corners: Vec<DVec3> = sites.iter().map(|i| positions[*i as usize]).collect();
             let normal = normals::newell(&corners);
             for triangle in triangulated(&corners) {
@@ -207,11 +217,10 @@ impl Mesh {
                 faces.push(face as u32);
                 given.extend(theirs.map(|theirs| triangle.map(|k| theirs[k as usize])));
                 if !polygons.paint.is_empty() {
-                    paint.corners.push(triangle.map(|k| polygons.paint[first + k as usize]));
+                    paint.corners.push(triangle.map(|k| polygons.paint[range.start + k as usize]));
                     paint.of_triangles.push(polygons.of_polygons[face]);
                 }
             }
-            first += sites.len();
         }
         match triangles.len() {
             0 => return Err(MeshError::NoTriangles),
@@ -239,10 +248,9 @@ fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
     if let Some(at) = positions.iter().position(|p| !within(p)) {
         return Err(MeshError::NotFinite(at));
     }
-    for (face, (corners, _)) in polygons.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|i| **i as usize >= positions.len()) {
-            return Err(MeshError::OutOfRange { face, index, positions: positions.len() });
-        }
+    if let Some(at) = polygons.sites.iter().position(|site| *site as usize >= positions.len()) {
+        let face = polygons.ends.partition_point(|end| *end <= at);
+        return Err(MeshError::OutOfRange { face, index: polygons.sites[at], positions: positions.len() });
     }
     Ok(())
 }

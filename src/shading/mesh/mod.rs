@@ -19,6 +19,6 @@ pub use normals::newell;
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
 pub(crate) use rings::Rings;
 pub use smooth::Smooth;
-pub use surface::{Fan, Surface};
+pub use surface::Surface;
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};
 pub use weld::Seams;

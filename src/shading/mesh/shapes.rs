@@ -75,11 +75,12 @@ impl Shape {
     pub const fn min_vertices(self) -> usize {
         match self {
             Shape::Cube | Shape::Pyramid => 8,
-            Shape::Sphere => MIN_SPHERE_VERTICES,
+            // An icosahedron, or four rows of three.
+            Shape::Sphere | Shape::Torus | Shape::JitteredTorus => 12,
             // Twelve times as many meridians as bands between parallels.
             Shape::UvSphere => 12 * MIN_PARALLELS * (MIN_PARALLELS - 1) + 2,
-            Shape::Torus | Shape::JitteredTorus => MIN_TORUS_VERTICES,
-            Shape::Blob | Shape::Terrain => MIN_BLOB_VERTICES,
+            // A tetrahedron, or the corners of a square.
+            Shape::Blob | Shape::Terrain => 4,
             Shape::Cylinder => 2 * MIN_SIDES,
             Shape::FilletedCylinder => filleted_vertices(MIN_SIDES),
         }
@@ -148,12 +149,6 @@ pub fn pyramid() -> Mesh {
 fn solid(positions: &[DVec3], polygons: &Polygons) -> Mesh {
     Mesh::from_polygons(positions, polygons, 180.0).expect("a solid is a mesh")
 }
-
-/// The fewest vertices of a sphere: an icosahedron.
-const MIN_SPHERE_VERTICES: usize = 12;
-
-/// The fewest vertices of a torus: four rows of three.
-const MIN_TORUS_VERTICES: usize = 12;
 
 /// Returns the number of parts into which each edge of the icosahedron is cut to get about `vertices` vertices.
 fn subdivisions(vertices: usize) -> usize {
@@ -285,12 +280,8 @@ fn parallels(vertices: usize) -> usize {
 
 /// Makes the unit sphere from bands between `parallels` − 1 parallels and the poles, cut along 12·`parallels` meridians.
 fn uv_sphere(parallels: usize) -> Mesh {
-    let bands: Vec<(f64, f64)> = (1..parallels)
-        .map(|band| {
-            let (sin, cos) = (std::f64::consts::PI * band as f64 / parallels as f64).sin_cos();
-            (sin, cos)
-        })
-        .collect();
+    let band = |band: usize| (std::f64::consts::PI * band as f64 / parallels as f64).sin_cos();
+    let bands: Vec<(f64, f64)> = (1..parallels).map(band).collect();
     let (positions, triangles) = turned(&bands, 12 * parallels, Some(1.0));
     round(&positions, &triangles, Smooth::Sphere)
 }
@@ -382,9 +373,6 @@ fn terrain(cells: usize) -> Mesh {
         corners.flat_map(|a| [[a, a + 1, a + above + 1], [a, a + above + 1, a + above]]).collect();
     round(&positions, &triangles, Smooth::Terrain)
 }
-
-/// The fewest vertices of a blob: a tetrahedron.
-const MIN_BLOB_VERTICES: usize = 4;
 
 /// Returns `count` points spread evenly over the unit sphere: the i-th point is at z = 1 − (2i + 1)/`count`, rotated
 /// from the previous one by the golden angle.

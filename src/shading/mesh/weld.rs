@@ -121,16 +121,7 @@ impl Polygons {
 
     /// Returns the edges in order, each with its lower site first, and the number of faces at each.
     fn edges(&self) -> Vec<([u32; 2], usize)> {
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.sites.len());
-        let mut start = 0;
-        for end in &self.ends {
-            let sites = &self.sites[start..*end];
-            let around = sites.iter().zip(sites.iter().cycle().skip(1));
-            edges.extend(around.filter(|(a, b)| a != b).map(|(a, b)| [*a.min(b), *a.max(b)]));
-            start = *end;
-        }
-        edges.sort_unstable();
-        edges.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
+        self.sides().chunk_by(|a, b| a.0 == b.0).map(|same| (same[0].0, same.len())).collect()
     }
 }
 

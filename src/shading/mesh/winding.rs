@@ -1,7 +1,5 @@
 //! Gives neighboring faces the same winding.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use super::build::Polygons;
@@ -14,26 +12,14 @@ impl Polygons {
     /// second number counts their faces. A part with given normals faces to their side; the third number counts the faces
     /// that are reversed for it.
     pub fn unify_winding(&mut self, positions: &[DVec3]) -> [usize; 3] {
-        let starts: Vec<usize> = std::iter::once(0).chain(self.ends.iter().copied()).collect();
-        let has_normals = self.has_normals();
-        // The faces at each edge, and whether they go along it from the lower site to the higher.
-        let mut edges: HashMap<[u32; 2], Vec<(u32, bool)>> = HashMap::with_capacity(self.sites.len());
-        for face in 0..self.ends.len() {
-            let sites = &self.sites[starts[face]..starts[face + 1]];
-            for (i, from) in sites.iter().enumerate() {
-                let to = sites[(i + 1) % sites.len()];
-                if *from != to {
-                    edges.entry([*from.min(&to), *from.max(&to)]).or_default().push((face as u32, *from < to));
-                }
-            }
-        }
+        let (corners, has_normals) = (self.corners(), self.has_normals());
         let mut neighbors = vec![Vec::new(); self.ends.len()];
         let mut is_open = vec![false; self.ends.len()];
-        for sides in edges.values() {
+        for sides in self.sides().chunk_by(|a, b| a.0 == b.0) {
             if sides.len() != 2 {
-                sides.iter().for_each(|(face, _)| is_open[*face as usize] = true);
+                sides.iter().for_each(|(_, face, _)| is_open[*face as usize] = true);
             }
-            if let [(a, forth), (b, back)] = sides[..]
+            if let [(_, a, forth), (_, b, back)] = sides[..]
                 && a != b
             {
                 neighbors[a as usize].push((b, forth == back));
@@ -67,11 +53,11 @@ impl Polygons {
                 continue;
             }
             let mut fewer = 2 * reversed <= part.len();
-            let origin = place(&self.sites[starts[part[0]]]);
+            let origin = place(&self.sites[corners[part[0]].start]);
             // The sum over the part of what `of` is for a triangle of one of its faces.
             let sum = |of: &dyn Fn(usize, [DVec3; 3]) -> f64| -> f64 {
                 let of_face = |face: &usize| {
-                    let sites = &self.sites[starts[*face]..starts[*face + 1]];
+                    let sites = &self.sites[corners[*face].clone()];
                     let fan = sites.windows(2).map(|pair| [sites[0], pair[0], pair[1]].map(|s| place(&s) - origin));
                     let sum: f64 = fan.map(|triangle| of(*face, triangle)).sum();
                     if is_reversed[*face] == Some(true) { -sum } else { sum }
@@ -79,7 +65,7 @@ impl Polygons {
                 part.iter().map(of_face).sum()
             };
             let along_normals = |face: usize, [a, b, c]: [DVec3; 3]| {
-                let normals = self.normals.get(starts[face]..starts[face + 1]).into_iter().flatten().flatten();
+                let normals = self.normals.get(corners[face].clone()).into_iter().flatten().flatten();
                 (b - a).cross(c - a).dot(normals.sum())
             };
             let agreement = if has_normals { sum(&along_normals) } else { 0.0 };
@@ -95,13 +81,13 @@ impl Polygons {
                 }
             }
             for face in part.into_iter().filter(|face| is_reversed[*face] == Some(fewer)) {
-                self.reverse(starts[face]..starts[face + 1]);
+                self.reverse(corners[face].clone());
                 *(if agreement == 0.0 { &mut count } else { &mut opposed }) += 1;
             }
         }
         if volume < 0.0 {
             turned = right.len();
-            right.into_iter().for_each(|face: usize| self.reverse(starts[face]..starts[face + 1]));
+            right.into_iter().for_each(|face: usize| self.reverse(corners[face].clone()));
         }
         [count, turned, opposed]
     }

@@ -179,11 +179,7 @@ fn reweight_printed<N: Number, const C: usize>(
     let (t, width) = (least(w), narrowed(w, b));
     let inside = N::select(t.below(width), step.value(t / width.max(one.of(MIN_WIDTH))), one);
     let factor = one / (normal + (one - normal) * inside).max(one.of(MIN_NORMAL_LENGTH));
-    let mut light = value;
-    for c in 0..C {
-        light[c] = value[c] * factor;
-    }
-    light
+    value.map(|value| value * factor)
 }
 
 /// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.

@@ -1,7 +1,5 @@
 //! One light value per triangle. Shoaff §3.4.
 
-use glam::DVec3;
-
 use super::gouraud::ShaderKernel;
 use crate::shading::{
     frame::Frame,
@@ -15,14 +13,11 @@ pub struct Flat<T, const C: usize>(Vec<[T; C]>);
 impl<T: Constant, const C: usize> Flat<T, C> {
     /// Prepares the shader for the triangles of `frame`.
     pub fn new(frame: &Frame, channels: Channels) -> Self {
-        Flat(frame.each_triangle(|t| channels.pick(light(frame, t))))
+        Flat(frame.each_triangle(|t| {
+            let [a, b, c] = frame.corners(t).map(|v| v.eye);
+            channels.pick(frame.lit((a + b + c) / 3.0, frame.triangles[t].normal))
+        }))
     }
-}
-
-/// Returns the light of `triangle`.
-fn light(frame: &Frame, triangle: usize) -> DVec3 {
-    let [a, b, c] = frame.corners(triangle).map(|v| v.eye);
-    frame.lit((a + b + c) / 3.0, frame.triangles[triangle].normal)
 }
 
 impl<T: Constant, const C: usize> ShaderKernel<T, C> for Flat<T, C> {

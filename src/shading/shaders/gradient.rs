@@ -5,21 +5,10 @@ use super::{fixed::Fixed, gouraud::ShaderKernel, strips::OTHERS};
 use crate::{
     light::Depth,
     shading::{
-        frame::{Across, Frame},
+        frame::{Frame, Neighbor},
         number::{Channels, Constant, Number},
     },
 };
-
-/// The slope at the edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sign {
-    /// (I_F − I_E)/2, as printed: leaves half of Gouraud's bend at the middle of an edge, and increases the bend
-    /// elsewhere.
-    Printed,
-    /// (I_A − I_F)/2: the mean of the two slopes, which makes the light C1 at the middle of the edges of
-    /// parallelograms.
-    Repaired,
-}
 
 /// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight. At an edge
 /// without a neighbor, it is the light of [`Fixed`].
@@ -28,18 +17,18 @@ pub struct Gradient<T, const C: usize> {
     fixed: Fixed<T, C>,
     /// The light of the neighbor's vertex D across each edge.
     apexes: Vec<[Option<[T; C]>; 3]>,
-    sign: Sign,
+    /// The slope at the edge. As printed, (I_F − I_E)/2 leaves half of Gouraud's bend at the middle of an edge, and
+    /// increases the bend elsewhere. Repaired, (I_A − I_F)/2 is the mean of the two slopes, which makes the light C1 at the
+    /// middle of the edges of parallelograms.
+    is_repaired: bool,
 }
 
 impl<T: Constant, const C: usize> Gradient<T, C> {
     /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
-    pub fn new(frame: &Frame, channels: Channels, sign: Sign, b: f64, depth: Depth) -> Self {
-        let apex = |across| match across {
-            Across::Triangle { apex, .. } => Some(channels.pick(frame.vertices[apex as usize].light)),
-            Across::Nothing => None,
-        };
-        let apexes = frame.triangles.iter().map(|triangle| triangle.across.map(apex)).collect();
-        Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, sign }
+    pub fn new(frame: &Frame, channels: Channels, is_repaired: bool, b: f64, depth: Depth) -> Self {
+        let apex = |neighbor: Neighbor| channels.pick(frame.vertices[neighbor.apex as usize].light);
+        let apexes = frame.each_triangle(|t| frame.triangles[t].across.map(|neighbor| neighbor.map(apex)));
+        Gradient { fixed: Fixed::new(frame, channels, b, depth), apexes, is_repaired }
     }
 
     #[inline(always)]
@@ -60,10 +49,7 @@ impl<T: Constant, const C: usize> Gradient<T, C> {
         for c in 0..C {
             let near = N::select(nearer_j, one.all(lights[j][c]), one.all(lights[i][c]));
             let beyond = near * f + (one - f).times(apex[c]);
-            let slope = match self.sign {
-                Sign::Printed => beyond - strip.on_edge[c],
-                Sign::Repaired => one.all(lights[k][c]) - beyond,
-            };
+            let slope = if self.is_repaired { one.all(lights[k][c]) - beyond } else { beyond - strip.on_edge[c] };
             light[c] = light[c] + slope * fall;
         }
         light

@@ -27,14 +27,8 @@ pub use shade::{Correction, Shade, Shader};
 pub use strips::Curve;
 
 use self::{
-    c1_phong::C1Phong,
-    corrections::Corrections,
-    fixed::Fixed,
-    flat::Flat,
-    gouraud::Gouraud,
-    gradient::{Gradient, Sign},
-    phong::Phong,
-    quadratic::Quadratic,
+    c1_phong::C1Phong, corrections::Corrections, fixed::Fixed, flat::Flat, gouraud::Gouraud, gradient::Gradient,
+    phong::Phong, quadratic::Quadratic,
 };
 use crate::shading::{
     frame::{Field, Frame, Patches},
@@ -79,7 +73,7 @@ impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
     #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         let (b, depth) = (shade.strip(), shade.depth);
-        let gradient = |sign| UncorrectedShader::Gradient(Gradient::new(frame, channels, sign, b, depth));
+        let gradient = |is_repaired| UncorrectedShader::Gradient(Gradient::new(frame, channels, is_repaired, b, depth));
         match shade.shader {
             Shader::Flat => UncorrectedShader::Flat(Flat::new(frame, channels)),
             Shader::Phong => UncorrectedShader::Phong(Phong::new(frame, channels)),
@@ -93,8 +87,8 @@ impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
             // Without strips, the other shaders are the same as Gouraud.
             _ if b <= 0.0 => UncorrectedShader::Gouraud(Gouraud),
             Shader::Fixed => UncorrectedShader::Fixed(Fixed::new(frame, channels, b, depth)),
-            Shader::Gradient => gradient(Sign::Printed),
-            Shader::GradientRepaired => gradient(Sign::Repaired),
+            Shader::Gradient => gradient(false),
+            Shader::GradientRepaired => gradient(true),
         }
     }
 }

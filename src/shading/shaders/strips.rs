@@ -55,71 +55,49 @@ pub fn select_by_smallest_weight<N: Number, const C: usize>(
 /// and ends without a step; for it, the tanh is stretched: `(T(u) − T(0))/(1 − 2T(0))`, with T(u) = (1 + tanh(5(u −
 /// ½)))/2.
 #[derive(Clone, Debug)]
-pub enum Curve<T> {
-    /// The curve of a finite depth.
-    Finite {
-        /// The depth n.
-        n: u32,
-        /// C(n−1+k, k), k < n.
-        sums: Vec<T>,
-    },
-    /// The curve of n = ∞, stretched to reach 0 and 1 by what it misses of them; as printed, by nothing.
-    Infinite {
-        /// The curve as printed.
-        interpolation: Interpolation,
-        /// T(0), or 0.
-        missing: f64,
-    },
+pub struct Curve<T> {
+    interpolation: Interpolation,
+    /// C(n−1+k, k), k < n, of a finite depth n; empty for n = ∞.
+    sums: Vec<T>,
+    /// T(0), what the curve of n = ∞ misses of 0 and 1; as printed, 0.
+    missing: f64,
 }
 
 impl<T: Constant> Curve<T> {
     /// Makes the curve of depth `depth` that reaches 0 and 1.
     #[must_use]
     pub fn new(depth: Depth) -> Self {
-        let Depth::Finite(n) = depth else {
-            let interpolation = Interpolation::new(depth);
-            return Curve::Infinite { missing: interpolation.value(0.0), interpolation };
-        };
-        let n = u32::from(n.clamp(1, Depth::MAX_FINITE));
-        let mut sums = vec![1.0];
-        for k in 1..n {
-            sums.push(sums[k as usize - 1] * f64::from(n - 1 + k) / f64::from(k));
-        }
-        Curve::Finite { n, sums: sums.into_iter().map(T::of).collect() }
+        let interpolation = Interpolation::new(depth);
+        let sums = if let Interpolation::Polynomial(sums) = interpolation { sums } else { &[] };
+        Curve { sums: sums.iter().map(|c| T::of(*c)).collect(), missing: interpolation.value(0.0), interpolation }
     }
 
     /// Makes the curve of depth `depth` as Bangay prints it.
     #[must_use]
     pub fn printed(depth: Depth) -> Self {
-        match Curve::new(depth) {
-            Curve::Infinite { interpolation, .. } => Curve::Infinite { interpolation, missing: 0.0 },
-            finite => finite,
-        }
+        Curve { missing: 0.0, ..Curve::new(depth) }
     }
 
     /// Returns I_n(u): 0 for u ≤ 0, 1 for u ≥ 1, except that the printed curve of n = ∞ is not 0 at u = 0.
     #[must_use]
     #[inline(always)]
     pub fn value<N: Number<Constant = T>>(&self, u: N) -> N {
-        match self {
-            Curve::Finite { n, sums } => {
-                // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½ and 1 − I_n(1−u) above, so no powers cancel.
-                let (half, one) = (u.of(0.5), u.of(1.0));
-                let u = u.within(0.0, 1.0);
-                let low = u.min(one - u);
-                let rest = one - low;
-                let mut sum = u.of(0.0);
-                for k in (0..*n as usize).rev() {
-                    sum = sum * rest + u.all(sums[k]);
-                }
-                let value = power(low, *n) * sum;
-                N::select(half.below(u), one - value, value)
-            }
-            Curve::Infinite { interpolation, missing } => {
-                let stretched = |u| (interpolation.value(u) - missing) / (1.0 - 2.0 * missing);
-                let [value] = N::each([u], |[u]| [stretched(u).clamp(0.0, 1.0)]);
-                value
-            }
+        let Curve { interpolation, sums, missing } = self;
+        if sums.is_empty() {
+            let stretched = |u| (interpolation.value(u) - missing) / (1.0 - 2.0 * missing);
+            let [value] = N::each([u], |[u]| [stretched(u).clamp(0.0, 1.0)]);
+            return value;
         }
+        // uⁿ·Σ C(n−1+k, k)·(1−u)^k below ½ and 1 − I_n(1−u) above, so no powers cancel.
+        let (half, one) = (u.of(0.5), u.of(1.0));
+        let u = u.within(0.0, 1.0);
+        let low = u.min(one - u);
+        let rest = one - low;
+        let mut sum = u.of(0.0);
+        for k in (0..sums.len()).rev() {
+            sum = sum * rest + u.all(sums[k]);
+        }
+        let value = power(low, sums.len() as u32) * sum;
+        N::select(half.below(u), one - value, value)
     }
 }
