@@ -104,7 +104,7 @@ pub(super) fn fit_terms<'a>(
         None => Design::new(&frame, &spec.terms)?,
     };
     let x = x.independent(&frame);
-    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::empty());
+    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::default());
     let clm = fit_clm(&data)?;
     let random = match how.random {
         Some(random) => random.clone(),

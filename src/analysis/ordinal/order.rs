@@ -109,7 +109,7 @@ impl<'a> Residuals<'a> {
                 true if slot < own => modes[0][subject as usize * own + slot],
                 true => modes[0][people * own + slot - own],
             };
-            let slots = loadings.slots_per_row();
+            let slots = loadings.slots_per_row;
             let slots = weights[row * slots..(row + 1) * slots].iter();
             let effect: f64 = modes.map_or(0.0, |modes| slots.map(|(slot, weight)| weight * mode(modes, *slot)).sum());
             let link = fitted.spec.link;

@@ -221,7 +221,7 @@ impl<'a> Simulator<'a> {
         }
         let Layout { data, row_of } = lay_out(fitted, false);
         let (location, weights) = (data.location(&parameters), data.weights(&parameters));
-        let slots = data.loadings.slots_per_row();
+        let slots = data.loadings.slots_per_row;
         let effects_of = |row: &usize| weights[row * slots..(row + 1) * slots].to_vec();
         let weights: Vec<Vec<(usize, f64)>> = row_of.iter().map(effects_of).collect();
         let (own, shared) = fitted.random.effects();
