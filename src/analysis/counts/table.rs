@@ -115,54 +115,29 @@ pub enum CountError {
 
 /// One exclusion that was applied.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Excluded {
-    /// A participant.
-    Participant {
-        /// The participant's ID.
-        id: String,
-        /// Number of the participant's ratings.
-        ratings: u64,
-    },
+pub struct Excluded {
+    /// What was excluded.
+    pub what: Part,
+    /// Number of its ratings. Those that are also part of an earlier exclusion are not among them.
+    pub ratings: u64,
+    /// Number of participants who gave them.
+    pub participants: u64,
+}
+
+/// A part of the ratings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The ratings of the participant with this ID.
+    Participant(String),
     /// The other levels of a factor.
     Levels {
         /// Name of the factor.
         factor: String,
         /// The levels that were kept.
         kept: Vec<String>,
-        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
-        /// are not among them.
-        ratings: u64,
-        /// Number of participants who gave them.
-        participants: u64,
     },
-    /// Ratings without a value of a covariate, which the model needs.
-    Missing {
-        /// Name of the covariate.
-        factor: String,
-        /// Number of ratings.
-        ratings: u64,
-        /// Number of participants who gave them.
-        participants: u64,
-    },
-}
-
-impl Excluded {
-    /// Returns the number of ratings that were excluded.
-    pub fn ratings(&self) -> u64 {
-        match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } | Self::Missing { ratings, .. } => {
-                *ratings
-            }
-        }
-    }
-
-    /// Returns the number of participants who gave them.
-    pub fn participants(&self) -> u64 {
-        match self {
-            Self::Participant { .. } => 1,
-            Self::Levels { participants, .. } | Self::Missing { participants, .. } => *participants,
-        }
-    }
+    /// Ratings without a value of the covariate with this name, which the model needs.
+    Missing(String),
 }
 
 impl Counts {
@@ -311,19 +286,6 @@ pub struct Measured {
     pub excluded: Vec<Excluded>,
 }
 
-/// A participant's first and second rating of a condition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RetestPair {
-    /// Index into [`Counts::subjects`].
-    pub subject: u32,
-    /// Index into [`Counts::conditions`].
-    pub condition: u32,
-    /// Index into [`Counts::categories`] of the first rating.
-    pub first: u8,
-    /// Index into [`Counts::categories`] of the second rating.
-    pub second: u8,
-}
-
 /// The response time and the place of a rating.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
@@ -344,9 +306,10 @@ pub struct Trial {
 }
 
 impl Measured {
-    /// Returns the first and the second rating of each condition that a participant rated more than once, if their order is
-    /// known. At the same place, a lower rating counts as earlier.
-    pub fn retests(&self) -> Vec<RetestPair> {
+    /// Returns, for each participant, the first and the second rating of each condition that the participant rated more than
+    /// once, if their order is known: indices into [`Counts::categories`]. At the same place, a lower rating counts as
+    /// earlier.
+    pub fn retests(&self) -> Vec<Vec<[u8; 2]>> {
         let place = |trial: &Trial| trial.repetition.map(f64::from).or(trial.position);
         let mut placed: Vec<&Trial> = self.trials.iter().filter(|trial| place(trial).is_some()).collect();
         placed.sort_by(|l, r| {
@@ -355,14 +318,13 @@ impl Measured {
             let order = cell(l).cmp(&cell(r)).then(place(l).partial_cmp(&place(r)).unwrap_or(Ordering::Equal));
             order.then(l.rating.cmp(&r.rating))
         });
-        let cells = placed.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition));
-        let pair = |cell: &[&Trial]| match cell {
-            [Trial { subject, condition, rating, .. }, second, ..] => {
-                Some(RetestPair { subject: *subject, condition: *condition, first: *rating, second: second.rating })
+        let mut retests = vec![Vec::new(); self.counts.subjects.len()];
+        for cell in placed.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
+            if let [first, second, ..] = cell {
+                retests[first.subject as usize].push([first.rating, second.rating]);
             }
-            _ => None,
-        };
-        cells.filter_map(pair).collect()
+        }
+        retests
     }
 
     /// Returns how often a participant rated a condition more than once without a known order of these ratings, so that
@@ -373,7 +335,7 @@ impl Measured {
         let all = self.counts.rows.chunk_by(same);
         all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
             .count()
-            .saturating_sub(self.retests().len())
+            .saturating_sub(self.retests().iter().map(Vec::len).sum())
     }
 
     /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if

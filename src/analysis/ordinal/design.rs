@@ -192,8 +192,8 @@ fn term_parts(frame: &Frame, terms: &Terms, term: &Term) -> Result<Vec<Vec<TermP
         let (index, inverse) = find_factor(frame.counts, variable)?;
         let levels: Vec<Option<String>> = match variable {
             Variable::Number(_) => frame.numbers(index, inverse).map(|_| vec![None])?,
-            Variable::Factor(_) => (frame.levels(index).into_iter().skip(usize::from(has_contrasts)))
-                .map(|level| Some(frame.counts.factors[index].levels[level as usize].clone()))
+            Variable::Factor(_) => (frame.levels(index).iter().skip(usize::from(has_contrasts)))
+                .map(|&level| Some(frame.counts.factors[index].levels[level as usize].clone()))
                 .collect(),
         };
         let parts = levels.into_iter().map(|level| TermPart { variable: variable.clone(), level });

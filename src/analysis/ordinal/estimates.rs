@@ -13,7 +13,7 @@ use super::{
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{
-    analysis::{counts::Counts, levels},
+    analysis::{counts::Counts, levels::values_of},
     statistics::{Interval, Z_95, normal_two_sided, t_quantile},
 };
 
@@ -322,15 +322,9 @@ pub struct Prediction {
     pub interval: Option<Interval>,
 }
 
-/// Returns the number that each category of a model represents.
-pub(super) fn category_numbers(model: &Model) -> Vec<f64> {
-    levels::numbers_of(&model.categories)
-        .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect())
-}
-
 /// Returns a model's predictions for every condition on which it was fitted.
 pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
-    let values = category_numbers(model);
+    let values = values_of(&model.categories);
     let conditions = fitted.frame.conditions();
     let x = fitted.x.matrix(&conditions);
     let reach = reach(fitted, 1);

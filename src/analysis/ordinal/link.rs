@@ -32,7 +32,8 @@ pub struct Cell {
 }
 
 /// A category whose bounds are shifted together many times. With the logit link, e^(θ − xβ − σu) is a product, so the
-/// exponentials of the bounds are computed only once for all values of u.
+/// exponentials of the bounds are computed only once for all values of u, and
+/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)), which avoids cancellation and separates the two bounds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Category {
     /// The bounds a and b, or e^(−a) and e^b with the logit link.
@@ -121,16 +122,10 @@ impl Link {
     pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {
             Self::Logit => {
-                let logit = Logistic::new(a, b);
-                let r = logit.q * (1.0 + logit.q);
-                Cell {
-                    log_p: logit.log_p,
-                    a: logit.a.above + logit.q,
-                    b: -logit.b.below - logit.q,
-                    aa: -logit.a.density() - r,
-                    ab: r,
-                    bb: -logit.b.density() - r,
-                }
+                let category = self.category(a, b);
+                let Shift { log_p, a, b, g1_a, g1_b, .. } = self.shift(&category, 0.0, 1.0);
+                let ab = category.q * (1.0 + category.q);
+                Cell { log_p, a, b, aa: g1_a - ab, ab, bb: g1_b - ab }
             }
             Self::Probit => {
                 let p = normal_between(a, b);
@@ -210,53 +205,6 @@ impl Link {
             }
         }
     }
-}
-
-/// The probabilities of the logistic distribution below and above a point.
-#[derive(Clone, Copy)]
-struct Tails {
-    below: f64,
-    above: f64,
-}
-
-impl Tails {
-    #[inline]
-    fn new(x: f64) -> Self {
-        let tail = (-x.abs()).exp();
-        let most = 1.0 / (1.0 + tail);
-        let least = tail * most;
-        if x >= 0.0 { Self { below: most, above: least } } else { Self { below: least, above: most } }
-    }
-
-    fn density(self) -> f64 {
-        self.below * self.above
-    }
-}
-
-/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) for the logistic distribution. This form avoids cancellation and separates
-/// the two bounds.
-struct Logistic {
-    a: Tails,
-    b: Tails,
-    log_p: f64,
-    /// 1 / (e^(a − b) − 1): the contribution of the category's width.
-    q: f64,
-}
-
-impl Logistic {
-    #[inline]
-    fn new(a: f64, b: f64) -> Self {
-        let (upper, lower) = (Tails::new(a), Tails::new(b));
-        let narrow = -(b - a).exp_m1();
-        let p = upper.below * lower.above * narrow;
-        let log_p = if p > 1e-290 { p.ln() } else { log_below(a) + log_below(-b) + narrow.ln() };
-        Self { a: upper, b: lower, log_p, q: (1.0 - narrow) / narrow }
-    }
-}
-
-/// Returns log F(x) for the logistic distribution.
-fn log_below(x: f64) -> f64 {
-    if x >= 0.0 { -(-x).exp().ln_1p() } else { x - x.exp().ln_1p() }
 }
 
 fn normal_density(x: f64) -> f64 {

@@ -116,8 +116,8 @@ impl<'a> Residuals<'a> {
             let at = location[row] + effect;
             let categories = (0..layout.data.categories).map(|category| {
                 let (a, b) = category_bounds(thresholds, category);
-                let shift = link.shift(&link.category(a - at, b - at), 0.0, 1.0);
-                (shift.log_p.exp(), -shift.g1)
+                let cell = link.cell(a - at, b - at);
+                (cell.log_p.exp(), -cell.a - cell.b)
             });
             let categories: Vec<(f64, f64)> = categories.collect();
             let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();

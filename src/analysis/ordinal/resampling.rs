@@ -126,7 +126,6 @@ fn ratios(
     open: &[Vec<bool>; 2],
 ) -> [Vec<f64>; 2] {
     let how = How {
-        random: Some(&full.random),
         x: Some(&full.x),
         near: Some(full),
         informed: Some(full),
