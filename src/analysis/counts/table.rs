@@ -86,14 +86,6 @@ pub struct Counts {
 /// The reason why a row cannot be counted.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum CountError {
-    /// The number of values in the row is not the number of factors.
-    #[error("{found} factor values; expected {expected}")]
-    Width {
-        /// Number of factors in the table.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
     /// The participant's name is empty.
     #[error("no participant; expected a name")]
     NoSubject,
