@@ -352,21 +352,29 @@ impl Measured {
         let all: Vec<Vec<Option<u32>>> = all.into_iter().collect();
         let place = |own: Vec<Option<u32>>| all.partition_point(|other| *other < own) as u32;
         let moved: Vec<u32> = counts.conditions.iter().map(|levels| place(shorter(levels))).collect();
+        let factors = kept.iter().map(|&factor| counts.factors[factor].clone()).collect();
+        let design = Counts { factors, conditions: all, subjects: counts.subjects.clone(), ..Counts::default() };
+        self.moved(design, |subject, condition| Some((subject, moved[condition as usize])))
+    }
+
+    /// Returns the ratings in another design, which has no rows yet. `moved` returns the new indices of a participant and a
+    /// condition, or `None` if their ratings are left out.
+    fn moved(&self, design: Counts, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Self {
         let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        for row in &counts.rows {
-            *sums.entry((row.subject, moved[row.condition as usize], row.rating)).or_default() += row.count;
+        for row in &self.counts.rows {
+            if let Some((subject, condition)) = moved(row.subject, row.condition) {
+                *sums.entry((subject, condition, row.rating)).or_default() += row.count;
+            }
         }
         let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
-        let moved = |condition: u32| moved[condition as usize];
+        let trial = |trial: &Trial| {
+            let (subject, condition) = moved(trial.subject, trial.condition)?;
+            Some(Trial { subject, condition, ..*trial })
+        };
+        let (rows, categories) = (sums.into_iter().map(row).collect(), self.counts.categories.clone());
         Self {
-            counts: Counts {
-                factors: kept.iter().map(|&factor| counts.factors[factor].clone()).collect(),
-                conditions: all,
-                rows: sums.into_iter().map(row).collect(),
-                subjects: counts.subjects.clone(),
-                categories: counts.categories.clone(),
-            },
-            trials: self.trials.iter().map(|row| Trial { condition: moved(row.condition), ..*row }).collect(),
+            counts: Counts { rows, categories, ..design },
+            trials: self.trials.iter().filter_map(trial).collect(),
             excluded: self.excluded.clone(),
         }
     }
@@ -378,9 +386,9 @@ impl Measured {
         let counts = &self.counts;
         let kept: Vec<bool> = counts.conditions.iter().map(|levels| condition(levels)).collect();
         let keep = |s: u32, c: u32| subject(s) && kept[c as usize];
-        let rows: Vec<CountRow> = counts.rows.iter().filter(|row| keep(row.subject, row.condition)).copied().collect();
-        let subjects = Kept::new(rows.iter().map(|row| row.subject));
-        let conditions = Kept::new(rows.iter().map(|row| row.condition));
+        let rows = || counts.rows.iter().filter(|row| keep(row.subject, row.condition));
+        let subjects = Kept::new(rows().map(|row| row.subject));
+        let conditions = Kept::new(rows().map(|row| row.condition));
         let levels: Vec<Kept> = (0..counts.factors.len())
             .map(|factor| Kept::new(conditions.0.iter().filter_map(|&c| counts.conditions[c as usize][factor])))
             .collect();
@@ -391,28 +399,13 @@ impl Measured {
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };
-        let moved = |s: u32, c: u32| (subjects.index(s), conditions.index(c));
-        Self {
-            counts: Counts {
-                subjects: subjects.of(&counts.subjects),
-                factors: factors.collect(),
-                conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
-                categories: counts.categories.clone(),
-                rows: (rows.iter())
-                    .map(|row| {
-                        let (subject, condition) = moved(row.subject, row.condition);
-                        CountRow { subject, condition, ..*row }
-                    })
-                    .collect(),
-            },
-            trials: (self.trials.iter().filter(|row| keep(row.subject, row.condition)))
-                .map(|row| {
-                    let (subject, condition) = moved(row.subject, row.condition);
-                    Trial { subject, condition, ..*row }
-                })
-                .collect(),
-            excluded: self.excluded.clone(),
-        }
+        let design = Counts {
+            subjects: subjects.of(&counts.subjects),
+            factors: factors.collect(),
+            conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
+            ..Counts::default()
+        };
+        self.moved(design, |s, c| keep(s, c).then(|| (subjects.index(s), conditions.index(c))))
     }
 }
 

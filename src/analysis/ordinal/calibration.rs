@@ -361,10 +361,9 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &Limits, wanted: &[Pai
         // An effect that depends on another factor has no single size.
         let is_own = |term: &Term| *term == own && !full.spec.terms.is_marginal(term);
         let term = full.spec.terms.iter().position(is_own)?;
-        let (_, description) = full.frame.counts.factor(factor)?;
+        let (index, description) = full.frame.counts.factor(factor)?;
         let names = levels.map(|level| description.levels[level as usize].clone());
         let own = full.x.columns.iter().filter(|column| column.term == term).count();
-        let (index, _) = full.frame.counts.factor(factor)?;
         // If a column was dropped, a level without a coefficient is not necessarily the baseline.
         if own + 1 != full.frame.levels(index).len() {
             return None;

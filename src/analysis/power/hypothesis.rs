@@ -77,7 +77,7 @@ pub(super) struct Layout<'a> {
 impl<'a> Layout<'a> {
     pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
         let finite = scenario.predictors.iter().copied().filter(|predictor| predictor.is_finite());
-        let floor = finite.fold(scenario.observer().thresholds[0], f64::min) - NO_BAND;
+        let floor = finite.fold(scenario.observer.thresholds[0], f64::min) - NO_BAND;
         let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
         Self {
             predictors: DVector::from_iterator(scenario.predictors.len(), predictors),
