@@ -198,6 +198,36 @@ impl Counts {
             && people.all(|rows| levels(rows).len() == 1)
     }
 
+    /// Returns the rows with the indices of participants and conditions that `moved` returns, without those for which it
+    /// returns none.
+    fn moved(&self, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Vec<CountRow> {
+        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
+        for row in &self.rows {
+            if let Some((subject, condition)) = moved(row.subject, row.condition) {
+                *sums.entry((subject, condition, row.rating)).or_default() += row.count;
+            }
+        }
+        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
+        sums.into_iter().map(row).collect()
+    }
+
+    /// Returns the same ratings by new factors, and the new index of each condition. `levels` returns a condition's levels of
+    /// the new factors, or `None` to leave out its ratings.
+    pub fn regrouped(
+        &self,
+        factors: Vec<Factor>,
+        levels: impl Fn(&[Option<u32>]) -> Option<Vec<Option<u32>>>,
+    ) -> (Self, Vec<Option<u32>>) {
+        let all: Vec<Option<Vec<Option<u32>>>> = self.conditions.iter().map(|condition| levels(condition)).collect();
+        let conditions: BTreeSet<_> = all.iter().flatten().cloned().collect();
+        let conditions = Vec::from_iter(conditions);
+        let place = |own: &Vec<Option<u32>>| conditions.partition_point(|other| other < own) as u32;
+        let places: Vec<Option<u32>> = all.iter().map(|own| own.as_ref().map(place)).collect();
+        let rows = self.moved(|subject, condition| Some((subject, places[condition as usize]?)));
+        let (subjects, categories) = (self.subjects.clone(), self.categories.clone());
+        (Self { subjects, factors, conditions, categories, rows }, places)
+    }
+
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
     /// letters (high, low, medium) would give a result, but a wrong one.
     pub fn is_ordered(&self, declared: Option<&[String]>) -> bool {
@@ -347,36 +377,12 @@ impl Measured {
     pub fn without_factors(&self, left_out: &[usize]) -> Self {
         let counts = &self.counts;
         let kept: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
-        let shorter = |levels: &Vec<Option<u32>>| kept.iter().map(|&factor| levels[factor]).collect::<Vec<_>>();
-        let all: BTreeSet<Vec<Option<u32>>> = counts.conditions.iter().map(shorter).collect();
-        let all: Vec<Vec<Option<u32>>> = all.into_iter().collect();
-        let place = |own: Vec<Option<u32>>| all.partition_point(|other| *other < own) as u32;
-        let moved: Vec<u32> = counts.conditions.iter().map(|levels| place(shorter(levels))).collect();
         let factors = kept.iter().map(|&factor| counts.factors[factor].clone()).collect();
-        let design = Counts { factors, conditions: all, subjects: counts.subjects.clone(), ..Counts::default() };
-        self.moved(design, |subject, condition| Some((subject, moved[condition as usize])))
-    }
-
-    /// Returns the ratings in another design, which has no rows yet. `moved` returns the new indices of a participant and a
-    /// condition, or `None` if their ratings are left out.
-    fn moved(&self, design: Counts, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Self {
-        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        for row in &self.counts.rows {
-            if let Some((subject, condition)) = moved(row.subject, row.condition) {
-                *sums.entry((subject, condition, row.rating)).or_default() += row.count;
-            }
-        }
-        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
-        let trial = |trial: &Trial| {
-            let (subject, condition) = moved(trial.subject, trial.condition)?;
-            Some(Trial { subject, condition, ..*trial })
-        };
-        let (rows, categories) = (sums.into_iter().map(row).collect(), self.counts.categories.clone());
-        Self {
-            counts: Counts { rows, categories, ..design },
-            trials: self.trials.iter().filter_map(trial).collect(),
-            excluded: self.excluded.clone(),
-        }
+        let (counts, places) =
+            counts.regrouped(factors, |levels| Some(kept.iter().map(|&factor| levels[factor]).collect()));
+        let trial = |trial: &Trial| Some(Trial { condition: places[trial.condition as usize]?, ..*trial });
+        let trials = self.trials.iter().filter_map(trial).collect();
+        Self { counts, trials, excluded: self.excluded.clone() }
     }
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
@@ -399,13 +405,22 @@ impl Measured {
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };
-        let design = Counts {
-            subjects: subjects.of(&counts.subjects),
-            factors: factors.collect(),
-            conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
-            ..Counts::default()
+        let moved = |s: u32, c: u32| keep(s, c).then(|| (subjects.index(s), conditions.index(c)));
+        let trial = |trial: &Trial| {
+            let (subject, condition) = moved(trial.subject, trial.condition)?;
+            Some(Trial { subject, condition, ..*trial })
         };
-        self.moved(design, |s, c| keep(s, c).then(|| (subjects.index(s), conditions.index(c))))
+        Self {
+            counts: Counts {
+                subjects: subjects.of(&counts.subjects),
+                factors: factors.collect(),
+                conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
+                categories: counts.categories.clone(),
+                rows: counts.moved(moved),
+            },
+            trials: self.trials.iter().filter_map(trial).collect(),
+            excluded: self.excluded.clone(),
+        }
     }
 }
 

@@ -194,38 +194,26 @@ impl ClmData {
         most
     }
 
-    /// Returns whether the likelihood keeps rising along a direction: no rating's upper bound falls, no lower bound
-    /// rises, and at least one bound moves (Albert & Anderson 1984, for ordered categories).
-    fn is_recession(&self, direction: &DVector<f64>) -> bool {
+    /// If the likelihood keeps rising along a step, without a maximum, returns its direction, with ±1 as its largest element:
+    /// no rating's upper bound falls, no lower bound rises, and at least one bound moves (Albert & Anderson 1984, for ordered
+    /// categories).
+    fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
         const SLACK: f64 = 1e-3;
+        let direction = (step / step.amax()).map(|element| if element.abs() < 1e-2 { 0.0 } else { element });
         let mut gradient = DVector::zeros(self.parameters());
         let (mut least, mut most): (f64, f64) = (0.0, 0.0);
         for row in 0..self.counts.nrows() {
-            for k in 0..self.categories() {
-                if self.counts[(row, k)] <= 0.0 {
-                    continue;
-                }
+            for k in (0..self.categories()).filter(|k| self.counts[(row, *k)] > 0.0) {
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
                     if j < self.thresholds() {
                         self.bound_gradient(row, j, &mut gradient);
-                        let moved = sign * gradient.dot(direction);
+                        let moved = sign * gradient.dot(&direction);
                         (least, most) = (least.min(moved), most.max(moved));
                     }
                 }
             }
         }
-        most > 0.1 && least > -SLACK * most
-    }
-
-    /// If a step is in a direction of recession, returns that direction, with ±1 as its largest element.
-    fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
-        let mut direction = step / step.amax();
-        direction.apply(|element| {
-            if element.abs() < 1e-2 {
-                *element = 0.0;
-            }
-        });
-        self.is_recession(&direction).then_some(direction)
+        (most > 0.1 && least > -SLACK * most).then_some(direction)
     }
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.

@@ -73,7 +73,11 @@ pub(super) fn simulate(
     let held = |term: &Term| {
         let recoded = recoded(full, term).ok()?;
         let model = recoded.as_ref().unwrap_or(full);
-        Some(model.x.held(&model.standard, &own_coefficients(model, term)))
+        let (name, estimates) = (term.to_string(), finite_estimates(model));
+        let thresholds = model.frame.categories.len() - 1;
+        let own = (0..model.x.columns.len()).filter(|&column| model.term_name(column) == name);
+        let own: Vec<(usize, f64)> = own.map(|column| (column, estimates[thresholds + column])).collect();
+        Some(model.x.held(&model.standard, &own))
     };
     let held: Vec<Option<Design>> = tested[0].iter().map(|(term, _)| held(term)).collect();
     let of_study = |study: u32, open: &[Vec<bool>; 2]| {
@@ -100,15 +104,6 @@ pub(super) fn simulate(
         }
     }
     all
-}
-
-/// Returns the indices of a term's columns and their coefficients.
-pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> {
-    let name = term.to_string();
-    let estimates = finite_estimates(full);
-    let thresholds = full.frame.categories.len() - 1;
-    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(column) == name);
-    own.map(|column| (column, estimates[thresholds + column])).collect()
 }
 
 /// Returns the ratios of a study that allows no fit.
