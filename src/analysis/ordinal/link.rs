@@ -32,8 +32,7 @@ pub struct Cell {
 }
 
 /// A category whose bounds are shifted together many times. With the logit link, e^(θ − xβ − σu) is a product, so the
-/// exponentials of the bounds are computed only once for all values of u, and
-/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)), which avoids cancellation and separates the two bounds.
+/// exponentials of the bounds are computed only once for all values of u.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Category {
     /// The bounds a and b, or e^(−a) and e^b with the logit link.
@@ -122,10 +121,16 @@ impl Link {
     pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {
             Self::Logit => {
-                let category = self.category(a, b);
-                let Shift { log_p, a, b, g1_a, g1_b, .. } = self.shift(&category, 0.0, 1.0);
-                let ab = category.q * (1.0 + category.q);
-                Cell { log_p, a, b, aa: g1_a - ab, ab, bb: g1_b - ab }
+                // F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) avoids cancellation and separates the two bounds.
+                let [below_a, above_a, below_b, above_b] = [a, -a, b, -b].map(|x| self.cdf(x));
+                let narrow = -(b - a).exp_m1();
+                let p = below_a * above_b * narrow;
+                // In the far tails, log F(x) is x.
+                let log_p = if p > 1e-290 { p.ln() } else { a.min(0.0) - b.max(0.0) + narrow.ln() };
+                let q = (1.0 - narrow) / narrow;
+                let ab = q * (1.0 + q);
+                let (aa, bb) = (-below_a * above_a - ab, -below_b * above_b - ab);
+                Cell { log_p, a: above_a + q, b: -below_b - q, aa, ab, bb }
             }
             Self::Probit => {
                 let p = normal_between(a, b);

@@ -17,7 +17,11 @@ use super::{
     terms::{Term, TermPart, Variable},
 };
 use crate::{
-    analysis::{counts::Counts, frame::find_factor, levels::{number_of, values_of}},
+    analysis::{
+        counts::Counts,
+        frame::find_factor,
+        levels::{number_of, values_of},
+    },
     statistics::{Interval, Z_95, holm, normal_two_sided},
 };
 
@@ -183,7 +187,8 @@ fn compare(
     let mut levels = fitted.frame.levels(own).to_vec();
     // The baseline, which comes first, may be a later one.
     levels.sort_unstable();
-    let strata = other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
+    let strata =
+        other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
     let pairs = levels.len() * (levels.len() - 1) / 2 * strata.len();
     if pairs > MAX_COMPARISONS {
         return Vec::new();

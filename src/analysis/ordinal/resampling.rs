@@ -119,13 +119,7 @@ fn ratios(
     tested: &Tested,
     open: &[Vec<bool>; 2],
 ) -> [Vec<f64>; 2] {
-    let how = How {
-        x: Some(&full.x),
-        near: Some(full),
-        informed: Some(full),
-        rough: true,
-        ..How::default()
-    };
+    let how = How { x: Some(&full.x), near: Some(full), informed: Some(full), rough: true, ..How::default() };
     let Ok(free) = fit_terms(frame, full.spec.clone(), Vec::new(), how) else { return none(tested) };
     let fixed = |x: &Design| {
         let near = if free.mixed.is_some() { &free } else { full };

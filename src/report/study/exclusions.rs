@@ -2,7 +2,10 @@
 
 use super::names;
 use crate::{
-    analysis::{Results, counts::{Excluded, Part}},
+    analysis::{
+        Results,
+        counts::{Excluded, Part},
+    },
     report::document::{
         Section, Shown,
         numbers::{count, list, whole},
