@@ -5,7 +5,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 use serde::Serialize;
 use statrs::{
     distribution::{ChiSquared, ContinuousCDF as _, StudentsT},
-    function::{beta::beta_reg, erf::erfc, gamma::gamma_ur},
+    function::{beta::inv_beta_reg, erf::erfc, gamma::gamma_ur},
 };
 
 /// The number of standard errors from an estimate to either end of its 95 % interval: the 97.5 % quantile of the normal
@@ -75,20 +75,10 @@ impl Interval {
         let tail = 0.025;
         let (k, n) = (found as f64, all as f64);
         // P(X ≥ k) rises with the proportion, and P(X ≤ k) falls. Both are incomplete beta functions.
-        let low = if found == 0 { 0.0 } else { crossing(|p| beta_reg(k, n - k + 1.0, p) - tail) };
-        let high = if found >= all { 1.0 } else { crossing(|p| beta_reg(k + 1.0, n - k, p) - (1.0 - tail)) };
+        let low = if found == 0 { 0.0 } else { inv_beta_reg(k, n - k + 1.0, tail) };
+        let high = if found >= all { 1.0 } else { inv_beta_reg(k + 1.0, n - k, 1.0 - tail) };
         Self { low, high }
     }
-}
-
-/// Finds by bisection where a function that rises on 0…1 is 0.
-fn crossing(rising: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..60 {
-        let middle = (low + high) / 2.0;
-        *if rising(middle) < 0.0 { &mut low } else { &mut high } = middle;
-    }
-    (low + high) / 2.0
 }
 
 /// Returns the mean and the standard deviation (with n − 1) of a sample; NaN for too few values.

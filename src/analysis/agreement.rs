@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::counts::{Counts, Measured};
+use super::counts::Counts;
 use crate::statistics::{Interval, mean_and_sd};
 
 /// Krippendorff's α.
@@ -141,13 +141,4 @@ pub fn kappa(pairs: &[[u8; 2]]) -> Option<f64> {
     // Σᵢⱼ (i − j)² rᵢ cⱼ / n, for rᵢ first ratings i and cⱼ second ratings j.
     let expected = sum(&|a, b| a * a + b * b) - 2.0 * sum(&|a, _| a) * sum(&|_, b| b) / pairs.len() as f64;
     (expected > 0.0).then(|| 1.0 - observed / expected)
-}
-
-/// Returns each participant's first and second ratings of the same conditions.
-pub fn retests(measured: &Measured) -> Vec<Vec<[u8; 2]>> {
-    let mut retests = vec![Vec::new(); measured.counts.subjects.len()];
-    for pair in measured.retests() {
-        retests[pair.subject as usize].push([pair.first, pair.second]);
-    }
-    retests
 }

@@ -17,10 +17,8 @@ pub(super) struct Frame<'a> {
     pub subjects: Vec<String>,
     /// Names of the categories that occur, starting with the lowest.
     pub categories: Vec<String>,
-    /// For each factor, the levels that occur, in natural order.
+    /// For each factor, the levels that occur: the baseline, and the others in natural order.
     levels: Vec<Vec<u32>>,
-    /// For each factor, the baseline that replaces the first level, if any.
-    baselines: Vec<Option<u32>>,
 }
 
 impl<'a> Frame<'a> {
@@ -54,7 +52,6 @@ impl<'a> Frame<'a> {
             subjects: subjects.into_iter().map(|index| counts.subjects[index as usize].clone()).collect(),
             categories,
             levels,
-            baselines: vec![None; counts.factors.len()],
         };
         Ok((frame, notes))
     }
@@ -81,16 +78,13 @@ impl<'a> Frame<'a> {
 
     /// Makes `level`, which must occur, the baseline of a factor.
     pub fn set_baseline(&mut self, factor: usize, level: u32) {
-        self.baselines[factor] = Some(level);
+        let place = self.levels[factor].iter().position(|own| *own == level).unwrap_or(0);
+        self.levels[factor][..=place].rotate_right(1);
     }
 
     /// Returns the levels of a factor that occur, starting with the baseline.
-    pub fn levels(&self, factor: usize) -> Vec<u32> {
-        let mut levels = self.levels[factor].clone();
-        if let Some(position) = self.baselines[factor].and_then(|level| levels.iter().position(|l| *l == level)) {
-            levels[..=position].rotate_right(1);
-        }
-        levels
+    pub fn levels(&self, factor: usize) -> &[u32] {
+        &self.levels[factor]
     }
 
     /// Returns the numbers of a factor's levels, or their reciprocals if `inverse`. The value is 0 for levels that do

@@ -15,6 +15,14 @@ pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
     levels.iter().map(|level| number_of(level.as_ref())).collect()
 }
 
+/// Returns the number that each category represents: its own number or, if the categories are not finite numbers, its
+/// position, starting at 0.
+pub(super) fn values_of(categories: &[String]) -> Vec<f64> {
+    numbers_of(categories)
+        .filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+        .unwrap_or_else(|| (0..categories.len()).map(|index| index as f64).collect())
+}
+
 /// Returns the order of any two strings: numbers in ascending order, with `inf` last, before other strings in natural
 /// order.
 pub(super) fn compare_mixed(left: &str, right: &str) -> Ordering {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{
     Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction,
     Random, Resampling, Slopes,
-    agreement::{Alpha, kappa, mean_kappa, ordinal_alpha, retests},
+    agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MAX_LEVELS, Measured, Quartiles},
     fit_calibrated,
     rank_tests::{Friedman, PERMUTATIONS, SubjectMeans, friedman},
@@ -304,7 +304,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         }
     }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
-        .zip(retests(whole.as_ref().unwrap_or(&measured)))
+        .zip(whole.as_ref().unwrap_or(&measured).retests())
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,

@@ -42,9 +42,7 @@ pub struct Group {
 
 /// Returns the number that each category represents.
 pub fn category_values(counts: &Counts) -> Vec<f64> {
-    levels::numbers_of(&counts.categories)
-        .filter(|numbers| numbers.iter().all(|number| number.is_finite()))
-        .unwrap_or_else(|| (0..counts.categories.len()).map(|index| index as f64).collect())
+    levels::values_of(&counts.categories)
 }
 
 /// Summarizes every cell of the design that has ratings.

@@ -118,7 +118,7 @@ fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
 
 /// Returns the lines to print.
 fn lines(planned: &Planned) -> Vec<String> {
-    let (spec, Sampling { studies, alpha, seed }) = (planned.plan.spec(), planned.sampling);
+    let (spec, Sampling { studies, alpha, seed }) = (&planned.plan.spec, planned.sampling);
     let heading = format!(
         "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
              {} model of {} with {}, alpha {alpha}",

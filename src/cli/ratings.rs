@@ -2,7 +2,7 @@
 
 use super::OutPath;
 use crate::{
-    analysis::counts::{Excluded, Measured},
+    analysis::counts::{Excluded, Measured, Part},
     report::{document::numbers::count, tables},
     store::{
         FileError, FileErrors, Writer,
@@ -37,9 +37,9 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
         line += &format!("; rows left out: {}", left_out.join(", "));
     }
     let (missing, requested): (Vec<&Excluded>, _) =
-        excluded.iter().partition(|excluded| matches!(excluded, Excluded::Missing { .. }));
+        excluded.iter().partition(|excluded| matches!(excluded.what, Part::Missing(_)));
     for (what, excluded) in [("excluded on request", requested), ("without a covariate", missing)] {
-        let ratings = excluded.into_iter().map(Excluded::ratings).sum();
+        let ratings = excluded.into_iter().map(|excluded| excluded.ratings).sum();
         if ratings > 0 {
             line += &format!("; {what}: {}", count(ratings, "rating"));
         }

@@ -30,8 +30,8 @@ impl Planned {
     /// deviations where they are given.
     #[must_use]
     pub fn sentences(&self, fields: [&str; 2]) -> Vec<String> {
-        let indices: Vec<usize> = (0..self.plan.hypotheses().len()).collect();
-        let term = |index: usize| &self.plan.hypotheses()[index].term;
+        let indices: Vec<usize> = (0..self.plan.hypotheses.len()).collect();
+        let term = |index: usize| &self.plan.hypotheses[index].term;
         let mut sentences: Vec<String> =
             indices.chunk_by(|l, r| term(*l) == term(*r)).filter_map(|tests| self.sentence(tests)).collect();
         for power in &self.powers {
@@ -133,7 +133,7 @@ impl Planned {
     /// States the limitations of the findings.
     fn remarks(&self, [effects, deviations]: [&str; 2]) -> Vec<String> {
         let mut remarks = Vec::new();
-        if self.plan.hypotheses().iter().all(|hypothesis| hypothesis.effect.is_none()) {
+        if self.plan.hypotheses.iter().all(|hypothesis| hypothesis.effect.is_none()) {
             let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
             let example = factor.and_then(|factor| Some(format!("{}:{}=0.5", factor.name, factor.levels.last()?)));
             let example = example.map_or_else(String::new, |example| format!(", such as {example}"));

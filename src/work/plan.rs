@@ -253,7 +253,7 @@ impl Planned {
     /// Returns what a power is the power of.
     #[must_use]
     pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
-        &self.plan.hypotheses()[power.hypothesis]
+        &self.plan.hypotheses[power.hypothesis]
     }
 
     /// Returns whether this test is the one that stands for the conclusion of an analysis: that of the model or, if it is
@@ -265,8 +265,8 @@ impl Planned {
             let own = self.hypothesis(other);
             other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
         };
-        let has_ranks = self.plan.hypotheses().iter().any(|own| own.term == *term && own.test == Test::Friedman);
-        let ranks_lead = self.plan.spec().slopes == Slopes::None && has_ranks && power.participants > 1;
+        let has_ranks = self.plan.hypotheses.iter().any(|own| own.term == *term && own.test == Test::Friedman);
+        let ranks_lead = self.plan.spec.slopes == Slopes::None && has_ranks && power.participants > 1;
         let is_withheld = self.powers.iter().find(of_model).is_none_or(|other| other.withheld.is_some());
         (ranks_lead || is_withheld) == (*test == Test::Friedman)
     }
@@ -279,7 +279,7 @@ impl Planned {
     }
 
     fn row(&self, power: &Power) -> Vec<Cell> {
-        let (hypothesis, spec) = (self.hypothesis(power), self.plan.spec());
+        let (hypothesis, spec) = (self.hypothesis(power), &self.plan.spec);
         let effect = hypothesis.effect.as_ref();
         let interval = power.interval();
         let slope_sd: Vec<String> =

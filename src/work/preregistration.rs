@@ -32,7 +32,7 @@ impl Plan {
     pub fn preregistration(&self, found: &Found) -> String {
         let (protocol, of_task, options) = match found {
             Found::Ratings(planned) => {
-                let spec = planned.plan.spec();
+                let spec = &planned.plan.spec;
                 let options = format!(" --terms {} --link {} --slopes {}", spec.terms, spec.link, spec.slopes);
                 (&planned.protocol, planned.sections(), options)
             }
@@ -133,7 +133,7 @@ impl Planned {
 
     /// Returns the hypotheses, each once: about the terms of the model, and about the factors of its interactions.
     fn effects(&self) -> impl Iterator<Item = &Hypothesis> {
-        let all = self.plan.hypotheses();
+        let all = &self.plan.hypotheses;
         let is_of_model = |own: &Hypothesis| own.test == Test::LikelihoodRatio;
         all.iter().filter(move |own| is_of_model(own) || !all.iter().any(|o| is_of_model(o) && o.term == own.term))
     }
@@ -179,7 +179,7 @@ impl Planned {
     }
 
     fn analysis(&self) -> String {
-        let spec = self.plan.spec();
+        let spec = &self.plan.spec;
         let usual = Sampling::default().alpha;
         let is_one = self.powers.iter().all(|power| power.participants == 1);
         let slopes = match spec.slopes {

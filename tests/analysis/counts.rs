@@ -2,8 +2,8 @@
 
 use machband::{
     analysis::{
-        agreement::{ordinal_alpha, retests},
-        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder},
+        agreement::ordinal_alpha,
+        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder, Part},
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,
@@ -42,9 +42,8 @@ fn counts_do_not_depend_on_the_order() {
     let whole = add(empty(), &ROWS).finish();
     assert_eq!(add(empty(), ROWS.iter().rev()).finish(), whole);
     // The first two ratings of S2 belong to repetitions 1 and 2.
-    let pairs: Vec<_> = whole.retests().iter().map(|pair| (pair.subject, pair.first, pair.second)).collect();
     assert_eq!((whole.counts.total(), &whole.counts.subjects[..]), (6, &["S1", "S2", "S10"].map(String::from)[..]));
-    assert_eq!((pairs, retests(&whole)[1].len()), (vec![(0, 0, 1), (1, 1, 3)], 1));
+    assert_eq!(whole.retests(), [vec![[0, 1]], vec![[1, 3]], vec![]]);
     let slow = whole.times_by(4, |row| Some(row.rating.into()))[3].unwrap();
     assert_eq!((slow.n, slow.median), (1, 1.0));
 }
@@ -57,7 +56,7 @@ fn constant_factors_and_filtered_rows_are_dropped() {
     let rest = measured.filtered(|subject| subject != 0, |levels| levels[0] == Some(0));
     assert_eq!((&rest.counts.subjects[..], rest.counts.total()), (&["S10".to_owned()][..], 1));
     assert_eq!(
-        (rest.counts.categories.len(), rest.retests().len(), rest.times_by(1, |_| Some(0))[0].unwrap().n),
+        (rest.counts.categories.len(), rest.retests().concat().len(), rest.times_by(1, |_| Some(0))[0].unwrap().n),
         (4, 0, 1)
     );
     assert_eq!(measured.filtered(|_| true, |_| true), measured);
@@ -76,13 +75,11 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
     let left = measured.narrowed(&exclusions).unwrap();
     let without = ROWS.iter().filter(|row| row.0 != "S2");
     assert_eq!(left.counts, add(empty(), without).finish().counts);
-    let levels = |factor: &str, kept: &str, ratings, participants| Excluded::Levels {
-        factor: factor.to_owned(),
-        kept: words(&[kept]),
-        ratings,
-        participants,
+    let levels = |factor: &str, kept: &str, ratings, participants| {
+        let what = Part::Levels { factor: factor.to_owned(), kept: words(&[kept]) };
+        Excluded { what, ratings, participants }
     };
-    let person = Excluded::Participant { id: "S2".to_owned(), ratings: 3 };
+    let person = Excluded { what: Part::Participant("S2".to_owned()), ratings: 3, participants: 1 };
     assert_eq!(left.excluded, [person, levels("width", "0.1", 2, 1), levels("depth", "1", 0, 0)]);
     let missing =
         measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
@@ -107,10 +104,16 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
 #[test]
 fn repeats_without_order_and_too_many_levels_are_said() {
     let mut builder = add(empty(), &ROWS);
-    assert_eq!((builder.clone().finish().retests().len(), builder.clone().finish().repeats_without_order()), (2, 0));
+    assert_eq!(
+        (builder.clone().finish().retests().concat().len(), builder.clone().finish().repeats_without_order()),
+        (2, 0)
+    );
     builder.add_counts("S10", &["0.1", "1"], "3", 1).unwrap();
     builder.add_counts("S10", &["0.9", "1"], "3", 1).unwrap();
-    assert_eq!((builder.clone().finish().retests().len(), builder.clone().finish().repeats_without_order()), (2, 1));
+    assert_eq!(
+        (builder.clone().finish().retests().concat().len(), builder.clone().finish().repeats_without_order()),
+        (2, 1)
+    );
     (0..130).for_each(|i| builder.add_counts("S1", &[&i.to_string(), "1"], "1", 1).unwrap());
     let error = builder.finish().counts.check_size().unwrap_err();
     assert!(error.ends_with("or, because all levels are numbers, the term num:width"), "{error}");

@@ -43,7 +43,7 @@ fn powers(plan: &Plan, participants: &[u32], sampling: &Sampling) -> [Vec<Power>
     let powers = plan.run(participants, sampling, &|_| ());
     [Test::LikelihoodRatio, Test::Friedman].map(|test| {
         let is_asked = |power: &&Power| {
-            let hypothesis = &plan.hypotheses()[power.hypothesis];
+            let hypothesis = &plan.hypotheses[power.hypothesis];
             hypothesis.term == "orientation_deg" && hypothesis.test == test
         };
         powers.iter().filter(is_asked).cloned().collect()
@@ -67,7 +67,7 @@ fn power_matches_r() {
         let all = plan.run(&participants, &sampling, &|_| ());
         let of = |term: &str, row: &[String]| {
             let test = if row[3] == "friedman" { Test::Friedman } else { Test::LikelihoodRatio };
-            let index = plan.hypotheses().iter().position(|asked| asked.term == term && asked.test == test);
+            let index = plan.hypotheses.iter().position(|asked| asked.term == term && asked.test == test);
             let is_asked = |power: &&Power| Some(power.hypothesis) == index && power.participants.to_string() == row[0];
             all.iter().find(is_asked).unwrap()
         };
@@ -170,7 +170,7 @@ fn intervals_of_proportions_match_r() {
 #[test]
 fn without_an_effect_the_false_alarm_rate_is_alpha() {
     let plan = plan(&design(), &OrderedLogit::default(), &[], None);
-    assert!(plan.hypotheses().iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
+    assert!(plan.hypotheses.iter().all(|h| h.effect.is_some() == (h.term != "orientation_deg")));
     for alpha in [0.05, 0.3] {
         let sampling = Sampling { studies: 200, alpha, ..Sampling::default() };
         let found = powers(&plan, &[4], &sampling)[0][0].found as f64;
@@ -186,7 +186,7 @@ fn shifting_a_level_equals_an_observer_effect() {
     let shift = |level: &str| Shift { factor: "orientation_deg".to_owned(), level: level.to_owned(), logits: 0.75 };
     let with = |observer: &OrderedLogit, shifts: &[Shift]| {
         let plan = plan(&design(), observer, shifts, None);
-        (plan.run(&[3], &sampling, &|_| ()), plan.hypotheses()[0].effect.clone())
+        (plan.run(&[3], &sampling, &|_| ()), plan.hypotheses[0].effect.clone())
     };
     let (by_parameter, truth) = with(&oblique(0.75), &[]);
     assert_eq!(with(&oblique(0.0), &[shift("45")]), (by_parameter, truth.clone()));
@@ -203,7 +203,7 @@ fn the_true_effect_is_what_the_term_adds_to_the_predictor() {
     let bangay = definition::open("bangay2003").unwrap();
     let truths = |protocol: &Protocol, terms: Option<&str>| -> Vec<_> {
         let plan = plan(protocol, &OrderedLogit::default(), &[], terms);
-        let tests = plan.hypotheses().iter().filter(|hypothesis| hypothesis.test == Test::LikelihoodRatio);
+        let tests = plan.hypotheses.iter().filter(|hypothesis| hypothesis.test == Test::LikelihoodRatio);
         let levels = |effect: &Effect| (effect.logits, format!("{}>{}", effect.above, effect.below));
         tests.map(|hypothesis| (hypothesis.term.clone(), hypothesis.effect.as_ref().map(levels))).collect()
     };

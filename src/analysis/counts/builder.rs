@@ -89,16 +89,14 @@ impl MeasuredBuilder {
         self
     }
 
-    /// Adds a row: one rating, or several equal ratings. A count of 0 adds nothing.
+    /// Adds a row with a value for each factor: one rating, or several equal ratings. A count of 0 adds nothing.
     ///
     /// # Errors
-    /// Returns a [`CountError`] if the number of values is wrong, if the participant or the rating is empty, if the
-    /// rating is not a declared category, or if there are too many different ratings.
+    /// Returns a [`CountError`] if the participant or the rating is empty, if the rating is not a declared category, or if
+    /// there are too many different ratings.
     pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
         let RatingRow { subject, values, rating, count, place, position, response_time_s } = *observation;
-        if values.len() != self.factors.len() {
-            return Err(CountError::Width { expected: self.factors.len(), found: values.len() });
-        }
+        debug_assert_eq!(values.len(), self.factors.len(), "a value for each factor");
         if subject.is_empty() {
             return Err(CountError::NoSubject);
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use thiserror::Error;
 
-use super::table::{CountRow, Counts, Excluded, Measured};
+use super::table::{CountRow, Counts, Excluded, Measured, Part};
 use crate::{analysis::levels::number_of, text::names::expected_one_of};
 
 /// The word for a missing level in [`Exclusions::only`]. No level has this name.
@@ -77,8 +77,8 @@ impl Measured {
             if missing.is_empty() || missing.len() == self.counts.rows.len() {
                 continue;
             }
-            let excluded = Excluded::Missing {
-                factor: self.counts.factors[factor].name.clone(),
+            let excluded = Excluded {
+                what: Part::Missing(self.counts.factors[factor].name.clone()),
                 ratings: missing.iter().map(|row| row.count).sum(),
                 participants: missing.iter().map(|row| row.subject).collect::<BTreeSet<_>>().len() as u64,
             };
@@ -104,36 +104,28 @@ impl Measured {
             kept.iter().any(|name| name == level_of(levels, *factor))
         };
         // Each rating is counted once: for its participant, or else for the first factor that excludes it.
-        let mut excluded = self.excluded.clone();
-        let first = excluded.len();
-        excluded.extend(people.iter().map(|&index| {
-            let id = counts.subjects[index as usize].clone();
-            Excluded::Participant { id, ratings: 0 }
-        }));
-        excluded.extend(only.iter().map(|&(factor, kept)| {
+        let participants = people.iter().map(|&index| Part::Participant(counts.subjects[index as usize].clone()));
+        let levels = only.iter().map(|&(factor, kept)| {
             let factor = counts.factors[factor].name.clone();
-            Excluded::Levels { factor, kept: kept.to_vec(), ratings: 0, participants: 0 }
-        }));
+            Part::Levels { factor, kept: kept.to_vec() }
+        });
+        let parts = participants.chain(levels);
+        let mut excluded: Vec<_> = parts.map(|what| Excluded { what, ratings: 0, participants: 0 }).collect();
         let mut seen = BTreeSet::new();
         for row in &counts.rows {
             let levels = &counts.conditions[row.condition as usize];
             let reason = (people.iter().position(|person| *person == row.subject))
                 .or_else(|| only.iter().position(|one| !is_kept(levels, one)).map(|index| people.len() + index));
             let Some(reason) = reason else { continue };
-            match &mut excluded[first + reason] {
-                Excluded::Participant { ratings, .. } => *ratings += row.count,
-                Excluded::Levels { ratings, participants, .. } | Excluded::Missing { ratings, participants, .. } => {
-                    *ratings += row.count;
-                    *participants += u64::from(seen.insert((reason, row.subject)));
-                }
-            }
+            excluded[reason].ratings += row.count;
+            excluded[reason].participants += u64::from(seen.insert((reason, row.subject)));
         }
         let left =
             self.filtered(|subject| !people.contains(&subject), |levels| only.iter().all(|one| is_kept(levels, one)));
         if left.counts.total() == 0 && counts.total() > 0 {
             return Err(ExclusionError::Nothing);
         }
-        Ok(Self { excluded, ..left })
+        Ok(Self { excluded: [left.excluded, excluded].concat(), ..left })
     }
 }
 

@@ -10,4 +10,4 @@ pub use builder::MeasuredBuilder;
 pub use exclusions::{ExclusionError, Exclusions, MISSING};
 pub(super) use size::MAX_LEVELS;
 pub(super) use table::crossing;
-pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Quartiles, RetestPair, Role, Trial};
+pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Part, Quartiles, Role, Trial};

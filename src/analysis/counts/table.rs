@@ -86,14 +86,6 @@ pub struct Counts {
 /// The reason why a row cannot be counted.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum CountError {
-    /// The number of values in the row is not the number of factors.
-    #[error("{found} factor values; expected {expected}")]
-    Width {
-        /// Number of factors in the table.
-        expected: usize,
-        /// Number of values given.
-        found: usize,
-    },
     /// The participant's name is empty.
     #[error("no participant; expected a name")]
     NoSubject,
@@ -115,54 +107,29 @@ pub enum CountError {
 
 /// One exclusion that was applied.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Excluded {
-    /// A participant.
-    Participant {
-        /// The participant's ID.
-        id: String,
-        /// Number of the participant's ratings.
-        ratings: u64,
-    },
+pub struct Excluded {
+    /// What was excluded.
+    pub what: Part,
+    /// Number of its ratings. Those that are also part of an earlier exclusion are not among them.
+    pub ratings: u64,
+    /// Number of participants who gave them.
+    pub participants: u64,
+}
+
+/// A part of the ratings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The ratings of the participant with this ID.
+    Participant(String),
     /// The other levels of a factor.
     Levels {
         /// Name of the factor.
         factor: String,
         /// The levels that were kept.
         kept: Vec<String>,
-        /// Number of ratings at other levels. Those of excluded participants and of levels that another factor excludes
-        /// are not among them.
-        ratings: u64,
-        /// Number of participants who gave them.
-        participants: u64,
     },
-    /// Ratings without a value of a covariate, which the model needs.
-    Missing {
-        /// Name of the covariate.
-        factor: String,
-        /// Number of ratings.
-        ratings: u64,
-        /// Number of participants who gave them.
-        participants: u64,
-    },
-}
-
-impl Excluded {
-    /// Returns the number of ratings that were excluded.
-    pub fn ratings(&self) -> u64 {
-        match self {
-            Self::Participant { ratings, .. } | Self::Levels { ratings, .. } | Self::Missing { ratings, .. } => {
-                *ratings
-            }
-        }
-    }
-
-    /// Returns the number of participants who gave them.
-    pub fn participants(&self) -> u64 {
-        match self {
-            Self::Participant { .. } => 1,
-            Self::Levels { participants, .. } | Self::Missing { participants, .. } => *participants,
-        }
-    }
+    /// Ratings without a value of the covariate with this name, which the model needs.
+    Missing(String),
 }
 
 impl Counts {
@@ -229,6 +196,36 @@ impl Counts {
         self.factors[factor].is_ordered()
             && self.factors[factor].levels.len() >= LEAST_COVARIATE
             && people.all(|rows| levels(rows).len() == 1)
+    }
+
+    /// Returns the rows with the indices of participants and conditions that `moved` returns, without those for which it
+    /// returns none.
+    fn moved(&self, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Vec<CountRow> {
+        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
+        for row in &self.rows {
+            if let Some((subject, condition)) = moved(row.subject, row.condition) {
+                *sums.entry((subject, condition, row.rating)).or_default() += row.count;
+            }
+        }
+        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
+        sums.into_iter().map(row).collect()
+    }
+
+    /// Returns the same ratings by new factors, and the new index of each condition. `levels` returns a condition's levels of
+    /// the new factors, or `None` to leave out its ratings.
+    pub fn regrouped(
+        &self,
+        factors: Vec<Factor>,
+        levels: impl Fn(&[Option<u32>]) -> Option<Vec<Option<u32>>>,
+    ) -> (Self, Vec<Option<u32>>) {
+        let all: Vec<Option<Vec<Option<u32>>>> = self.conditions.iter().map(|condition| levels(condition)).collect();
+        let conditions: BTreeSet<_> = all.iter().flatten().cloned().collect();
+        let conditions = Vec::from_iter(conditions);
+        let place = |own: &Vec<Option<u32>>| conditions.partition_point(|other| other < own) as u32;
+        let places: Vec<Option<u32>> = all.iter().map(|own| own.as_ref().map(place)).collect();
+        let rows = self.moved(|subject, condition| Some((subject, places[condition as usize]?)));
+        let (subjects, categories) = (self.subjects.clone(), self.categories.clone());
+        (Self { subjects, factors, conditions, categories, rows }, places)
     }
 
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
@@ -311,19 +308,6 @@ pub struct Measured {
     pub excluded: Vec<Excluded>,
 }
 
-/// A participant's first and second rating of a condition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RetestPair {
-    /// Index into [`Counts::subjects`].
-    pub subject: u32,
-    /// Index into [`Counts::conditions`].
-    pub condition: u32,
-    /// Index into [`Counts::categories`] of the first rating.
-    pub first: u8,
-    /// Index into [`Counts::categories`] of the second rating.
-    pub second: u8,
-}
-
 /// The response time and the place of a rating.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
@@ -344,9 +328,10 @@ pub struct Trial {
 }
 
 impl Measured {
-    /// Returns the first and the second rating of each condition that a participant rated more than once, if their order is
-    /// known. At the same place, a lower rating counts as earlier.
-    pub fn retests(&self) -> Vec<RetestPair> {
+    /// Returns, for each participant, the first and the second rating of each condition that the participant rated more than
+    /// once, if their order is known: indices into [`Counts::categories`]. At the same place, a lower rating counts as
+    /// earlier.
+    pub fn retests(&self) -> Vec<Vec<[u8; 2]>> {
         let place = |trial: &Trial| trial.repetition.map(f64::from).or(trial.position);
         let mut placed: Vec<&Trial> = self.trials.iter().filter(|trial| place(trial).is_some()).collect();
         placed.sort_by(|l, r| {
@@ -355,14 +340,13 @@ impl Measured {
             let order = cell(l).cmp(&cell(r)).then(place(l).partial_cmp(&place(r)).unwrap_or(Ordering::Equal));
             order.then(l.rating.cmp(&r.rating))
         });
-        let cells = placed.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition));
-        let pair = |cell: &[&Trial]| match cell {
-            [Trial { subject, condition, rating, .. }, second, ..] => {
-                Some(RetestPair { subject: *subject, condition: *condition, first: *rating, second: second.rating })
+        let mut retests = vec![Vec::new(); self.counts.subjects.len()];
+        for cell in placed.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
+            if let [first, second, ..] = cell {
+                retests[first.subject as usize].push([first.rating, second.rating]);
             }
-            _ => None,
-        };
-        cells.filter_map(pair).collect()
+        }
+        retests
     }
 
     /// Returns how often a participant rated a condition more than once without a known order of these ratings, so that
@@ -373,7 +357,7 @@ impl Measured {
         let all = self.counts.rows.chunk_by(same);
         all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
             .count()
-            .saturating_sub(self.retests().len())
+            .saturating_sub(self.retests().iter().map(Vec::len).sum())
     }
 
     /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
@@ -393,28 +377,12 @@ impl Measured {
     pub fn without_factors(&self, left_out: &[usize]) -> Self {
         let counts = &self.counts;
         let kept: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
-        let shorter = |levels: &Vec<Option<u32>>| kept.iter().map(|&factor| levels[factor]).collect::<Vec<_>>();
-        let all: BTreeSet<Vec<Option<u32>>> = counts.conditions.iter().map(shorter).collect();
-        let all: Vec<Vec<Option<u32>>> = all.into_iter().collect();
-        let place = |own: Vec<Option<u32>>| all.partition_point(|other| *other < own) as u32;
-        let moved: Vec<u32> = counts.conditions.iter().map(|levels| place(shorter(levels))).collect();
-        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        for row in &counts.rows {
-            *sums.entry((row.subject, moved[row.condition as usize], row.rating)).or_default() += row.count;
-        }
-        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
-        let moved = |condition: u32| moved[condition as usize];
-        Self {
-            counts: Counts {
-                factors: kept.iter().map(|&factor| counts.factors[factor].clone()).collect(),
-                conditions: all,
-                rows: sums.into_iter().map(row).collect(),
-                subjects: counts.subjects.clone(),
-                categories: counts.categories.clone(),
-            },
-            trials: self.trials.iter().map(|row| Trial { condition: moved(row.condition), ..*row }).collect(),
-            excluded: self.excluded.clone(),
-        }
+        let factors = kept.iter().map(|&factor| counts.factors[factor].clone()).collect();
+        let (counts, places) =
+            counts.regrouped(factors, |levels| Some(kept.iter().map(|&factor| levels[factor]).collect()));
+        let trial = |trial: &Trial| Some(Trial { condition: places[trial.condition as usize]?, ..*trial });
+        let trials = self.trials.iter().filter_map(trial).collect();
+        Self { counts, trials, excluded: self.excluded.clone() }
     }
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
@@ -424,9 +392,9 @@ impl Measured {
         let counts = &self.counts;
         let kept: Vec<bool> = counts.conditions.iter().map(|levels| condition(levels)).collect();
         let keep = |s: u32, c: u32| subject(s) && kept[c as usize];
-        let rows: Vec<CountRow> = counts.rows.iter().filter(|row| keep(row.subject, row.condition)).copied().collect();
-        let subjects = Kept::new(rows.iter().map(|row| row.subject));
-        let conditions = Kept::new(rows.iter().map(|row| row.condition));
+        let rows = || counts.rows.iter().filter(|row| keep(row.subject, row.condition));
+        let subjects = Kept::new(rows().map(|row| row.subject));
+        let conditions = Kept::new(rows().map(|row| row.condition));
         let levels: Vec<Kept> = (0..counts.factors.len())
             .map(|factor| Kept::new(conditions.0.iter().filter_map(|&c| counts.conditions[c as usize][factor])))
             .collect();
@@ -437,26 +405,20 @@ impl Measured {
         let renumbered = |levels_of: &Vec<Option<u32>>| {
             levels_of.iter().zip(&levels).map(|(level, kept)| level.map(|level| kept.index(level))).collect()
         };
-        let moved = |s: u32, c: u32| (subjects.index(s), conditions.index(c));
+        let moved = |s: u32, c: u32| keep(s, c).then(|| (subjects.index(s), conditions.index(c)));
+        let trial = |trial: &Trial| {
+            let (subject, condition) = moved(trial.subject, trial.condition)?;
+            Some(Trial { subject, condition, ..*trial })
+        };
         Self {
             counts: Counts {
                 subjects: subjects.of(&counts.subjects),
                 factors: factors.collect(),
                 conditions: conditions.of(&counts.conditions).iter().map(renumbered).collect(),
                 categories: counts.categories.clone(),
-                rows: (rows.iter())
-                    .map(|row| {
-                        let (subject, condition) = moved(row.subject, row.condition);
-                        CountRow { subject, condition, ..*row }
-                    })
-                    .collect(),
+                rows: counts.moved(moved),
             },
-            trials: (self.trials.iter().filter(|row| keep(row.subject, row.condition)))
-                .map(|row| {
-                    let (subject, condition) = moved(row.subject, row.condition);
-                    Trial { subject, condition, ..*row }
-                })
-                .collect(),
+            trials: self.trials.iter().filter_map(trial).collect(),
             excluded: self.excluded.clone(),
         }
     }

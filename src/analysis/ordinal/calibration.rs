@@ -15,7 +15,7 @@ use super::{
     model::{Contrast, Model, ModelError, ModelSpec, Random, RandomEffect},
     order::{Order, order},
     profile::{self, Quantity, chi_squared_limit},
-    resampling::{Resampling, Statistics, simulate},
+    resampling::{Resampling, simulate},
     terms::{Term, Variable},
 };
 use crate::{
@@ -196,22 +196,19 @@ fn withhold(full: &Fitted, report: &mut ModelReport) {
 /// simulated.
 fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits, calibration: &Calibration<'_>) {
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
-    let named = |tests: &[TermTest]| -> Vec<&Term> {
-        let is_tested = |test: &TermTest| test.lr.is_some() && test.withheld.is_none();
-        let has_ratio = |term: &&&Term| tests.iter().any(|test| is_tested(test) && test.term == term.to_string());
-        terms.iter().filter(has_ratio).copied().collect()
-    };
-    let is_uncertain = |test: &&TermTest| {
+    let is_uncertain = |test: &TermTest| {
         let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
         full.mixed.is_some() || full.frame.total() < MANY_PER_PARAMETER * parameters as u64
     };
-    let [of_terms, odds] = [&report.terms, &report.proportional_odds]
-        .map(|tests| tests.iter().filter(is_uncertain).cloned().collect::<Vec<TermTest>>());
-    let what = Statistics {
-        terms: named(&of_terms).into_iter().filter(|term| needs_simulation(&full.frame, term)).collect(),
-        nominal: named(&odds),
+    // The places of the tests to simulate, and of their terms.
+    let simulated = |tests: &[TermTest]| -> Vec<(usize, usize)> {
+        let is_tested = |test: &TermTest| test.lr.is_some() && test.withheld.is_none() && is_uncertain(test);
+        let place = |test: &TermTest| terms.iter().position(|term| is_tested(test) && term.to_string() == test.term);
+        tests.iter().enumerate().filter_map(|(index, test)| Some((index, place(test)?))).collect()
     };
-    if what.terms.is_empty() && what.nominal.is_empty() {
+    let [mut of_terms, odds] = [&report.terms, &report.proportional_odds].map(|tests| simulated(tests));
+    of_terms.retain(|(_, term)| needs_simulation(&full.frame, terms[*term]));
+    if of_terms.is_empty() && odds.is_empty() {
         return;
     }
     let settings = calibration.resampling;
@@ -220,37 +217,30 @@ fn calibrate_tests(full: &Fitted, report: &mut ModelReport, limits: &mut Limits,
         let done = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
         (calibration.progress)(done, settings.draws as usize);
     };
-    let ratio = |tests: &[TermTest], term: &Term| {
-        tests.iter().find(|test| test.term == term.to_string()).and_then(|test| test.lr).unwrap_or(f64::NAN)
+    let observed = |places: &[(usize, usize)], tests: &[TermTest]| {
+        places.iter().map(|&(test, term)| (terms[term], tests[test].lr.unwrap_or(f64::NAN))).collect()
     };
-    let observed = [
-        what.terms.iter().map(|term| ratio(&report.terms, term)).collect(),
-        what.nominal.iter().map(|term| ratio(&report.proportional_odds, term)).collect(),
-    ];
-    let [of_terms, nominal] = simulate(full, &what, &observed, settings, &progress);
+    let tested = [observed(&of_terms, &report.terms), observed(&odds, &report.proportional_odds)];
+    let [term_ratios, odds_ratios] = simulate(full, &tested, settings, &progress);
     // If the ratings are separated, those of the simulated studies are too, and their ratios are too small.
     let is_separated = full.infinite().next().is_some();
-    for (tests, terms, ratios) in
-        [(&mut report.terms, &what.terms, &of_terms), (&mut report.proportional_odds, &what.nominal, &nominal)]
+    for (tests, places, ratios) in
+        [(&mut report.terms, &of_terms, &term_ratios), (&mut report.proportional_odds, &odds, &odds_ratios)]
     {
-        for (term, ratios) in terms.iter().zip(ratios) {
-            let name = term.to_string();
-            for test in tests.iter_mut().filter(|test| test.term == name) {
-                let usual = test.p;
-                test.calibrate(ratios);
-                if is_separated && test.p < usual && test.p.is_some() {
-                    (test.p, test.draws, test.p_error) = (usual, None, None);
-                }
+        for (&(test, _), ratios) in places.iter().zip(ratios) {
+            let test = &mut tests[test];
+            let usual = test.p;
+            test.calibrate(ratios);
+            if is_separated && test.p < usual && test.p.is_some() {
+                (test.p, test.draws, test.p_error) = (usual, None, None);
             }
         }
     }
-    for (limit, term) in limits.iter_mut().zip(&terms) {
-        let Some(place) = what.terms.iter().position(|other| other == term) else { continue };
-        let df = report.terms.iter().find(|test| test.term == term.to_string()).map_or(1, |test| test.df);
+    for (&(test, term), ratios) in of_terms.iter().zip(&term_ratios) {
         // The distribution of a ratio with several degrees of freedom differs from χ² by about the same factor.
-        if let Some(simulated) = quantile(&of_terms[place], profile::LEVEL) {
-            let factor = simulated / chi_squared_limit(df);
-            *limit = limit.map(|limit| limit * if is_separated { factor.max(1.0) } else { factor });
+        if let Some(simulated) = quantile(ratios, profile::LEVEL) {
+            let factor = simulated / chi_squared_limit(report.terms[test].df);
+            limits[term] = limits[term].map(|limit| limit * if is_separated { factor.max(1.0) } else { factor });
         }
     }
 }
@@ -371,10 +361,9 @@ fn contrasts(full: &Fitted, report: &ModelReport, limits: &Limits, wanted: &[Pai
         // An effect that depends on another factor has no single size.
         let is_own = |term: &Term| *term == own && !full.spec.terms.is_marginal(term);
         let term = full.spec.terms.iter().position(is_own)?;
-        let (_, description) = full.frame.counts.factor(factor)?;
+        let (index, description) = full.frame.counts.factor(factor)?;
         let names = levels.map(|level| description.levels[level as usize].clone());
         let own = full.x.columns.iter().filter(|column| column.term == term).count();
-        let (index, _) = full.frame.counts.factor(factor)?;
         // If a column was dropped, a level without a coefficient is not necessarily the baseline.
         if own + 1 != full.frame.levels(index).len() {
             return None;

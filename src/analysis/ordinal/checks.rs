@@ -77,9 +77,8 @@ impl Checks {
 
 /// Computes the checks of a fit, with its contrasts. Factors that are `left_out` have no levels.
 pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], left_out: &[usize], seed: u64) -> Checks {
-    let (influence, (proportions, cells, spread)) =
-        rayon::join(|| influence(full, contrasts), || predictive(full, left_out, seed));
-    Checks { proportions, cells, spread, influence }
+    let (influence, checks) = rayon::join(|| influence(full, contrasts), || predictive(full, left_out, seed));
+    Checks { influence, ..checks }
 }
 
 /// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
@@ -113,11 +112,8 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
     Tally { levels, cells, spread: mean_and_sd(&means).1 }
 }
 
-fn predictive(
-    full: &Fitted,
-    left_out: &[usize],
-    seed: u64,
-) -> (Vec<Proportion>, Vec<Proportion>, Option<(f64, Interval)>) {
+/// Compares the ratings with those of simulated studies; without the influence of each participant.
+fn predictive(full: &Fitted, left_out: &[usize], seed: u64) -> Checks {
     let counts = full.frame.counts;
     let described: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
     let levels_of =
@@ -171,7 +167,7 @@ fn predictive(
     }
     let spread = (full.frame.subjects.len() > 1)
         .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
-    (proportions, in_cells, spread)
+    Checks { proportions, cells: in_cells, spread, influence: Vec::new() }
 }
 
 fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {

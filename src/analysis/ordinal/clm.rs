@@ -54,9 +54,11 @@ struct Derivatives {
     information: DMatrix<f64>,
 }
 
-/// Up to this number of ratings, the gradient can and must fall below 1e-9. Beyond it, rounding errors grow with the
-/// number of ratings.
-const EXACT_RATINGS: f64 = 1e4;
+/// Returns the largest gradient that counts as zero. Up to 10,000 ratings, it can and must fall below 1e-9; beyond, rounding
+/// errors grow with the number of ratings.
+pub(super) fn tolerance(ratings: f64) -> f64 {
+    1e-9 * (ratings / 1e4).max(1.0)
+}
 
 impl ClmData {
     pub fn categories(&self) -> usize {
@@ -78,11 +80,6 @@ impl ClmData {
 
     pub fn ratings(&self) -> f64 {
         self.counts.sum()
-    }
-
-    /// Returns the largest gradient that counts as zero.
-    pub fn tolerance(&self) -> f64 {
-        1e-9 * (self.ratings() / EXACT_RATINGS).max(1.0)
     }
 
     /// Returns starting values: thresholds that reproduce the pooled ratings, and 0 for everything else.
@@ -197,50 +194,40 @@ impl ClmData {
         most
     }
 
-    /// Returns whether the likelihood keeps rising along a direction: no rating's upper bound falls, no lower bound
-    /// rises, and at least one bound moves (Albert & Anderson 1984, for ordered categories).
-    fn is_recession(&self, direction: &DVector<f64>) -> bool {
+    /// If the likelihood keeps rising along a step, without a maximum, returns its direction, with ±1 as its largest element:
+    /// no rating's upper bound falls, no lower bound rises, and at least one bound moves (Albert & Anderson 1984, for ordered
+    /// categories).
+    fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
         const SLACK: f64 = 1e-3;
+        let direction = (step / step.amax()).map(|element| if element.abs() < 1e-2 { 0.0 } else { element });
         let mut gradient = DVector::zeros(self.parameters());
         let (mut least, mut most): (f64, f64) = (0.0, 0.0);
         for row in 0..self.counts.nrows() {
-            for k in 0..self.categories() {
-                if self.counts[(row, k)] <= 0.0 {
-                    continue;
-                }
+            for k in (0..self.categories()).filter(|k| self.counts[(row, *k)] > 0.0) {
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
                     if j < self.thresholds() {
                         self.bound_gradient(row, j, &mut gradient);
-                        let moved = sign * gradient.dot(direction);
+                        let moved = sign * gradient.dot(&direction);
                         (least, most) = (least.min(moved), most.max(moved));
                     }
                 }
             }
         }
-        most > 0.1 && least > -SLACK * most
-    }
-
-    /// If a step is in a direction of recession, returns that direction, with ±1 as its largest element.
-    fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
-        let mut direction = step / step.amax();
-        direction.apply(|element| {
-            if element.abs() < 1e-2 {
-                *element = 0.0;
-            }
-        });
-        self.is_recession(&direction).then_some(direction)
+        (most > 0.1 && least > -SLACK * most).then_some(direction)
     }
 
     /// Finds the maximum of the likelihood by Newton's method with step halving.
     pub fn fit(&self, start: DVector<f64>) -> ClmFit {
         const MAX_ITERATIONS: usize = 200;
-        let tolerance = self.tolerance();
+        let tolerance = tolerance(self.ratings());
         let mut parameters = start;
         let mut current = self.derivatives(&parameters);
         let mut end = FitEnd::Stalled;
         let mut iterations = 0;
         while iterations < MAX_ITERATIONS && current.loglik.is_finite() {
-            let step = newton_step(&current);
+            // Newton's step, or that of steepest ascent.
+            let factor = positive_definite(&current.information);
+            let step = factor.map_or_else(|| current.gradient.clone(), |factor| factor.solve(&current.gradient));
             let (gradient, reach) = (current.gradient.amax(), self.reach(&step));
             if gradient <= tolerance && reach < 1e-6 {
                 end = FitEnd::Converged;
@@ -304,15 +291,6 @@ pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
 pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
     for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
         sum.column_mut(column).axpy(factor * r, left, 1.0);
-    }
-}
-
-/// Returns Newton's step. If the likelihood is not concave or is too flat for its curvature to be inverted, the
-/// curvature is increased.
-fn newton_step(at: &Derivatives) -> DVector<f64> {
-    match positive_definite(&at.information) {
-        Some(factor) => factor.solve(&at.gradient),
-        None => at.gradient.clone(),
     }
 }
 

@@ -94,7 +94,7 @@ impl Subject<'_> {
     }
 
     fn weights_of(&self, row: usize) -> &[(usize, f64)] {
-        let slots = self.loadings.slots_per_row();
+        let slots = self.loadings.slots_per_row;
         &self.weights[row * slots..(row + 1) * slots]
     }
 
@@ -264,7 +264,7 @@ impl ClmmData {
         let log_determinant = factor.log_determinant();
         let inverse = factor.inverse();
         // With C = inverse curvature: Ca in the slots of each row, and aᵀCa.
-        let slots = self.loadings.slots_per_row();
+        let slots = self.loadings.slots_per_row;
         let mut spread_weights = vec![0.0; point.rows.len() * slots];
         let mut variances = vec![0.0; point.rows.len()];
         // C times the derivative of the logarithm of the approximation with respect to the mode.

@@ -26,7 +26,7 @@ pub(crate) struct Column {
 }
 
 /// The design columns of a list of terms.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Design {
     pub terms: Terms,
     pub columns: Vec<Column>,
@@ -57,7 +57,10 @@ impl Design {
     pub fn new(frame: &Frame, terms: &Terms) -> Result<Self, ModelError> {
         let mut columns = Vec::new();
         for (index, term) in terms.iter().enumerate() {
-            columns.extend(term_columns(frame, terms, term, index)?);
+            for parts in term_parts(frame, terms, term)? {
+                let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
+                columns.push(Column { name, values: products(frame, &parts, false)?, parts, term: index });
+            }
         }
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
     }
@@ -72,11 +75,6 @@ impl Design {
         };
         let (used, unused): (Vec<Term>, Vec<Term>) = self.terms.iter().cloned().partition(is_used);
         (Terms::new(used), Terms::new(unused))
-    }
-
-    /// Returns a design with no columns.
-    pub fn empty() -> Self {
-        Self { terms: Terms::default(), columns: Vec::new(), dropped: Vec::new(), offset: None }
     }
 
     /// Returns the matrix with one row for each of these conditions.
@@ -126,33 +124,9 @@ impl Design {
     /// Returns the design with sum contrasts, in which the columns of a main effect stand for the mean effect over the levels of
     /// the other factors. The columns have other names, because their coefficients mean something else.
     pub fn with_sum_contrasts(&self, frame: &Frame) -> Result<Self, ModelError> {
-        let conditions = &frame.counts.conditions;
-        let coded = |part: &TermPart| -> Result<Vec<f64>, ModelError> {
-            let (index, inverse) = find_factor(frame.counts, &part.variable)?;
-            let levels = frame.levels(index);
-            let value: Box<dyn Fn(u32) -> f64> = match &part.level {
-                Some(own) => {
-                    let names = &frame.counts.factors[index].levels;
-                    let baseline = levels.first().copied();
-                    Box::new(move |level| {
-                        f64::from(u8::from(names[level as usize] == *own))
-                            - f64::from(u8::from(Some(level) == baseline))
-                    })
-                }
-                None => {
-                    let numbers = frame.numbers(index, inverse)?;
-                    let mean = levels.iter().map(|&level| numbers[level as usize]).sum::<f64>() / levels.len() as f64;
-                    Box::new(move |level| numbers[level as usize] - mean)
-                }
-            };
-            Ok(conditions.iter().map(|levels| levels[index].map_or(0.0, &value)).collect())
-        };
         let mut design = self.clone();
         for column in &mut design.columns {
-            column.values = vec![1.0; conditions.len()];
-            for part in &column.parts {
-                column.values.iter_mut().zip(coded(part)?).for_each(|(value, own)| *value *= own);
-            }
+            column.values = products(frame, &column.parts, true)?;
             column.name.push('~');
         }
         Ok(design)
@@ -169,7 +143,7 @@ impl Design {
     /// Keeps only the columns that are not combinations of an intercept and the columns before them.
     #[must_use]
     pub fn independent(self, frame: &Frame) -> Self {
-        self.independent_of(&Self::empty(), frame)
+        self.independent_of(&Self::default(), frame)
     }
 
     /// Keeps only the columns that are not combinations of an intercept, the columns of another design and the columns
@@ -208,56 +182,51 @@ pub(super) fn coefficients(frame: &Frame, terms: &Terms) -> Vec<usize> {
     terms.iter().map(of_term).collect()
 }
 
-/// A column in progress: what it stands for and its value for each condition.
-struct PartialColumn {
-    parts: Vec<TermPart>,
-    values: Vec<f64>,
-}
-
-fn term_columns(frame: &Frame, terms: &Terms, term: &Term, index: usize) -> Result<Vec<Column>, ModelError> {
-    let mut columns: Vec<PartialColumn> = Vec::new();
+/// Returns what each column of a term stands for. The levels of the first factor vary fastest.
+fn term_parts(frame: &Frame, terms: &Terms, term: &Term) -> Result<Vec<Vec<TermPart>>, ModelError> {
+    let mut columns = vec![Vec::new()];
     for (position, variable) in term.variables.iter().enumerate() {
         let mut rest = term.clone();
         rest.variables.remove(position);
-        let contrasts = rest.variables.is_empty() || terms.has(&rest);
-        let parts = variable_parts(frame, variable, contrasts)?;
-        columns = if position == 0 { parts } else { products(&columns, &parts) };
+        let has_contrasts = rest.variables.is_empty() || terms.has(&rest);
+        let (index, inverse) = find_factor(frame.counts, variable)?;
+        let levels: Vec<Option<String>> = match variable {
+            Variable::Number(_) => frame.numbers(index, inverse).map(|_| vec![None])?,
+            Variable::Factor(_) => (frame.levels(index).iter().skip(usize::from(has_contrasts)))
+                .map(|&level| Some(frame.counts.factors[index].levels[level as usize].clone()))
+                .collect(),
+        };
+        let parts = levels.into_iter().map(|level| TermPart { variable: variable.clone(), level });
+        let before = columns;
+        columns = parts.flat_map(|part| before.iter().map(move |own| [&own[..], &[part.clone()]].concat())).collect();
     }
-    let column = |PartialColumn { parts, values }: PartialColumn| {
-        let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
-        Column { name, parts, term: index, values }
-    };
-    Ok(columns.into_iter().map(column).collect())
+    Ok(columns)
 }
 
-/// Returns all products of the columns. The levels of the first factor vary fastest.
-fn products(left: &[PartialColumn], right: &[PartialColumn]) -> Vec<PartialColumn> {
-    let pairs = right.iter().flat_map(|r| left.iter().map(move |l| (l, r)));
-    pairs
-        .map(|(l, r)| PartialColumn {
-            parts: [&l.parts[..], &r.parts].concat(),
-            values: l.values.iter().zip(&r.values).map(|(a, b)| a * b).collect(),
-        })
-        .collect()
-}
-
-fn variable_parts(frame: &Frame, variable: &Variable, contrasts: bool) -> Result<Vec<PartialColumn>, ModelError> {
-    let conditions = &frame.counts.conditions;
-    let (index, inverse) = find_factor(frame.counts, variable)?;
-    let parts = |level: Option<String>| vec![TermPart { variable: variable.clone(), level }];
-    Ok(match variable {
-        Variable::Number(_) => {
-            let numbers = frame.numbers(index, inverse)?;
-            let values = conditions.iter().map(|c| c[index].map_or(0.0, |level| numbers[level as usize])).collect();
-            vec![PartialColumn { parts: parts(None), values }]
+/// Returns the product of a column's variables for each condition of the table: 1 at the level of a factor, or the number.
+/// With `sums`, a factor is −1 at its baseline, and a number is a difference from the mean of its levels.
+fn products(frame: &Frame, parts: &[TermPart], sums: bool) -> Result<Vec<f64>, ModelError> {
+    let mut products = vec![1.0; frame.counts.conditions.len()];
+    for part in parts {
+        let (index, inverse) = find_factor(frame.counts, &part.variable)?;
+        let levels = frame.levels(index);
+        let of_levels: Vec<f64> = match &part.level {
+            Some(own) => {
+                let is_baseline = |level: u32| sums && levels.first() == Some(&level);
+                let names = (0..).zip(&frame.counts.factors[index].levels);
+                names.map(|(level, name)| f64::from(i8::from(name == own) - i8::from(is_baseline(level)))).collect()
+            }
+            None => {
+                let numbers = frame.numbers(index, inverse)?;
+                let mean = levels.iter().map(|&level| numbers[level as usize]).sum::<f64>() / levels.len() as f64;
+                numbers.into_iter().map(|number| if sums { number - mean } else { number }).collect()
+            }
+        };
+        for (product, levels) in products.iter_mut().zip(&frame.counts.conditions) {
+            *product *= levels[index].map_or(0.0, |level| of_levels[level as usize]);
         }
-        Variable::Factor(_) => (frame.levels(index).iter().skip(usize::from(contrasts)))
-            .map(|&level| PartialColumn {
-                parts: parts(Some(frame.counts.factors[index].levels[level as usize].clone())),
-                values: conditions.iter().map(|c| f64::from(u8::from(c[index] == Some(level)))).collect(),
-            })
-            .collect(),
-    })
+    }
+    Ok(products)
 }
 
 /// A column counts as a combination of the columns before it if less than this share of it remains after projection.
@@ -308,22 +277,17 @@ pub(super) struct Standard {
 
 impl Standard {
     /// Centers and scales the columns of a matrix.
-    pub fn of(mut x: DMatrix<f64>) -> (DMatrix<f64>, Self) {
+    pub fn of(x: DMatrix<f64>) -> (DMatrix<f64>, Self) {
         let columns = x.ncols();
         let mut standard = Self { centers: DVector::zeros(columns), scales: DVector::from_element(columns, 1.0) };
-        for (index, mut column) in x.column_iter_mut().enumerate() {
-            if column.iter().all(|value| *value == 0.0 || *value == 1.0) {
-                continue;
-            }
-            let center = column.mean();
-            column.add_scalar_mut(-center);
-            let scale = column.amax();
-            if scale > 0.0 {
-                column /= scale;
+        for (index, column) in x.column_iter().enumerate() {
+            let (center, is_contrast) = (column.mean(), column.iter().all(|value| *value == 0.0 || *value == 1.0));
+            let scale = column.add_scalar(-center).amax();
+            if !is_contrast && scale > 0.0 {
                 (standard.centers[index], standard.scales[index]) = (center, scale);
             }
         }
-        (x, standard)
+        (standard.apply(x), standard)
     }
 
     /// Scales and centers other rows of the same columns.

@@ -13,7 +13,7 @@ use super::{
     search::{MixedFit, MixedFitEnd},
 };
 use crate::{
-    analysis::{counts::Counts, levels},
+    analysis::{counts::Counts, levels::values_of},
     statistics::{Interval, Z_95, normal_two_sided, t_quantile},
 };
 
@@ -96,9 +96,7 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     // The Cholesky factor, and the place of each of its elements.
     let mut factor = DMatrix::zeros(size, size);
     let mut places = vec![Vec::new(); size];
-    let triangle: Vec<(usize, usize)> =
-        if part.correlated { part.triangle().collect() } else { (0..size).map(|i| (i, i)).collect() };
-    for (parameter, &(row, column)) in triangle.iter().enumerate() {
+    for (parameter, (row, column)) in part.elements().enumerate() {
         factor[(row, column)] = psi[parameter];
         places[row].push(parameter);
     }
@@ -195,8 +193,8 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     let (information, free) = match usable_mixed_fit(fitted) {
         Some(mixed) if mixed.end != MixedFitEnd::Boundary => (mixed.information.clone(), mixed.free.clone()),
         _ => {
-            let finite = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
-            (finite_part(fitted, &fitted.clm.information), finite)
+            let finite: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
+            (fitted.clm.information.select_rows(&finite).select_columns(&finite), finite)
         }
     };
     // A fit that needed no errors has no information.
@@ -255,12 +253,6 @@ pub(crate) fn dot_ignoring_zero_weights<'a>(
         .sum()
 }
 
-/// Returns the information of the parameters that have finite estimates.
-fn finite_part(fitted: &Fitted, information: &DMatrix<f64>) -> DMatrix<f64> {
-    let free: Vec<usize> = (0..information.nrows()).filter(|&index| !fitted.is_infinite(index)).collect();
-    information.select_rows(&free).select_columns(&free)
-}
-
 fn note_design(fitted: &Fitted, notes: &mut Vec<Note>) {
     let design = &fitted.x;
     for (index, term) in design.terms.iter().enumerate() {
@@ -302,7 +294,7 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
     let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
     if part.correlated {
         // The pivots of the covariance: the standard deviation of each effect given the ones before it.
-        let pivots = part.triangle().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
+        let pivots = part.elements().zip(psi).filter(|((row, column), _)| row == column).map(|(_, pivot)| pivot.abs());
         notes.extend(pivots.into_iter().any(|pivot| pivot < 1e-2).then_some(Note::SingularCovariance));
     } else if mixed.end != MixedFitEnd::Boundary {
         let zeros = part.components.iter().zip(psi).filter(|(_, psi)| **psi == 0.0).map(|(component, _)| component);
@@ -330,15 +322,9 @@ pub struct Prediction {
     pub interval: Option<Interval>,
 }
 
-/// Returns the number that each category of a model represents.
-pub(super) fn category_numbers(model: &Model) -> Vec<f64> {
-    levels::numbers_of(&model.categories)
-        .unwrap_or_else(|| (0..model.categories.len()).map(|index| index as f64).collect())
-}
-
 /// Returns a model's predictions for every condition on which it was fitted.
 pub(super) fn predictions(fitted: &Fitted, model: &Model) -> Vec<Prediction> {
-    let values = category_numbers(model);
+    let values = values_of(&model.categories);
     let conditions = fitted.frame.conditions();
     let x = fitted.x.matrix(&conditions);
     let reach = reach(fitted, 1);

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    clm::{ClmData, ClmFit, FitEnd},
+    clm::{ClmData, ClmFit, FitEnd, tolerance},
     clmm::{ClmmData, Observation},
     design::{Column, Design, Standard, check_size},
     link::Link,
@@ -38,9 +38,8 @@ pub(crate) struct Fitted<'a> {
 pub(super) struct How<'a> {
     /// Whether to compute the standard errors of a mixed model, which take as long as its estimates.
     pub errors: bool,
-    /// The random part; `None` determines it from the specification.
-    pub random: Option<&'a RandomPart>,
-    /// A similar fit, at whose estimates the search starts.
+    /// A similar fit with the same random part, at whose estimates the search starts; without it, the random part follows
+    /// from the specification.
     pub near: Option<&'a Fitted<'a>>,
     /// A similar fit with errors, with whose information the search starts.
     pub informed: Option<&'a Fitted<'a>>,
@@ -104,10 +103,10 @@ pub(super) fn fit_terms<'a>(
         None => Design::new(&frame, &spec.terms)?,
     };
     let x = x.independent(&frame);
-    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::empty());
+    let (data, standard) = clm_data(&frame, spec.link, &x, &Design::default());
     let clm = fit_clm(&data)?;
-    let random = match how.random {
-        Some(random) => random.clone(),
+    let random = match how.near {
+        Some(near) => near.random.clone(),
         None => RandomPart::new(&frame, &spec, &mut notes)?,
     };
     let mut fitted = Fitted { frame, spec, notes, x, clm, standard, random, mixed: None };
@@ -239,7 +238,7 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     let Layout { data, .. } = layout(fitted);
     let first_psi = data.first_psi();
     let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
-    let tolerance = if how.rough { 1e-6 } else { 1e-9 } * (data.ratings() / 1e4).max(1.0);
+    let tolerance = if how.rough { 1e3 } else { 1.0 } * tolerance(data.ratings());
     let plain = &fitted.clm.parameters;
     let near = how.near.and_then(|near| Some((near, near.mixed.as_ref()?)));
     let mut start = near.map(|(near, fit)| {

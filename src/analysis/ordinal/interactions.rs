@@ -22,7 +22,7 @@ use super::{
     fitting::{Fitted, How, Layout, fit_terms, layout},
     likelihood_ratios::{LEAST_PER_PARAMETER, Withheld, without_term},
     model::ModelSpec,
-    resampling::{Resampling, Statistics, simulate},
+    resampling::{Resampling, simulate},
     terms::{Term, Terms},
 };
 use crate::{analysis::frame::find_factor, statistics::holm};
@@ -71,8 +71,11 @@ pub(super) fn interactions(full: &Fitted, settings: Resampling) -> Vec<Interacti
     }
 }
 
-/// Returns the interactions that the model leaves out, with the indices of their two terms.
-fn pairs(full: &Fitted) -> Vec<(Interaction, [usize; 2])> {
+/// An interaction that is not tested yet, its term, and the indices of the main effects.
+type Pair = (Interaction, Term, [usize; 2]);
+
+/// Returns the interactions that the model leaves out.
+fn pairs(full: &Fitted) -> Vec<Pair> {
     let main: Vec<(usize, &Term)> =
         full.spec.terms.iter().enumerate().filter(|(_, term)| term.variables.len() == 1).collect();
     let factor = |term: &Term| find_factor(full.frame.counts, &term.variables[0]).map(|(factor, _)| factor);
@@ -92,19 +95,19 @@ fn pairs(full: &Fitted) -> Vec<(Interaction, [usize; 2])> {
             by_signs: true,
             withheld: Some(Withheld::NoRatio),
         };
-        (is_tested && untested.df > 0).then_some((untested, [i, j]))
+        (is_tested && untested.df > 0).then_some((untested, term, [i, j]))
     };
     let all =
         main.iter().enumerate().flat_map(|(place, one)| main[place + 1..].iter().map(move |other| (*one, *other)));
     all.filter_map(|(one, other)| pair(one, other)).collect()
 }
 
-fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> Vec<Interaction> {
+fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
     let scores: Vec<Option<Scores>> = {
         let residuals = Residuals::of(full);
         pairs
             .par_iter()
-            .map(|(pair, terms)| residuals.scores(full, *terms).filter(|_| pair.df <= MAX_COLUMNS))
+            .map(|(pair, _, terms)| residuals.scores(full, *terms).filter(|_| pair.df <= MAX_COLUMNS))
             .collect()
     };
     // The statistics of each tested interaction, the observed one first; then the share of patterns that reach each one.
@@ -122,7 +125,7 @@ fn by_signs(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, seed: u64) -> 
     let least = |pattern: usize| reached.iter().filter_map(|p| p.get(pattern).copied()).fold(1.0, f64::min);
     let least: Vec<f64> = (0..patterns).map(least).collect();
     let mut tested = Vec::new();
-    for (((mut pair, _), scores), (statistics, p)) in
+    for (((mut pair, ..), scores), (statistics, p)) in
         pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
     {
         if pair.df <= MAX_COLUMNS {
@@ -251,22 +254,14 @@ impl Residuals {
 }
 
 /// Tests the interactions by likelihood ratios of wider models in simulated studies.
-fn by_ratios(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, settings: Resampling) -> Vec<Interaction> {
-    let test = |(mut pair, terms): (Interaction, [usize; 2])| {
-        let all = full.spec.terms.iter();
-        let term = Term {
-            variables: terms
-                .iter()
-                .filter_map(|term| all.clone().nth(*term))
-                .flat_map(|term| term.variables.clone())
-                .collect(),
-        };
+fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Interaction> {
+    let test = |(mut pair, term, _): Pair| {
         pair.by_signs = false;
         if full.mixed.is_some() && pair.df > MAX_SIMULATED {
             pair.withheld = Some(Withheld::FewPeople);
             return pair;
         }
-        let spec = ModelSpec { terms: Terms::new(all.cloned().chain([term.clone()])), ..full.spec.clone() };
+        let spec = ModelSpec { terms: Terms::new(full.spec.terms.iter().chain([&term]).cloned()), ..full.spec.clone() };
         let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
         let parameters = full.frame.categories.len() - 1 + full.rank() + pair.df;
         if full.frame.total() < LEAST_PER_PARAMETER * parameters as u64 {
@@ -276,10 +271,8 @@ fn by_ratios(full: &Fitted, pairs: Vec<(Interaction, [usize; 2])>, settings: Res
         let Ok((mut test, wider)) = wider.and_then(|wider| Ok((without_term(&wider, &term)?, wider))) else {
             return pair;
         };
-        if test.lr.is_some() {
-            let what = Statistics { terms: vec![&term], nominal: Vec::new() };
-            let observed = [test.lr.into_iter().collect(), Vec::new()];
-            let [ratios, _] = simulate(&wider, &what, &observed, settings, &|| ());
+        if let Some(lr) = test.lr {
+            let [ratios, _] = simulate(&wider, &[vec![(&term, lr)], Vec::new()], settings, &|| ());
             test.calibrate(&ratios[0]);
         }
         Interaction {

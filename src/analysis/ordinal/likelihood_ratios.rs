@@ -122,14 +122,14 @@ pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitte
         return Ok(None);
     }
     let x = full.x.with_sum_contrasts(&full.frame)?;
-    let how = How { random: Some(&full.random), near: Some(full), x: Some(&x), ..How::default() };
+    let how = How { near: Some(full), x: Some(&x), ..How::default() };
     fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).map(Some)
 }
 
 /// Tests one term by the likelihood ratio against the model without it.
 pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
     let mut spec = full.spec.clone();
-    let mut how = How { random: Some(&full.random), near: Some(full), ..How::default() };
+    let mut how = How { near: Some(full), ..How::default() };
     let x;
     if let Some(index) = full.spec.terms.iter().position(|own| own == term).filter(|_| is_mean_effect(full, term)) {
         x = full.x.with_sum_contrasts(&full.frame)?.without_columns(index);
@@ -224,15 +224,20 @@ const ENOUGH: f64 = 0.9;
 /// No smaller probability is given from a tail of simulated ratios.
 const LEAST_P: f64 = 1e-6;
 
+/// Returns the finite ratios in ascending order; `None` if too few studies allowed a fit.
+fn in_order(ratios: &[f64]) -> Option<Vec<f64>> {
+    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
+    finite.sort_by(f64::total_cmp);
+    (!finite.is_empty() && finite.len() as f64 >= ENOUGH * ratios.len() as f64).then_some(finite)
+}
+
 /// Returns the probability of a ratio at least as large as `observed`, and the number of simulated ratios. If none is as
 /// large, the probability is that of an exponential tail beyond the largest fifth, whose mean is taken at its upper 95 %
 /// bound: for large ratios, the tails of χ² and of its small-sample forms are exponential. `None` if too few studies allowed
 /// a fit.
 pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)> {
-    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-    finite.sort_by(f64::total_cmp);
+    let finite = in_order(ratios)?;
     let (number, larger) = (finite.len(), finite.iter().filter(|ratio| **ratio >= observed - 1e-9).count());
-    let enough = number > 0 && number as f64 >= ENOUGH * ratios.len() as f64;
     let counted = (1 + larger) as f64 / (1 + number) as f64;
     let tail = || {
         let largest = finite.len() / 5;
@@ -242,7 +247,7 @@ pub(super) fn probability(ratios: &[f64], observed: f64) -> Option<(f64, usize)>
         let bound = mean * df / chi_squared_quantile(0.05, df);
         (largest as f64 / number as f64 * (-(observed - from) / bound).exp()).max(LEAST_P)
     };
-    enough.then(|| (if larger == 0 && number >= 50 { counted.min(tail()) } else { counted }, number))
+    Some((if larger == 0 && number >= 50 { counted.min(tail()) } else { counted }, number))
 }
 
 /// True if more simulated ratios would not change what a probability at the level 0.05 says.
@@ -259,11 +264,7 @@ pub(super) fn is_decided(ratios: &[f64], observed: f64) -> bool {
 
 /// Returns the ratio that a share of the simulated ratios does not exceed, or `None` if too few studies allowed a fit.
 pub(super) fn quantile(ratios: &[f64], share: f64) -> Option<f64> {
-    let mut finite: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-    if finite.is_empty() || (finite.len() as f64) < ENOUGH * ratios.len() as f64 {
-        return None;
-    }
-    finite.sort_by(f64::total_cmp);
+    let finite = in_order(ratios)?;
     // A ratio above this one has a probability below 1 − share in [`probability`].
     let rank = (share * (finite.len() + 1) as f64 + 1e-9).floor() as usize + 1;
     finite.get(rank.clamp(1, finite.len()) - 1).copied()

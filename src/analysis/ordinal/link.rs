@@ -121,16 +121,16 @@ impl Link {
     pub fn cell(self, a: f64, b: f64) -> Cell {
         match self {
             Self::Logit => {
-                let logit = Logistic::new(a, b);
-                let r = logit.q * (1.0 + logit.q);
-                Cell {
-                    log_p: logit.log_p,
-                    a: logit.a.above + logit.q,
-                    b: -logit.b.below - logit.q,
-                    aa: -logit.a.density() - r,
-                    ab: r,
-                    bb: -logit.b.density() - r,
-                }
+                // F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) avoids cancellation and separates the two bounds.
+                let [below_a, above_a, below_b, above_b] = [a, -a, b, -b].map(|x| self.cdf(x));
+                let narrow = -(b - a).exp_m1();
+                let p = below_a * above_b * narrow;
+                // In the far tails, log F(x) is x.
+                let log_p = if p > 1e-290 { p.ln() } else { a.min(0.0) - b.max(0.0) + narrow.ln() };
+                let q = (1.0 - narrow) / narrow;
+                let ab = q * (1.0 + q);
+                let (aa, bb) = (-below_a * above_a - ab, -below_b * above_b - ab);
+                Cell { log_p, a: above_a + q, b: -below_b - q, aa, ab, bb }
             }
             Self::Probit => {
                 let p = normal_between(a, b);
@@ -210,53 +210,6 @@ impl Link {
             }
         }
     }
-}
-
-/// The probabilities of the logistic distribution below and above a point.
-#[derive(Clone, Copy)]
-struct Tails {
-    below: f64,
-    above: f64,
-}
-
-impl Tails {
-    #[inline]
-    fn new(x: f64) -> Self {
-        let tail = (-x.abs()).exp();
-        let most = 1.0 / (1.0 + tail);
-        let least = tail * most;
-        if x >= 0.0 { Self { below: most, above: least } } else { Self { below: least, above: most } }
-    }
-
-    fn density(self) -> f64 {
-        self.below * self.above
-    }
-}
-
-/// F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) for the logistic distribution. This form avoids cancellation and separates
-/// the two bounds.
-struct Logistic {
-    a: Tails,
-    b: Tails,
-    log_p: f64,
-    /// 1 / (e^(a − b) − 1): the contribution of the category's width.
-    q: f64,
-}
-
-impl Logistic {
-    #[inline]
-    fn new(a: f64, b: f64) -> Self {
-        let (upper, lower) = (Tails::new(a), Tails::new(b));
-        let narrow = -(b - a).exp_m1();
-        let p = upper.below * lower.above * narrow;
-        let log_p = if p > 1e-290 { p.ln() } else { log_below(a) + log_below(-b) + narrow.ln() };
-        Self { a: upper, b: lower, log_p, q: (1.0 - narrow) / narrow }
-    }
-}
-
-/// Returns log F(x) for the logistic distribution.
-fn log_below(x: f64) -> f64 {
-    if x >= 0.0 { -(-x).exp().ln_1p() } else { x - x.exp().ln_1p() }
 }
 
 fn normal_density(x: f64) -> f64 {

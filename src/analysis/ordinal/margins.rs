@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::{
     design::Column,
-    estimates::{category_numbers, reach},
+    estimates::reach,
     fitting::Fitted,
     likelihood_ratios::Withheld,
     model::Model,
@@ -17,7 +17,11 @@ use super::{
     terms::{Term, TermPart, Variable},
 };
 use crate::{
-    analysis::{counts::Counts, frame::find_factor, levels::number_of},
+    analysis::{
+        counts::Counts,
+        frame::find_factor,
+        levels::{number_of, values_of},
+    },
     statistics::{Interval, Z_95, holm, normal_two_sided},
 };
 
@@ -102,7 +106,7 @@ fn cells(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, DMatri
 
 /// Returns the estimated marginal means of every factor that varies in the model.
 pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
-    let values = category_numbers(model);
+    let values = values_of(&model.categories);
     let mut margins = Vec::new();
     for factor in factors(fitted) {
         let Some(levels) = cells(fitted, &[factor]) else { continue };
@@ -180,15 +184,16 @@ fn compare(
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
     let Some(cells) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
-    let mut levels = fitted.frame.levels(own);
+    let mut levels = fitted.frame.levels(own).to_vec();
     // The baseline, which comes first, may be a later one.
     levels.sort_unstable();
-    let strata = other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).into_iter().map(Some).collect());
+    let strata =
+        other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
     let pairs = levels.len() * (levels.len() - 1) / 2 * strata.len();
     if pairs > MAX_COMPARISONS {
         return Vec::new();
     }
-    let values = category_numbers(model);
+    let values = values_of(&model.categories);
     let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
     // Simple effects and comparisons with a column that was dropped have no such ratio.
     let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);
@@ -243,7 +248,7 @@ fn slopes(
     let ((own, is_inverse), (other, _)) = (find_factor(counts, number).ok()?, find_factor(counts, factor).ok()?);
     let value = |level: &str| number_of(level).map(|value| if is_inverse { value.recip() } else { value });
     let names = |factor: usize| {
-        let mut levels = fitted.frame.levels(factor);
+        let mut levels = fitted.frame.levels(factor).to_vec();
         levels.sort_unstable();
         levels.into_iter().map(move |level| &counts.factors[factor].levels[level as usize])
     };

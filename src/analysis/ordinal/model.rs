@@ -1,7 +1,7 @@
 //! Models of ordered ratings: specifications, fitted models, notes and errors.
 
 use nalgebra::DMatrix;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use thiserror::Error;
 
 use super::{
@@ -82,7 +82,6 @@ pub struct Threshold {
     /// The two categories that it separates, such as `0|1`.
     pub name: String,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
-    #[serde(serialize_with = "finite")]
     pub estimate: f64,
     /// Standard error from the observed information.
     pub se: Option<f64>,
@@ -98,7 +97,6 @@ pub struct Coefficient {
     /// What it stands for: each variable of the term, with its level.
     pub parts: Vec<TermPart>,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
-    #[serde(serialize_with = "finite")]
     pub estimate: f64,
     /// Standard error from the observed information.
     pub se: Option<f64>,
@@ -120,7 +118,6 @@ pub struct Contrast {
     pub other: String,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`, on the scale of the link;
     /// infinite if there is no finite estimate.
-    #[serde(serialize_with = "finite")]
     pub estimate: f64,
     /// The 95 % profile-likelihood interval.
     pub interval: Option<Interval>,
@@ -231,11 +228,6 @@ impl Model {
     pub fn aic(&self) -> f64 {
         2.0 * self.parameters as f64 - 2.0 * self.loglik
     }
-}
-
-/// Serializes a number; in JSON, a number that is not finite becomes null.
-fn finite<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-    if value.is_finite() { serializer.serialize_f64(*value) } else { serializer.serialize_none() }
 }
 
 /// Something about the data that a reader of the model must know.

@@ -17,7 +17,7 @@ use super::{
     clmm::Modes,
     fitting::{Fitted, Layout, lay_out},
     interactions::{LEAST_FOR_SIGNS, each_block_of_signs, exceedances},
-    search::MixedFitEnd,
+    search::{MixedFit, MixedFitEnd},
 };
 use crate::{analysis::counts::Trial, statistics::normal_two_sided};
 
@@ -63,67 +63,41 @@ struct Residual {
     standard: f64,
 }
 
-/// The residuals of the ratings that a participant may give in a condition.
-struct Residuals<'a> {
-    fitted: &'a Fitted<'a>,
-    layout: Layout,
-    thresholds: Vec<f64>,
-    location: Vec<f64>,
-    weights: Vec<(usize, f64)>,
-    modes: Option<&'a Modes>,
-    known: HashMap<(u32, u32), Vec<Residual>>,
-}
-
-impl<'a> Residuals<'a> {
-    fn new(fitted: &'a Fitted<'a>) -> Self {
-        let layout = lay_out(fitted, false);
-        let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged);
-        let parameters = match mixed {
-            Some(mixed) => mixed.parameters.clone(),
-            None => fitted.clm.parameters.clone().resize_vertically(layout.data.parameters(), 0.0),
+/// Returns the residual of a rating: of a participant and a category, given as in the frame, in a condition.
+fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl FnMut(usize, u32, usize) -> Residual + use<'a> {
+    let Layout { data, row_of } = layout;
+    let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged);
+    let parameters = match mixed {
+        Some(mixed) => mixed.parameters.clone(),
+        None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
+    };
+    let (location, weights) = (data.location(&parameters), data.weights(&parameters));
+    let (own, _) = fitted.random.effects();
+    let people = fitted.frame.subjects.len();
+    // With items, the effects of all participants stand one after the other, and then those of the items.
+    let mode = move |modes: &Modes, subject: usize, slot: usize| match fitted.random.is_crossed() {
+        false => modes[subject][slot],
+        true if slot < own => modes[0][subject * own + slot],
+        true => modes[0][people * own + slot - own],
+    };
+    let of = move |subject: usize, condition: u32| -> Vec<Residual> {
+        let (row, slots) = (row_of[condition as usize], data.loadings.slots_per_row);
+        let slots = weights[row * slots..(row + 1) * slots].iter();
+        let effect = |mixed: &MixedFit| slots.map(|(slot, weight)| weight * mode(&mixed.modes, subject, *slot)).sum();
+        let at = location[row] + mixed.map_or(0.0, effect);
+        let category = |category| {
+            let (a, b) = category_bounds(&parameters.as_slice()[..data.thresholds()], category);
+            let cell = data.link.cell(a - at, b - at);
+            (cell.log_p.exp(), -cell.a - cell.b)
         };
-        let location = layout.data.location(&parameters).iter().copied().collect();
-        let weights = layout.data.weights(&parameters);
-        let thresholds = parameters.as_slice()[..layout.data.thresholds()].to_vec();
-        Self {
-            fitted,
-            layout,
-            thresholds,
-            location,
-            weights,
-            modes: mixed.map(|mixed| &mixed.modes),
-            known: HashMap::new(),
-        }
-    }
-
-    /// Returns the residual of each category for a participant, given as in the frame, in a condition.
-    fn of(&mut self, subject: u32, condition: u32) -> &[Residual] {
-        let Self { fitted, layout, thresholds, location, weights, modes, .. } = self;
-        self.known.entry((subject, condition)).or_insert_with(|| {
-            let (row, loadings) = (layout.row_of[condition as usize], &layout.data.loadings);
-            let (own, _) = fitted.random.effects();
-            let people = fitted.frame.subjects.len();
-            // With items, the effects of all participants stand one after the other, and then those of the items.
-            let mode = |modes: &Modes, slot: usize| match fitted.random.is_crossed() {
-                false => modes[subject as usize][slot],
-                true if slot < own => modes[0][subject as usize * own + slot],
-                true => modes[0][people * own + slot - own],
-            };
-            let slots = loadings.slots_per_row();
-            let slots = weights[row * slots..(row + 1) * slots].iter();
-            let effect: f64 = modes.map_or(0.0, |modes| slots.map(|(slot, weight)| weight * mode(modes, *slot)).sum());
-            let link = fitted.spec.link;
-            let at = location[row] + effect;
-            let categories = (0..layout.data.categories).map(|category| {
-                let (a, b) = category_bounds(thresholds, category);
-                let shift = link.shift(&link.category(a - at, b - at), 0.0, 1.0);
-                (shift.log_p.exp(), -shift.g1)
-            });
-            let categories: Vec<(f64, f64)> = categories.collect();
-            let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();
-            let residual = |(_, score)| Residual { score, information, standard: score / information.sqrt() };
-            categories.into_iter().map(residual).collect()
-        })
+        let categories: Vec<(f64, f64)> = (0..data.categories).map(category).collect();
+        let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();
+        let residual = |(_, score)| Residual { score, information, standard: score / information.sqrt() };
+        categories.into_iter().map(residual).collect()
+    };
+    let mut known = HashMap::new();
+    move |subject, condition, category| {
+        known.entry((subject, condition)).or_insert_with(|| of(subject, condition))[category]
     }
 }
 
@@ -187,7 +161,8 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
         .collect();
     let session = |(_, trial): &(f64, &Trial)| (trial.subject, trial.session);
     placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
-    let mut residuals = Residuals::new(fitted);
+    let layout = lay_out(fitted, false);
+    let mut residual = residuals(fitted, &layout);
     let mut scores = vec![0.0; fitted.frame.subjects.len()];
     let mut timed = Vec::new();
     let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
@@ -195,8 +170,7 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
         let Some(subject) = subjects[session[0].1.subject as usize] else { continue };
         let own = |(_, trial): &(f64, &Trial)| {
             let category = categories[usize::from(trial.rating)]?;
-            let residual = residuals.of(subject as u32, trial.condition)[category];
-            Some((residuals.layout.row_of[trial.condition as usize], residual))
+            Some((layout.row_of[trial.condition as usize], residual(subject, trial.condition, category)))
         };
         let own: Vec<(usize, Residual)> = session.iter().filter_map(own).collect();
         // The variance below needs four trials.
@@ -226,7 +200,7 @@ pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Orde
     if timed.is_empty() || variance <= 0.0 || whole <= 0.0 {
         return None;
     }
-    project(&mut timed, &residuals.layout.data.x);
+    project(&mut timed, &layout.data.x);
     timed.iter().for_each(|one| scores[one.subject] += one.residual.score * one.x);
     let left = information(&timed);
     // Where each condition has its place, a drift cannot be told from an effect.

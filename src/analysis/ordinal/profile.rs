@@ -2,7 +2,6 @@
 //! with all other parameters at their best values for that value.
 
 use super::{
-    design::Design,
     fitting::{Fitted, How, fit_terms},
     likelihood_ratios::comparable,
 };
@@ -132,18 +131,16 @@ fn end(
 
 /// Fits the model with a given value of a quantity.
 fn hold<'a>(full: &Fitted<'a>, quantity: Quantity, value: f64) -> Option<Fitted<'a>> {
-    let x: Design;
-    let mut how =
-        How { random: Some(&full.random), near: Some(full), informed: Some(full), x: Some(&full.x), ..How::default() };
-    match quantity {
-        Quantity::Coefficient(column) => x = full.x.held(&full.standard, &[(column, value)]),
-        Quantity::Difference(a, b) => x = full.x.joined(a, b).held(&full.standard, &[(a, value)]),
+    let mut held = None;
+    let x = match quantity {
+        Quantity::Coefficient(column) => full.x.held(&full.standard, &[(column, value)]),
+        Quantity::Difference(a, b) => full.x.joined(a, b).held(&full.standard, &[(a, value)]),
         Quantity::Deviation(parameter) => {
-            how.held = Some((parameter, value));
-            x = full.x.clone();
+            held = Some((parameter, value));
+            full.x.clone()
         }
-    }
-    how.x = Some(&x);
+    };
+    let how = How { near: Some(full), informed: Some(full), x: Some(&x), held, ..How::default() };
     fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).ok()
 }
 

@@ -18,8 +18,6 @@ use crate::analysis::{
     frame::{Frame, find_factor},
 };
 
-/// Name of the random intercept, as in R.
-const INTERCEPT: &str = "(Intercept)";
 /// A random slope needs on average this many ratings per participant and level; with fewer, it cannot be told apart
 /// from the variation between ratings.
 const RATINGS_PER_EFFECT: u64 = 2;
@@ -33,7 +31,7 @@ const MAX_CORRELATED: usize = 10;
 /// Effects that share a standard deviation: one for each group of conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Component {
-    /// Name of the term, or of the contrast if the effects are correlated; [`INTERCEPT`] for the intercept.
+    /// Name of the term, or of the contrast if the effects are correlated; empty for the intercept.
     pub name: String,
     /// The term; without variables for the intercept.
     pub term: Term,
@@ -57,28 +55,6 @@ pub(super) struct RandomPart {
 }
 
 impl Component {
-    fn intercept(conditions: usize) -> Self {
-        Self {
-            name: INTERCEPT.to_owned(),
-            term: Term { variables: Vec::new() },
-            groups: vec![0; conditions],
-            number_of_groups: 1,
-            values: vec![1.0; conditions],
-            unit: 1.0,
-            shared: false,
-        }
-    }
-
-    /// Creates the intercepts of the items: the levels of a factor that occur.
-    fn items(frame: &Frame, factor: &str) -> Result<Self, ModelError> {
-        let (index, _) = find_factor(frame.counts, &Variable::Factor(factor.to_owned()))?;
-        let levels = frame.levels(index);
-        let group = |condition: &Vec<Option<u32>>| levels.iter().position(|level| Some(*level) == condition[index]);
-        let groups = frame.counts.conditions.iter().map(|condition| group(condition).unwrap_or(0)).collect();
-        let values = vec![1.0; frame.counts.conditions.len()];
-        Ok(Self { shared: true, ..Self::new(factor.to_owned(), Term::factor(factor), values, groups, levels.len()) })
-    }
-
     /// Creates a component with the given values, scaled to at most 1.
     fn new(name: String, term: Term, mut values: Vec<f64>, groups: Vec<usize>, number_of_groups: usize) -> Self {
         let unit = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
@@ -95,15 +71,16 @@ impl RandomPart {
         if spec.random == Random::None {
             return Ok(Self::default());
         }
-        let mut part =
-            Self { correlated: false, components: vec![Component::intercept(frame.counts.conditions.len())] };
+        let intercept = independent(frame, &Term { variables: Vec::new() })?;
+        let mut part = Self { correlated: false, components: vec![intercept] };
         match spec.slopes {
             Slopes::None => {}
             Slopes::Independent => part.add_independent(frame, &spec.terms, notes)?,
             Slopes::Correlated => part.add_correlated(frame, &spec.terms)?,
         }
         if let Some(items) = &spec.items {
-            part.components.push(Component::items(frame, items)?);
+            let of_items = independent(frame, &Term::factor(items))?;
+            part.components.push(Component { name: items.clone(), shared: true, ..of_items });
             part.check_items(spec, items, frame.subjects.len())?;
         }
         Ok(part)
@@ -206,22 +183,20 @@ impl RandomPart {
 
     /// Returns the number of parameters ψ.
     pub fn parameters(&self) -> usize {
-        let components = self.components.len();
-        if self.correlated { components * (components + 1) / 2 } else { components }
+        self.elements().count()
     }
 
     /// Returns, for each ψ, the number by which it is divided to convert it to the scale of the data.
     pub fn units(&self) -> Vec<f64> {
-        if !self.correlated {
-            return self.components.iter().map(|component| component.unit).collect();
-        }
-        self.triangle().map(|(row, _)| self.components[row].unit).collect()
+        self.elements().map(|(row, _)| self.components[row].unit).collect()
     }
 
-    /// Returns the row and the column of each element of the covariance's Cholesky factor, column by column.
-    pub fn triangle(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let size = self.components.len();
-        (0..size).flat_map(move |column| (column..size).map(move |row| (row, column)))
+    /// Returns the row and the column of each ψ in the Cholesky factor of the covariance, column by column: only those on
+    /// the diagonal if the effects are independent.
+    pub fn elements(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (size, correlated) = (self.components.len(), self.correlated);
+        let rows = move |column| column..if correlated { size } else { column + 1 };
+        (0..size).flat_map(move |column| rows(column).map(move |row| (row, column)))
     }
 
     /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
@@ -247,36 +222,25 @@ impl RandomPart {
     }
 }
 
-/// Returns the terms of a specification in which participants may differ, where the design supports it.
+/// Returns the effects in which participants may differ, where the design supports it.
 ///
 /// # Errors
 /// Returns [`ModelError::TooManySlopes`] if correlated slopes have too many covariances.
 pub(crate) fn terms_with_slopes(frame: &Frame, spec: &ModelSpec) -> Result<Vec<Term>, ModelError> {
-    let mut notes = Vec::new();
-    RandomPart::new(frame, spec, &mut notes)?;
-    let mut terms: Vec<Term> = spec.terms.iter().cloned().collect();
-    match spec.slopes {
-        Slopes::None => terms.clear(),
-        Slopes::Independent => terms.retain(|term| !notes.contains(&Note::NoSlope { term: term.to_string() })),
-        Slopes::Correlated => terms.retain(|term| term.variables.len() == 1),
-    }
-    Ok(terms)
+    let part = RandomPart::new(frame, spec, &mut Vec::new())?;
+    Ok(part.components.into_iter().skip(1).map(|component| component.term).collect())
 }
 
-/// Returns the variables of a term that vary within participants.
+/// Returns the variables of a term of which any participant rated several levels.
 pub(super) fn within_part(frame: &Frame, term: &Term) -> Result<Term, ModelError> {
     let mut variables = Vec::new();
     for variable in &term.variables {
-        if is_within(frame, find_factor(frame.counts, variable)?.0) {
+        let (factor, _) = find_factor(frame.counts, variable)?;
+        if crossing(frame.counts, &frame.rows, factor).next().is_some() {
             variables.push(variable.clone());
         }
     }
     Ok(Term { variables })
-}
-
-/// Returns whether any participant rated at least two levels of a factor.
-fn is_within(frame: &Frame, factor: usize) -> bool {
-    crossing(frame.counts, &frame.rows, factor).next().is_some()
 }
 
 /// Creates the deviations at each combination of a term's levels, multiplied by the term's numbers about their means.
@@ -325,11 +289,12 @@ pub(super) struct Loadings {
     pub blocks: Blocks,
     /// Index of a participant's intercept among the participant's effects.
     pub intercept: usize,
-    parameters: usize,
-    slots_per_row: usize,
+    /// The row and the column of each parameter ψ in the Cholesky factor of the covariance.
+    elements: Vec<(usize, usize)>,
+    pub slots_per_row: usize,
     /// The effect of each slot, row by row.
     slots: Vec<usize>,
-    entries_per_row: usize,
+    /// The contribution of each parameter, row by row.
     entries: Vec<Entry>,
     /// The parameters that are standard deviations, whose sign does not matter.
     pub deviations: Vec<usize>,
@@ -365,20 +330,15 @@ impl Loadings {
             }
         }
         for (person, condition) in rows.iter().map(|(person, condition)| (*person, *condition as usize)) {
-            if part.correlated {
-                slots.extend(0..components.len());
-                entries.extend(part.triangle().enumerate().map(|(parameter, (row, column))| Entry {
-                    slot: column,
-                    parameter,
-                    value: components[row].values[condition],
-                }));
-            } else {
-                for (slot, component) in components.iter().enumerate() {
-                    let first = if component.shared { people * own } else { person * own + firsts[slot] };
-                    slots.push(first + component.groups[condition]);
-                    entries.push(Entry { slot, parameter: slot, value: component.values[condition] });
-                }
+            for (place, component) in components.iter().enumerate() {
+                let first = if component.shared { people * own } else { person * own + firsts[place] };
+                slots.push(first + component.groups[condition]);
             }
+            entries.extend(part.elements().enumerate().map(|(parameter, (row, column))| Entry {
+                slot: column,
+                parameter,
+                value: components[row].values[condition],
+            }));
         }
         let blocks = match components.get(largest).filter(|_| is_first(largest)) {
             Some(component) => {
@@ -387,17 +347,17 @@ impl Loadings {
             }
             None => Blocks { number: people, size: own, rest: shared },
         };
-        let diagonal = part.triangle().enumerate().filter(|(_, (row, column))| row == column).map(|(index, _)| index);
+        let elements: Vec<(usize, usize)> = part.elements().collect();
+        let is_deviation = |parameter: &usize| elements[*parameter].0 == elements[*parameter].1;
         Self {
             blocks,
-            intercept: if part.correlated { 0 } else { firsts.first().copied().unwrap_or(0) },
-            parameters: part.parameters(),
+            intercept: firsts.first().copied().unwrap_or(0),
             slots_per_row: components.len(),
             slots,
-            entries_per_row: part.parameters(),
             entries,
-            deviations: if part.correlated { diagonal.collect() } else { (0..components.len()).collect() },
+            deviations: (0..elements.len()).filter(is_deviation).collect(),
             independent: !part.correlated,
+            elements,
         }
     }
 
@@ -405,33 +365,27 @@ impl Loadings {
         self.blocks.number * self.blocks.size + self.blocks.rest
     }
 
+    /// Returns the number of parameters ψ.
     pub fn parameters(&self) -> usize {
-        self.parameters
-    }
-
-    pub fn slots_per_row(&self) -> usize {
-        self.slots_per_row
+        self.elements.len()
     }
 
     pub fn entries(&self, row: usize) -> &[Entry] {
-        &self.entries[row * self.entries_per_row..(row + 1) * self.entries_per_row]
+        &self.entries[row * self.parameters()..(row + 1) * self.parameters()]
     }
 
     /// Returns the parameters and the effects that change sign together with a standard deviation: its column of the
     /// Cholesky factor, or itself and its groups.
     pub fn sign_partners(&self, deviation: usize) -> (Vec<usize>, BTreeSet<usize>) {
-        if self.independent {
-            let effects = self.slots.iter().skip(deviation).step_by(self.slots_per_row);
-            return (vec![deviation], effects.copied().collect());
-        }
-        let column = self.deviations.iter().position(|other| *other == deviation).unwrap_or(0);
-        ((deviation..deviation + self.effects() - column).collect(), [column].into())
+        let (_, own) = self.elements[deviation];
+        let parameters = (0..self.parameters()).filter(|parameter| self.elements[*parameter].1 == own).collect();
+        (parameters, self.slots.iter().skip(own).step_by(self.slots_per_row).copied().collect())
     }
 
     /// Returns the effect of each slot with its weight, row by row.
     pub fn weights(&self, psi: &[f64]) -> Vec<(usize, f64)> {
         let mut weights: Vec<(usize, f64)> = self.slots.iter().map(|&effect| (effect, 0.0)).collect();
-        let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.entries_per_row.max(1)));
+        let rows = weights.chunks_mut(self.slots_per_row.max(1)).zip(self.entries.chunks(self.parameters().max(1)));
         for (weights, entries) in rows {
             for entry in entries {
                 weights[entry.slot].1 += psi[entry.parameter] * entry.value;

@@ -52,44 +52,42 @@ impl Default for Resampling {
     }
 }
 
-/// What to compute in each simulated study.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Statistics<'a> {
-    /// Terms whose coefficients are tested.
-    pub terms: Vec<&'a Term>,
-    /// Terms whose proportional odds are tested.
-    pub nominal: Vec<&'a Term>,
-}
+/// The terms whose coefficients are tested in simulated studies, and those whose proportional odds are, each with its
+/// observed ratio.
+pub(super) type Tested<'a> = [Vec<(&'a Term, f64)>; 2];
 
 /// Number of studies after which a simulation may end.
 const BATCH: u32 = 100;
 
-/// Simulates studies from a fit and returns the ratios for each of the terms and of the nominal terms; not finite where a
-/// study allows no fit. The ratios of a term end when its `observed` ratio is decided (Besag & Clifford 1991, Biometrika 78,
+/// Simulates studies from a fit and returns the ratios for each of the terms that are tested; not finite where a
+/// study allows no fit. The ratios of a term end when its observed ratio is decided (Besag & Clifford 1991, Biometrika 78,
 /// 301). `progress` is called after each study.
 pub(super) fn simulate(
     full: &Fitted,
-    what: &Statistics,
-    observed: &[Vec<f64>; 2],
+    tested: &Tested,
     settings: Resampling,
     progress: &(dyn Fn() + Sync),
 ) -> [Vec<Vec<f64>>; 2] {
     let simulator = Simulator::new(full, true);
     // A term whose columns cannot be found has no ratios.
-    let held = |term: &&Term| {
+    let held = |term: &Term| {
         let recoded = recoded(full, term).ok()?;
         let model = recoded.as_ref().unwrap_or(full);
-        Some(model.x.held(&model.standard, &own_coefficients(model, term)))
+        let (name, estimates) = (term.to_string(), finite_estimates(model));
+        let thresholds = model.frame.categories.len() - 1;
+        let own = (0..model.x.columns.len()).filter(|&column| model.term_name(column) == name);
+        let own: Vec<(usize, f64)> = own.map(|column| (column, estimates[thresholds + column])).collect();
+        Some(model.x.held(&model.standard, &own))
     };
-    let held: Vec<Option<Design>> = what.terms.iter().map(held).collect();
+    let held: Vec<Option<Design>> = tested[0].iter().map(|(term, _)| held(term)).collect();
     let of_study = |study: u32, open: &[Vec<bool>; 2]| {
         let frame = simulator.study(settings.seed, study.into());
-        let ratios = frame.map(|frame| ratios(full, frame, &held, what, open));
+        let ratios = frame.map(|frame| ratios(full, frame, &held, tested, open));
         progress();
-        ratios.unwrap_or_else(|| [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]))
+        ratios.unwrap_or_else(|| none(tested))
     };
-    let mut all = observed.clone().map(|observed| vec![Vec::new(); observed.len()]);
-    let mut open = observed.clone().map(|observed| vec![true; observed.len()]);
+    let mut all = tested.each_ref().map(|terms| vec![Vec::new(); terms.len()]);
+    let mut open = tested.each_ref().map(|terms| vec![true; terms.len()]);
     let mut next = 0;
     while next < settings.draws {
         // With 99, 199, … studies, a quantile at the level 0.05 is one of the ratios.
@@ -99,8 +97,8 @@ pub(super) fn simulate(
             places.filter(|(_, open)| **open).for_each(|((ratios, ratio), _)| ratios.push(ratio));
         }
         next = end;
-        let places = all.iter().flatten().zip(observed.iter().flatten()).zip(open.iter_mut().flatten());
-        places.for_each(|((ratios, own), open)| *open = *open && !is_decided(ratios, *own));
+        let places = all.iter().flatten().zip(tested.iter().flatten()).zip(open.iter_mut().flatten());
+        places.for_each(|((ratios, (_, own)), open)| *open = *open && !is_decided(ratios, *own));
         if !open.iter().flatten().any(|open| *open) {
             break;
         }
@@ -108,33 +106,21 @@ pub(super) fn simulate(
     all
 }
 
-/// Returns the indices of a term's columns and their coefficients.
-pub(super) fn own_coefficients(full: &Fitted, term: &Term) -> Vec<(usize, f64)> {
-    let name = term.to_string();
-    let estimates = finite_estimates(full);
-    let thresholds = full.frame.categories.len() - 1;
-    let own = (0..full.x.columns.len()).filter(|&column| full.term_name(column) == name);
-    own.map(|column| (column, estimates[thresholds + column])).collect()
+/// Returns the ratios of a study that allows no fit.
+fn none(tested: &Tested) -> [Vec<f64>; 2] {
+    tested.each_ref().map(|terms| vec![f64::NAN; terms.len()])
 }
 
-/// Returns the ratios of the terms and of the nominal terms that are `open`.
+/// Returns the ratios of the terms that are `open`.
 fn ratios(
     full: &Fitted,
     frame: Frame,
     held: &[Option<Design>],
-    what: &Statistics,
+    tested: &Tested,
     open: &[Vec<bool>; 2],
 ) -> [Vec<f64>; 2] {
-    let how = How {
-        random: Some(&full.random),
-        x: Some(&full.x),
-        near: Some(full),
-        informed: Some(full),
-        rough: true,
-        ..How::default()
-    };
-    let none = [&what.terms, &what.nominal].map(|terms| vec![f64::NAN; terms.len()]);
-    let Ok(free) = fit_terms(frame, full.spec.clone(), Vec::new(), how) else { return none };
+    let how = How { x: Some(&full.x), near: Some(full), informed: Some(full), rough: true, ..How::default() };
+    let Ok(free) = fit_terms(frame, full.spec.clone(), Vec::new(), how) else { return none(tested) };
     let fixed = |x: &Design| {
         let near = if free.mixed.is_some() { &free } else { full };
         let how = How { x: Some(x), near: Some(near), ..how };
@@ -145,7 +131,7 @@ fn ratios(
     let or_nan = |ratio: Option<f64>| ratio.unwrap_or(f64::NAN);
     [
         held.iter().zip(&open[0]).map(|(x, open)| or_nan(x.as_ref().filter(|_| *open).and_then(fixed))).collect(),
-        what.nominal.iter().zip(&open[1]).map(|(term, open)| or_nan(open.then(|| nominal(term)).flatten())).collect(),
+        tested[1].iter().zip(&open[1]).map(|((term, _), open)| or_nan(open.then(|| nominal(term)).flatten())).collect(),
     ]
 }
 
@@ -221,7 +207,7 @@ impl<'a> Simulator<'a> {
         }
         let Layout { data, row_of } = lay_out(fitted, false);
         let (location, weights) = (data.location(&parameters), data.weights(&parameters));
-        let slots = data.loadings.slots_per_row();
+        let slots = data.loadings.slots_per_row;
         let effects_of = |row: &usize| weights[row * slots..(row + 1) * slots].to_vec();
         let weights: Vec<Vec<(usize, f64)>> = row_of.iter().map(effects_of).collect();
         let (own, shared) = fitted.random.effects();

@@ -94,15 +94,15 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
         search.move_to_boundary(task.plain)?;
-        return search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0));
+        return Some(search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0)));
     }
     if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
-        return search.finish(iterations, end, DMatrix::zeros(0, 0));
+        return Some(search.finish(iterations, end, DMatrix::zeros(0, 0)));
     }
     search.make_deviations_positive();
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
-    search.finish(iterations, end, information)
+    Some(search.finish(iterations, end, information))
 }
 
 impl<'a> Search<'a> {
@@ -325,11 +325,11 @@ impl<'a> Search<'a> {
         Some(())
     }
 
-    fn finish(mut self, iterations: usize, end: MixedFitEnd, information: DMatrix<f64>) -> Option<MixedFit> {
+    fn finish(mut self, iterations: usize, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
         self.make_deviations_positive();
         let gradient = self.gradient();
         let Self { free, modes, at, value, .. } = self;
-        Some(MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, iterations, end })
+        MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, iterations, end }
     }
 
     /// Changes the signs of negative deviations, together with the effects that belong to them.

@@ -66,19 +66,13 @@ impl fmt::Display for Variable {
 
 impl fmt::Display for Term {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, variable) in self.variables.iter().enumerate() {
-            write!(f, "{}{variable}", if index > 0 { ":" } else { "" })?;
-        }
-        Ok(())
+        f.write_str(&self.variables.iter().map(ToString::to_string).collect::<Vec<_>>().join(":"))
     }
 }
 
 impl fmt::Display for Terms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, term) in self.0.iter().enumerate() {
-            write!(f, "{}{term}", if index > 0 { "," } else { "" })?;
-        }
-        Ok(())
+        f.write_str(&self.0.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The hypotheses to test and the true size of each effect.
 
+use std::collections::BTreeSet;
+
 use nalgebra::DVector;
 use serde::Serialize;
 
@@ -77,7 +79,7 @@ pub(super) struct Layout<'a> {
 impl<'a> Layout<'a> {
     pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
         let finite = scenario.predictors.iter().copied().filter(|predictor| predictor.is_finite());
-        let floor = finite.fold(scenario.observer().thresholds[0], f64::min) - NO_BAND;
+        let floor = finite.fold(scenario.observer.thresholds[0], f64::min) - NO_BAND;
         let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
         Self {
             predictors: DVector::from_iterator(scenario.predictors.len(), predictors),
@@ -91,27 +93,19 @@ impl<'a> Layout<'a> {
     /// Returns the test of every testable term, each followed by Friedman's test of its factor, and then Friedman's
     /// tests of the remaining factors.
     pub fn hypotheses(&self) -> Result<Vec<Hypothesis>, PlanError> {
-        let mut hypotheses = Vec::new();
-        let mut factors = Vec::new();
+        let (mut hypotheses, mut seen) = (Vec::new(), BTreeSet::new());
         for term in self.terms.iter().filter(|term| !self.terms.is_marginal(term)) {
             hypotheses.push(self.of_term(term)?);
             if let [factor] = self.factors(term)?[..] {
-                self.add_friedman(factor, &mut factors, &mut hypotheses);
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
             }
         }
         for term in self.terms.iter() {
             for factor in self.factors(term)? {
-                self.add_friedman(factor, &mut factors, &mut hypotheses);
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
             }
         }
         Ok(hypotheses)
-    }
-
-    fn add_friedman(&self, factor: usize, seen: &mut Vec<usize>, hypotheses: &mut Vec<Hypothesis>) {
-        if !seen.contains(&factor) {
-            seen.push(factor);
-            hypotheses.extend(self.of_factor(factor));
-        }
     }
 
     /// Returns the indices of the factors of a term.

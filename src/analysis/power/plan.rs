@@ -59,8 +59,9 @@ impl Default for Sampling {
 #[derive(Clone, Debug)]
 pub struct Plan {
     scenario: Scenario,
-    spec: ModelSpec,
-    hypotheses: Vec<Hypothesis>,
+    pub spec: ModelSpec,
+    /// The hypotheses and their tests.
+    pub hypotheses: Vec<Hypothesis>,
     /// The simulated slopes that the model allows for.
     modeled: Vec<Slope>,
 }
@@ -143,17 +144,8 @@ impl Plan {
         Ok(Self { scenario, spec, hypotheses, modeled })
     }
 
-    /// Returns the hypotheses and their tests.
-    pub fn hypotheses(&self) -> &[Hypothesis] {
-        &self.hypotheses
-    }
-
-    pub fn spec(&self) -> &ModelSpec {
-        &self.spec
-    }
-
     pub fn observer(&self) -> &OrderedLogit {
-        self.scenario.observer()
+        &self.scenario.observer
     }
 
     /// Returns the smallest p that Friedman's test can reach with this number of participants, when all of them agree,
@@ -216,7 +208,8 @@ impl Plan {
         let outcomes: Vec<Vec<Outcome>> = (0..sampling.studies)
             .into_par_iter()
             .map(|study| {
-                let counts = self.scenario.study(people, study, sampling.seed);
+                let Scenario { predictors, slopes, .. } = &self.scenario;
+                let counts = self.scenario.study((predictors, slopes), true, people, study, sampling.seed);
                 let outcomes = outcomes(&counts, &self.spec, &self.hypotheses, &nulls);
                 progress(people.into());
                 outcomes
@@ -244,7 +237,7 @@ impl Plan {
         // The model of one participant has no random effects.
         let slopes: &[Slope] = if people > 1 { &self.modeled } else { &[] };
         let ratio = |study: u32| {
-            let counts = self.scenario.study_without(&absent.predictors, slopes, people, study, seed);
+            let counts = self.scenario.study((&absent.predictors, slopes), false, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();
             let test = fitted.and_then(|fitted| without_term(&fitted, &absent.term).ok());
             progress(people.into());

@@ -89,7 +89,7 @@ pub(super) struct Scenario {
     pub predictors: Vec<f64>,
     /// How much people differ in the effects, in the order of the factors.
     pub slopes: Vec<Slope>,
-    observer: OrderedLogit,
+    pub observer: OrderedLogit,
     repetitions: u32,
 }
 
@@ -144,11 +144,6 @@ impl Scenario {
         self.predictors.len() as u64 * u64::from(self.repetitions)
     }
 
-    /// Returns the observer's parameters.
-    pub fn observer(&self) -> &OrderedLogit {
-        &self.observer
-    }
-
     /// Returns counts in which one participant rates everything lowest and another rates everything highest, so that a
     /// design can be laid out.
     pub fn outline(&self) -> Counts {
@@ -159,28 +154,19 @@ impl Scenario {
         Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
     }
 
-    /// Simulates one of the planned studies. A participant's ratings depend only on the seed, the study and the
+    /// Simulates a study with these predictors and slopes: one of those that are planned, or one without the effect of a
+    /// term, which has other random numbers. A participant's ratings depend only on the seed, the study and the
     /// participant's number, so a larger study contains every smaller one.
-    pub fn study(&self, people: u32, study: u32, seed: u64) -> Counts {
-        let generator = |purpose, subject| generator(seed, purpose, study, subject);
-        self.simulate(&self.predictors, &self.slopes, people, generator)
-    }
-
-    /// Simulates one study with other predictors and slopes, in which an effect is absent. Its random numbers are not
-    /// those of the planned studies.
-    pub fn study_without(&self, predictors: &[f64], slopes: &[Slope], people: u32, study: u32, seed: u64) -> Counts {
-        self.simulate(predictors, slopes, people, |purpose, subject| {
-            generator(seed, WITHOUT_EFFECT | purpose, study, subject)
-        })
-    }
-
-    fn simulate(
+    pub fn study(
         &self,
-        predictors: &[f64],
-        slopes: &[Slope],
+        (predictors, slopes): (&[f64], &[Slope]),
+        is_planned: bool,
         people: u32,
-        generator: impl Fn(u8, u32) -> ChaCha8Rng,
+        study: u32,
+        seed: u64,
     ) -> Counts {
+        let kind = if is_planned { 0 } else { WITHOUT_EFFECT };
+        let generator = |purpose, subject| generator(seed, kind | purpose, study, subject);
         let mut rows = Vec::new();
         let categories = self.empty.categories.len();
         for subject in 0..people {

@@ -9,7 +9,7 @@ use super::{
     figure::Figure,
     labels,
     palette::{GRAY, MAX_SERIES, Series, Stroke},
-    regroup::{by_interest, evenly, project, regroup},
+    regroup::{by_interest, evenly, project},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
@@ -204,9 +204,9 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     distances.dedup();
     let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
     let folded = Factor { numbers: Some(distances.clone()), ..folded };
-    let by_distance = regroup(&by_angle, vec![folded], |levels| {
+    let (by_distance, _) = by_angle.regrouped(vec![folded], |levels| {
         let distance = distance_to_axis(angles[levels[0]? as usize]);
-        Some(vec![distances.iter().position(|d| *d == distance)? as u32])
+        Some(vec![Some(distances.iter().position(|d| *d == distance)? as u32)])
     });
     // The second panel is drawn only if several orientations have the same distance, and there is more than one
     // distance.

@@ -2,7 +2,10 @@
 
 use super::names;
 use crate::{
-    analysis::{Results, counts::Excluded},
+    analysis::{
+        Results,
+        counts::{Excluded, Part},
+    },
     report::document::{
         Section, Shown,
         numbers::{count, list, whole},
@@ -15,10 +18,10 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
     let measured = &results.measured;
     let with_ratings = |name: &str, ratings: u64| format!("{name} ({})", count(ratings, "rating"));
     let (mut people, mut sentences, mut further) = (Vec::new(), Vec::new(), false);
-    for excluded in &measured.excluded {
-        match excluded {
-            Excluded::Participant { id, ratings } => people.push(with_ratings(id, *ratings)),
-            Excluded::Levels { factor, kept, ratings, .. } => {
+    for Excluded { what, ratings, participants } in &measured.excluded {
+        match what {
+            Part::Participant(id) => people.push(with_ratings(id, *ratings)),
+            Part::Levels { factor, kept } => {
                 let kept: Vec<Shown> = kept.iter().map(|level| names::level(results, factor, level)).collect();
                 let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
@@ -29,7 +32,7 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
                     if *ratings == 1 { "was" } else { "were" }
                 ));
             }
-            Excluded::Missing { factor, ratings, participants } => sentences.push(format!(
+            Part::Missing(factor) => sentences.push(format!(
                 "{}{} by {} without a value of {} {} left out, because the model needs it.",
                 if std::mem::replace(&mut further, true) { "A further " } else { "" },
                 count(*ratings, "rating"),
@@ -68,14 +71,12 @@ pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
     let reasons = reasons.into_iter().filter(|(_, (rows, _))| *rows > 0);
     let reasons = reasons.map(|(why, (rows, people))| vec![why.into(), whole(rows), whole(people as u64)]);
     let requests = results.measured.excluded.iter().map(|excluded| {
-        let why = match excluded {
-            Excluded::Participant { id, .. } => format!("ratings by {id}"),
-            Excluded::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(results, factor)),
-            Excluded::Missing { factor, .. } => {
-                format!("ratings without a value of {}", names::factor(results, factor))
-            }
+        let why = match &excluded.what {
+            Part::Participant(id) => format!("ratings by {id}"),
+            Part::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(results, factor)),
+            Part::Missing(factor) => format!("ratings without a value of {}", names::factor(results, factor)),
         };
-        vec![why.into(), whole(excluded.ratings()), whole(excluded.participants())]
+        vec![why.into(), whole(excluded.ratings), whole(excluded.participants)]
     });
     let rows: Vec<Vec<Shown>> = reasons.chain(requests).collect();
     if !rows.is_empty() {
@@ -89,16 +90,13 @@ fn was(names: &[&str]) -> String {
 
 /// Returns the number of ratings that were excluded, formatted.
 pub(super) fn ratings(results: &Results) -> Shown {
-    whole(results.measured.excluded.iter().map(Excluded::ratings).sum())
+    whole(results.measured.excluded.iter().map(|excluded| excluded.ratings).sum())
 }
 
 /// Returns the sessions of participants who were not excluded.
 pub(super) fn sessions<'a>(source: &'a Source, results: &Results) -> impl Iterator<Item = &'a SessionRead> + Clone {
     let excluded: Vec<String> = (results.measured.excluded.iter())
-        .filter_map(|excluded| match excluded {
-            Excluded::Participant { id, .. } => Some(id.clone()),
-            Excluded::Levels { .. } | Excluded::Missing { .. } => None,
-        })
+        .filter_map(|excluded| if let Part::Participant(id) = &excluded.what { Some(id.clone()) } else { None })
         .collect();
     source.sessions.iter().filter(move |session| !excluded.contains(&session.subject))
 }
