@@ -13,10 +13,7 @@ use crate::{
         results::FactorResults,
         terms::{Term, Variable},
     },
-    report::document::{
-        Shown,
-        numbers::{count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
-    },
+    report::document::{Shown, count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     statistics::Interval,
 };
 
