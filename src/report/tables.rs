@@ -23,7 +23,7 @@ fn columns(named: &[(&str, &str)]) -> Vec<Column> {
 }
 
 /// A table that is made of columns, each with a value of every row.
-pub(super) struct Rows<'a, R> {
+pub(crate) struct Rows<'a, R> {
     rows: &'a [R],
     columns: Vec<Column>,
     /// The places of the columns with levels of factors.
@@ -198,20 +198,13 @@ fn tests(results: &Results) -> Table {
                 (_, Some(_)) => "p from the participants' signs",
                 (_, None) => "no p: there are fewer than six participants",
             };
-            let (drift, lag_one) =
-                ("change of the latent rating over a session", "correlation of successive residuals");
-            let with_p = |p: Option<f64>, effect: Option<f64>| [None, None, p, None, effect];
-            for (test, numbers, what, note) in [
-                ("drift", with_p(order.drift_p, order.drift), drift, note),
-                (
-                    "lag-one",
-                    with_p(Some(order.lag_one_p), Some(order.lag_one)),
-                    lag_one,
-                    "p from the normal distribution",
-                ),
-            ] {
-                rows.push(test_row([test, "", "", ""], order.ratings, &numbers, what, note));
-            }
+            let numbers = |p: Option<f64>, effect: Option<f64>| [None, None, p, None, effect];
+            let drift = numbers(order.drift_p, order.drift);
+            let what = "change of the latent rating over a session";
+            rows.push(test_row(["drift", "", "", ""], order.ratings, &drift, what, note));
+            let lag_one = numbers(Some(order.lag_one_p), Some(order.lag_one));
+            let (what, note) = ("correlation of successive residuals", "p from the normal distribution");
+            rows.push(test_row(["lag-one", "", "", ""], order.ratings, &lag_one, what, note));
         }
         for c in &report.comparisons {
             let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));
