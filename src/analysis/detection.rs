@@ -41,12 +41,6 @@ impl Detection {
 }
 
 impl Answers {
-    /// Returns hits, misses, false alarms and correct rejections.
-    #[must_use]
-    pub fn counts(&self) -> [u32; 4] {
-        [self.hits, self.misses, self.false_alarms, self.correct_rejections]
-    }
-
     /// Returns sensitivity and criterion; `None` without targets or without catch trials.
     #[must_use]
     pub fn detection(&self) -> Option<Detection> {

@@ -81,6 +81,24 @@ pub fn by_subject(counts: &Counts) -> Vec<Group> {
     groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, false)
 }
 
+/// Computes each participant's mean rating in some groups of the rows; `None` without ratings.
+pub fn means_by_subject(
+    counts: &Counts,
+    groups: usize,
+    group_of: impl Fn(&CountRow) -> Option<usize>,
+) -> Vec<Vec<Option<f64>>> {
+    let values = category_values(counts);
+    let mut sums = vec![vec![(0.0, 0.0); groups]; counts.subjects.len()];
+    for row in &counts.rows {
+        let Some(group) = group_of(row) else { continue };
+        let (n, sum) = &mut sums[row.subject as usize][group];
+        *n += row.count as f64;
+        *sum += row.count as f64 * values[row.rating as usize];
+    }
+    let mean = |(n, sum): (f64, f64)| (n > 0.0).then(|| sum / n);
+    sums.into_iter().map(|groups| groups.into_iter().map(mean).collect()).collect()
+}
+
 /// One participant's ratings in one group: the number of conditions and the sum of the means in them.
 #[derive(Clone, Copy)]
 struct Share {

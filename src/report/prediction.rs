@@ -8,7 +8,7 @@ use crate::{
         counts::{Counts, MeasuredBuilder},
         fit,
         rank_tests::ranks,
-        summary::category_values,
+        summary::{category_values, means_by_subject},
         terms::Terms,
     },
     experiment::{Condition, Protocol, judged},
@@ -195,7 +195,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
         return Err(PredictionError::NoCondition);
     }
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
-    let means = means(counts, &places);
+    let means = means_by_subject(counts, places.len(), |row| places.binary_search(&row.condition).ok());
+    let means: Vec<Vec<f64>> =
+        means.iter().map(|own| own.iter().map(|mean| mean.unwrap_or(f64::NAN)).collect()).collect();
     let everyone: Vec<&[f64]> = means.iter().map(Vec::as_slice).collect();
     let pooled_means = pooled(&everyone);
     let with = |other: &dyn Fn(usize) -> Vec<f64>| {
@@ -256,19 +258,6 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, Predi
         half.is_finite().then(|| [(log - half).exp(), (log + half).exp()])
     });
     Ok((Criterion { thresholds: logs.map(f64::exp), spread: 1.0 / slope }, intervals))
-}
-
-/// Computes the mean rating of every participant in each of these conditions; NaN if there is none.
-fn means(counts: &Counts, places: &[u32]) -> Vec<Vec<f64>> {
-    let mut sums = vec![vec![(0.0, 0.0); places.len()]; counts.subjects.len()];
-    for row in &counts.rows {
-        if let Ok(place) = places.binary_search(&row.condition) {
-            let (sum, n) = &mut sums[row.subject as usize][place];
-            *sum += f64::from(row.rating) * row.count as f64;
-            *n += row.count as f64;
-        }
-    }
-    sums.into_iter().map(|cells| cells.into_iter().map(|(sum, n)| sum / n).collect()).collect()
 }
 
 /// Computes the mean over the participants who rated a condition; NaN if nobody did.

@@ -4,7 +4,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html as markup};
 
 use crate::report::{
-    document::{Block, Document, Section, TextTable, numbers::whole},
+    document::{Block, Document, Section, TextTable, whole},
     figures::Figure,
     study::Provenance,
 };
@@ -128,11 +128,9 @@ fn table_markup(table: &TextTable) -> Markup {
 }
 
 fn figure_markup(figure: &Figure) -> Markup {
-    // The drawing from its root element on, without any XML prolog.
-    let svg = figure.svg.find("<svg").map_or("", |root| &figure.svg[root..]);
     markup! {
         figure.wide[figure.wide] {
-            div.scroll { (PreEscaped(svg)) }
+            div.scroll { (PreEscaped(&figure.svg)) }
             figcaption { strong { (figure.title) "." } " " (figure.caption) }
         }
     }

@@ -1,50 +1,94 @@
 //! The results as tables and as JSON.
 
+use std::ops::Range;
+
 use serde_json::{Value, json};
 
 use crate::{
     analysis::{
-        Coefficient, Contrast, Link, Model, Prediction, Results,
+        Contrast, Link, Model, ModelReport, Results,
         counts::{CountRow, Counts, Factor, Quartiles},
         number_of,
         rank_tests::PMethod,
-        results::{FactorResults, SubjectResults},
-        summary::Group,
+        results::FactorResults,
+        summary::{Group, Summary},
     },
     statistics::Interval,
     store::ratings::Shape,
     text::{self, Cell, Column, Table},
 };
 
-fn columns(named: &[(&str, &str, &str)]) -> Vec<Column> {
-    named.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect()
+fn columns(named: &[(&str, &str)]) -> Vec<Column> {
+    named.iter().map(|(name, description)| Column::new(*name, "", *description)).collect()
 }
 
-fn ends(interval: Option<Interval>) -> [Cell; 2] {
-    [interval.map(|interval| interval.low).into(), interval.map(|interval| interval.high).into()]
+/// A table that is made of columns, each with a value of every row.
+pub(crate) struct Rows<'a, R> {
+    rows: &'a [R],
+    columns: Vec<Column>,
+    /// The places of the columns with levels of factors.
+    factors: Range<usize>,
 }
 
-/// Inserts a column with the levels of each factor of ratings between other columns.
-fn with_levels(first: Vec<Column>, factors: &[Factor], last: Vec<Column>) -> Vec<Column> {
-    with_factors(first, factors.iter().map(|factor| factor.name.clone()).collect(), last)
+impl<'a, R> Rows<'a, R> {
+    /// Begins a table of these rows.
+    pub fn new(rows: &'a [R]) -> Self {
+        Self { rows, columns: Vec::new(), factors: 0..0 }
+    }
+
+    /// Adds a column without a unit.
+    pub fn column<C: Into<Cell>>(mut self, name: &str, description: &str, value: impl Fn(&'a R) -> C) -> Self {
+        let cells = self.rows.iter().map(|row| value(row).into()).collect();
+        self.columns.push(Column { cells, ..Column::new(name, "", description) });
+        self
+    }
+
+    /// Gives the last columns a unit.
+    pub fn in_unit(mut self, unit: &str, columns: usize) -> Self {
+        self.columns.iter_mut().rev().take(columns).for_each(|column| column.unit = unit.to_owned());
+        self
+    }
+
+    /// Adds two columns with the ends of an interval, which `of` describes.
+    pub fn interval(self, name: &str, of: &str, ends: impl Fn(&'a R) -> Option<Interval>) -> Self {
+        self.column(&format!("{name}_low"), &format!("Lower end of {of}."), |row| ends(row).map(|ends| ends.low))
+            .column(&format!("{name}_high"), &format!("Upper end of {of}."), |row| ends(row).map(|ends| ends.high))
+    }
+
+    /// Adds a column for each of these categories.
+    pub fn categories(self, categories: &[String], about: &str, proportions: impl Fn(&'a R) -> &'a [f64]) -> Self {
+        let add = |all: Self, (place, category): (usize, &String)| {
+            all.column(&format!("p{category}"), about, |row| proportions(row)[place])
+        };
+        categories.iter().enumerate().fold(self, add)
+    }
+
+    /// Adds a column with the levels of each of these factors; `level` returns that of a row and a factor.
+    pub fn levels<'n>(mut self, names: impl Iterator<Item = &'n String>, level: impl Fn(&'a R, usize) -> Cell) -> Self {
+        let first = self.columns.len();
+        for (factor, name) in names.enumerate() {
+            self = self.column(name, LEVEL, |row| level(row, factor));
+        }
+        Self { factors: first..self.columns.len(), ..self }
+    }
+
+    /// Returns the table.
+    pub fn table(self) -> Table {
+        Table { columns: apart(self.columns, self.factors) }
+    }
 }
 
-/// Inserts a column with the levels of each factor between other columns, which keep their names: a factor of the same
-/// name gets underscores at its end.
-pub(super) fn with_factors(first: Vec<Column>, mut names: Vec<String>, last: Vec<Column>) -> Vec<Column> {
-    for factor in 0..names.len() {
-        let is_fixed = |name: &String| first.iter().chain(&last).any(|column| column.name == *name);
-        while is_fixed(&names[factor]) || names.iter().filter(|name| **name == names[factor]).count() > 1 {
-            names[factor].push('_');
+/// Describes a column with the levels of a factor.
+const LEVEL: &str = "Level of the factor.";
+
+/// Makes the names of columns differ. Columns of factors get underscores at their ends; the others keep their names.
+fn apart(mut columns: Vec<Column>, factors: Range<usize>) -> Vec<Column> {
+    for factor in factors {
+        while columns.iter().filter(|column| column.name == columns[factor].name).count() > 1 {
+            columns[factor].name.push('_');
         }
     }
-    let level = |name: String| Column::new(name, "", "Level of the factor.");
-    first.into_iter().chain(names.into_iter().map(level)).chain(last).collect()
-}
-
-/// Describes a column for each of these categories.
-fn proportions(categories: &[String], description: &str) -> Vec<Column> {
-    categories.iter().map(|category| Column::new(format!("p{category}"), "", description)).collect()
+    columns
 }
 
 fn level(factor: &Factor, name: &str) -> Cell {
@@ -54,104 +98,74 @@ fn level(factor: &Factor, name: &str) -> Cell {
     Cell::Level(name.to_owned(), factor.numbers.as_ref().and_then(|_| number_of(name)))
 }
 
-/// Returns the cells of the levels of these factors.
-fn levels<'a, Name: AsRef<str> + 'a>(factors: &[Factor], names: impl IntoIterator<Item = &'a Name>) -> Vec<Cell> {
-    factors.iter().zip(names).map(|(factor, name)| level(factor, name.as_ref())).collect()
+/// Begins a table of groups with their levels of these factors.
+fn with_levels<'a, R>(rows: &'a [R], factors: &[Factor], names: impl Fn(&'a R) -> &'a [String]) -> Rows<'a, R> {
+    Rows::new(rows)
+        .levels(factors.iter().map(|factor| &factor.name), |row, place| level(&factors[place], &names(row)[place]))
 }
 
-/// Describes the columns of a summary, and the last columns.
-fn summary_columns(counts: &Counts, last: Vec<Column>) -> Vec<Column> {
-    let mut all = columns(&[
-        ("n", "", "Number of ratings."),
-        ("mean", "", "Mean rating, in which each participant counts equally."),
-        ("median", "", "Median rating."),
-    ]);
-    all.extend(proportions(&counts.categories, "Proportion of the ratings that are in this category."));
-    all.extend(columns(&[
-        ("ci_low", "", "Lower end of the 95 % interval of the mean."),
-        ("ci_high", "", "Upper end of the 95 % interval of the mean."),
-        ("subjects", "", "Number of participants."),
-    ]));
-    all.extend(last);
-    all
+/// Adds the summary of each row's ratings.
+fn with_summary<'a, R>(rows: Rows<'a, R>, counts: &Counts, of: impl Fn(&'a R) -> &'a Summary) -> Rows<'a, R> {
+    rows.column("n", "Number of ratings.", |row| of(row).n)
+        .column("mean", "Mean rating, in which each participant counts equally.", |row| of(row).mean)
+        .column("median", "Median rating.", |row| of(row).median)
+        .categories(&counts.categories, "Proportion of the ratings that are in this category.", |row| {
+            &of(row).proportions
+        })
+        .interval("ci", "the 95 % interval of the mean", |row| of(row).interval)
+        .column("subjects", "Number of participants.", |row| of(row).subjects)
 }
 
-/// Returns the cells of a summary, after those of what it summarizes.
-fn summary_row(first: Vec<Cell>, Group { summary, .. }: &Group) -> Vec<Cell> {
-    let mut cells = first;
-    cells.extend([summary.n.into(), summary.mean.into(), summary.median.into()]);
-    cells.extend(summary.proportions.iter().map(|p| Cell::from(*p)));
-    cells.extend(ends(summary.interval));
-    cells.push(summary.subjects.into());
-    cells
+/// Adds the median response time of each row.
+fn with_times<R>(rows: Rows<'_, R>, of: impl Fn(&R) -> Option<Quartiles>) -> Table {
+    let about = "Median time from the onset of the stimulus to the rating.";
+    rows.column("response_time_median_s", about, |row| of(row).map(|times| times.median)).in_unit("s", 1).table()
 }
 
 /// Lists every cell of the design.
-pub fn cells(results: &Results) -> Table {
+fn cells(results: &Results) -> Table {
     let counts = &results.measured.counts;
-    let row = |group: &Group| summary_row(levels(&counts.factors, &group.names), group);
-    let columns = with_levels(Vec::new(), &counts.factors, summary_columns(counts, Vec::new()));
-    Table::new(columns, results.cells.iter().map(row))
-}
-
-fn median_column() -> Column {
-    Column::new("response_time_median_s", "s", "Median time from the onset of the stimulus to the rating.")
+    let rows = with_levels(&results.cells, &counts.factors, |group| &group.names);
+    with_summary(rows, counts, |group| &group.summary).table()
 }
 
 /// Lists the levels of a factor.
-pub fn by_factor(results: &Results, factor: &FactorResults) -> Table {
+fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     let counts = &results.measured.counts;
     let factors: Vec<Factor> = counts.factors.iter().filter(|known| known.name == factor.name).cloned().collect();
-    let row = |(group, times): (&Group, &Option<Quartiles>)| {
-        let mut row = summary_row(levels(&factors, &group.names), group);
-        row.push(median(*times));
-        row
-    };
-    let columns = with_levels(Vec::new(), &factors, summary_columns(counts, vec![median_column()]));
-    Table::new(columns, factor.levels.iter().zip(&factor.times).map(row))
+    let rows: Vec<(&Group, Option<Quartiles>)> = factor.levels.iter().zip(factor.times.iter().copied()).collect();
+    let rows = with_levels(&rows, &factors, |(group, _)| &group.names);
+    with_times(with_summary(rows, counts, |(group, _)| &group.summary), |(_, times)| *times)
 }
 
 /// Lists every participant.
-pub fn subjects(results: &Results) -> Table {
-    let mut last = columns(&[
-        ("retests", "", "Number of conditions that the participant rated at least twice."),
-        ("kappa", "", "Quadratically weighted κ of first and second ratings."),
-    ]);
-    last.push(median_column());
-    let row = |subject: &SubjectResults| {
-        let mut row =
-            summary_row(subject.group.names.iter().map(|name| name.as_str().into()).collect(), &subject.group);
-        row.extend([subject.retests.into(), subject.kappa.into(), median(subject.times)]);
-        row
-    };
-    let mut columns = vec![Column::new("subject_id", "", "Participant.")];
-    columns.extend(summary_columns(&results.measured.counts, last));
-    Table::new(columns, results.subjects.iter().map(row))
-}
-
-fn median(times: Option<Quartiles>) -> Cell {
-    times.map(|times| times.median).into()
+fn subjects(results: &Results) -> Table {
+    let rows = Rows::new(&results.subjects).column("subject_id", "Participant.", |own| own.group.names[0].as_str());
+    let rows = with_summary(rows, &results.measured.counts, |own| &own.group.summary)
+        .column("retests", "Number of conditions that the participant rated at least twice.", |own| own.retests)
+        .column("kappa", "Quadratically weighted κ of first and second ratings.", |own| own.kappa);
+    with_times(rows, |own| own.times)
 }
 
 /// Lists Friedman's tests, the likelihood-ratio tests and the comparisons of levels. For a single participant, Friedman's
 /// tests are missing, and the others are about that participant's trials.
-pub fn tests(results: &Results) -> Table {
+fn tests(results: &Results) -> Table {
     let columns = columns(&[
-        ("test", "", "Name of the test."),
-        ("term", "", "Factor or term that is tested."),
-        ("level", "", "Level that is compared."),
-        ("other", "", "Level with which it is compared."),
-        ("n", "", "Number of participants, or of ratings for tests of the model."),
-        ("statistic", "", "Test statistic."),
-        ("df", "", "Degrees of freedom; none for a comparison."),
-        ("p", "", "Probability of such a statistic without an effect."),
-        ("p_holm", "", "p with Holm's correction for the tests of the same kind."),
-        ("effect", "", "Size of the effect."),
-        ("se", "", "Standard error of the effect."),
-        ("ci_low", "", "Lower end of its 95 % interval."),
-        ("ci_high", "", "Upper end of its 95 % interval."),
-        ("effect_is", "", "What the size is."),
-        ("note", "", "Where p comes from, and what limits the test."),
+        ("test", "Name of the test."),
+        ("term", "Factor or term that is tested."),
+        ("level", "Level that is compared."),
+        ("other", "Level with which it is compared."),
+        ("n", "Number of participants, or of ratings for tests of the model."),
+        ("statistic", "Test statistic."),
+        ("df", "Degrees of freedom; none for a comparison."),
+        ("p", "Probability of such a statistic without an effect."),
+        ("p_holm", "p with Holm's correction for the tests of the same kind."),
+        ("effect", "Size of the effect."),
+        ("se", "Standard error of the effect."),
+        ("ci_low", "Lower end of its 95 % interval."),
+        ("ci_high", "Upper end of its 95 % interval."),
+        ("effect_is", "What the size is."),
+        ("note", "Where p comes from, and what limits the test."),
     ]);
     let mut rows = Vec::new();
     if results.is_inferential() {
@@ -184,20 +198,13 @@ pub fn tests(results: &Results) -> Table {
                 (_, Some(_)) => "p from the participants' signs",
                 (_, None) => "no p: there are fewer than six participants",
             };
-            let (drift, lag_one) =
-                ("change of the latent rating over a session", "correlation of successive residuals");
-            let with_p = |p: Option<f64>, effect: Option<f64>| [None, None, p, None, effect];
-            for (test, numbers, what, note) in [
-                ("drift", with_p(order.drift_p, order.drift), drift, note),
-                (
-                    "lag-one",
-                    with_p(Some(order.lag_one_p), Some(order.lag_one)),
-                    lag_one,
-                    "p from the normal distribution",
-                ),
-            ] {
-                rows.push(test_row([test, "", "", ""], order.ratings, &numbers, what, note));
-            }
+            let numbers = |p: Option<f64>, effect: Option<f64>| [None, None, p, None, effect];
+            let drift = numbers(order.drift_p, order.drift);
+            let what = "change of the latent rating over a session";
+            rows.push(test_row(["drift", "", "", ""], order.ratings, &drift, what, note));
+            let lag_one = numbers(Some(order.lag_one_p), Some(order.lag_one));
+            let (what, note) = ("correlation of successive residuals", "p from the normal distribution");
+            rows.push(test_row(["lag-one", "", "", ""], order.ratings, &lag_one, what, note));
         }
         for c in &report.comparisons {
             let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));
@@ -239,11 +246,11 @@ fn friedman_row(factor: &FactorResults) -> Option<Vec<Cell>> {
 }
 
 /// Lists the agreement between participants (Krippendorff's α) and within each participant (weighted κ).
-pub fn agreement(results: &Results) -> Table {
+fn agreement(results: &Results) -> Table {
     let mut rows = Vec::new();
     let mut row = |measure: &str, subject: &str, n: u64, estimate: Option<f64>, interval: Option<Interval>| {
-        let [low, high] = ends(interval);
-        rows.push(vec![measure.into(), subject.into(), n.into(), estimate.into(), low, high]);
+        let [low, high] = [interval.map(|interval| interval.low), interval.map(|interval| interval.high)];
+        rows.push(vec![measure.into(), subject.into(), n.into(), estimate.into(), low.into(), high.into()]);
     };
     if let Some(alpha) = &results.alpha {
         row("krippendorff_alpha_ordinal", "", alpha.ratings, Some(alpha.alpha), alpha.interval);
@@ -256,12 +263,12 @@ pub fn agreement(results: &Results) -> Table {
         row("retest_kappa_quadratic", &subject.group.names[0], subject.retests, subject.kappa, None);
     }
     let columns = columns(&[
-        ("measure", "", "Coefficient of agreement."),
-        ("subject_id", "", "Participant, if it is about one."),
-        ("n", "", "Number of ratings, or of pairs of ratings."),
-        ("estimate", "", "Value of the coefficient."),
-        ("ci_low", "", "Lower end of its 95 % interval."),
-        ("ci_high", "", "Upper end of its 95 % interval."),
+        ("measure", "Coefficient of agreement."),
+        ("subject_id", "Participant, if it is about one."),
+        ("n", "Number of ratings, or of pairs of ratings."),
+        ("estimate", "Value of the coefficient."),
+        ("ci_low", "Lower end of its 95 % interval."),
+        ("ci_high", "Upper end of its 95 % interval."),
     ]);
     Table::new(columns, rows)
 }
@@ -269,8 +276,10 @@ pub fn agreement(results: &Results) -> Table {
 /// Describes the columns of the sufficient statistic: the participant, the factors, the response and the count.
 pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
     let count = if shape.response == "count" || shape.subject == "count" { "count_" } else { "count" };
-    let last = [(shape.response.as_str(), "", "Category of the rating."), (count, "", "Number of equal ratings.")];
-    with_levels(columns(&[(shape.subject.as_str(), "", "Participant.")]), &counts.factors, columns(&last))
+    let factors = counts.factors.iter().map(|factor| (factor.name.as_str(), LEVEL));
+    let last = [(shape.response.as_str(), "Category of the rating."), (count, "Number of equal ratings.")];
+    let all = [(shape.subject.as_str(), "Participant.")].into_iter().chain(factors).chain(last);
+    apart(columns(&all.collect::<Vec<_>>()), 1..1 + counts.factors.len())
 }
 
 /// Returns the columns and the rows of the sufficient statistic: participant, factors, rating and count. `analyze` can
@@ -278,7 +287,9 @@ pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
 fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Iterator<Item = Vec<Cell>> + 'a) {
     let columns = count_columns(counts, shape);
     let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
-        .map(|condition| levels(&counts.factors, &counts.level_names(condition)))
+        .map(|condition| {
+            counts.factors.iter().zip(counts.level_names(condition)).map(|(factor, name)| level(factor, name)).collect()
+        })
         .collect();
     let categories: Vec<Cell> =
         counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
@@ -304,51 +315,34 @@ pub fn counts(counts: &Counts, shape: &Shape) -> Table {
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.
-pub fn predictions(results: &Results) -> Option<Table> {
-    let report = results.model.as_ref().ok()?;
-    let counts = results.modeled();
-    let mut all = proportions(&report.model.categories, "Expected proportion of ratings in this category.");
-    all.extend(columns(&[
-        ("mean", "", "Expected rating."),
-        ("ci_low", "", "Lower end of its 95 % interval."),
-        ("ci_high", "", "Upper end of its 95 % interval."),
-    ]));
-    let row = |prediction: &Prediction| {
-        let mut cells = levels(&counts.factors, &prediction.names);
-        cells.extend(prediction.probabilities.iter().chain([&prediction.mean]).map(|value| Cell::from(*value)));
-        cells.extend(ends(prediction.interval));
-        cells
-    };
-    Some(Table::new(with_levels(Vec::new(), &counts.factors, all), report.predictions.iter().map(row)))
+fn predictions(results: &Results, report: &ModelReport) -> Table {
+    with_levels(&report.predictions, &results.modeled().factors, |row| &row.names)
+        .categories(&report.model.categories, "Expected proportion of ratings in this category.", |row| {
+            &row.probabilities
+        })
+        .column("mean", "Expected rating.", |row| row.mean)
+        .interval("ci", "its 95 % interval", |row| row.interval)
+        .table()
 }
 
 /// Lists the model's coefficients on the scale of the link and, with the logit link, their odds ratios.
 fn coefficients(model: &Model) -> Table {
-    let mut all = columns(&[
-        ("name", "", "Name of the coefficient, as in R."),
-        ("term", "", "Term that it belongs to."),
-        ("estimate", "", "Estimate on the scale of the link."),
-        ("se", "", "Standard error."),
-        ("z", "", "Estimate divided by its standard error."),
-        ("p", "", "Probability of such a z; missing with few participants, for whom it would be too small."),
-        ("ci_low", "", "Lower end of the 95 % interval."),
-        ("ci_high", "", "Upper end of the 95 % interval."),
-    ]);
-    let odds = columns(&[
-        ("odds_ratio", "", "Odds ratio of a higher rating."),
-        ("odds_ratio_low", "", "Lower end of its 95 % interval."),
-        ("odds_ratio_high", "", "Upper end of its 95 % interval."),
-    ]);
-    let has_odds = model.link == Link::Logit;
-    all.extend(odds.into_iter().filter(|_| has_odds));
-    let row = |c: &Coefficient| {
-        let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];
-        let numbers = [Some(c.estimate), c.se, c.z, c.p, low, high];
-        let odds = [Some(c.estimate), low, high].map(|x| x.map(f64::exp)).into_iter().filter(|_| has_odds);
-        let names = [&c.name, &c.term].map(|name| Cell::from(name.as_str()));
-        names.into_iter().chain(numbers.into_iter().chain(odds).map(Cell::from)).collect()
-    };
-    Table::new(all, model.coefficients.iter().map(row))
+    let few = "Probability of such a z; missing with few participants, for whom it would be too small.";
+    let all = Rows::new(&model.coefficients)
+        .column("name", "Name of the coefficient, as in R.", |c| c.name.as_str())
+        .column("term", "Term that it belongs to.", |c| c.term.as_str())
+        .column("estimate", "Estimate on the scale of the link.", |c| c.estimate)
+        .column("se", "Standard error.", |c| c.se)
+        .column("z", "Estimate divided by its standard error.", |c| c.z)
+        .column("p", few, |c| c.p)
+        .interval("ci", "the 95 % interval", |c| c.interval);
+    if model.link != Link::Logit {
+        return all.table();
+    }
+    let odds = |i: Interval| Interval { low: i.low.exp(), high: i.high.exp() };
+    all.column("odds_ratio", "Odds ratio of a higher rating.", |c| c.estimate.exp())
+        .interval("odds_ratio", "its 95 % interval", |c| c.interval.map(odds))
+        .table()
 }
 
 /// Returns all tables but the sufficient statistic, with the names of their files without the extension.
@@ -361,8 +355,8 @@ pub fn all(results: &Results) -> Vec<(String, Table)> {
     ];
     if let Ok(report) = &results.model {
         tables.push(("coefficients".to_owned(), coefficients(&report.model)));
+        tables.push(("predictions".to_owned(), predictions(results, report)));
     }
-    tables.extend(predictions(results).map(|table| ("predictions".to_owned(), table)));
     for factor in &results.factors {
         let mut name = format!("by_{}", file_part(&factor.name));
         // Some systems do not distinguish upper from lower case.

@@ -16,9 +16,10 @@ use crate::{
         power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
     },
     experiment::{OrderedLogit, Protocol},
+    report::tables::Rows,
     store::observer,
     text::{
-        Cell, Column, Table,
+        Table,
         names::{expected_one_of, serde_as_text},
         number::whole,
     },
@@ -274,71 +275,44 @@ impl Planned {
     /// Returns one row for each number of participants and each test.
     #[must_use]
     pub fn table(&self) -> Table {
-        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
-        Table::new(columns, self.powers.iter().map(|power| self.row(power)))
-    }
-
-    fn row(&self, power: &Power) -> Vec<Cell> {
-        let (hypothesis, spec) = (self.hypothesis(power), &self.plan.spec);
-        let effect = hypothesis.effect.as_ref();
-        let interval = power.interval();
-        let slope_sd: Vec<String> =
-            self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd)).collect();
-        let test = match hypothesis.test {
+        let spec = &self.plan.spec;
+        let slopes = self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd));
+        let slopes = slopes.collect::<Vec<_>>().join(" ");
+        let effect = |power: &Power| self.hypothesis(power).effect.as_ref();
+        let test = |power: &Power| match self.hypothesis(power).test {
             Test::LikelihoodRatio => "likelihood-ratio",
             Test::Friedman => "friedman",
         };
-        vec![
-            self.protocol.name.as_str().into(),
-            power.participants.into(),
-            hypothesis.term.as_str().into(),
-            test.into(),
-            if effect.is_some() { "effect" } else { "none" }.into(),
-            effect.map_or(Some(0.0), |effect| effect.logits).into(),
-            effect.map(|effect| effect.above.as_str()).into(),
-            effect.map(|effect| effect.below.as_str()).into(),
-            power.studies.into(),
-            power.found.into(),
-            power.untested.into(),
-            effect.map(|_| power.share()).into(),
-            effect.is_none().then(|| power.share()).into(),
-            interval.low.into(),
-            interval.high.into(),
-            power.estimate.into(),
-            self.sampling.alpha.into(),
-            spec.link.to_string().into(),
-            spec.terms.to_string().into(),
-            spec.slopes.to_string().into(),
-            slope_sd.join(" ").into(),
-            self.sampling.seed.into(),
-            self.observer.as_str().into(),
-        ]
+        let truth = |power: &Power| if effect(power).is_some() { "effect" } else { "none" };
+        let logits = |power: &Power| effect(power).map_or(Some(0.0), |effect| effect.logits);
+        let power = |power: &Power| effect(power).map(|_| power.share());
+        let false_alarms = |power: &Power| effect(power).is_none().then(|| power.share());
+        Rows::new(&self.powers)
+            .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
+            .column("participants", "Number of participants.", |power| power.participants)
+            .column("term", "Term or factor that is tested.", |power| self.hypothesis(power).term.as_str())
+            .column("test", "Name of the test.", test)
+            .column("truth", "Whether the simulated observer has the effect.", truth)
+            .column("effect_logits", "Size of the effect on the latent scale.", logits)
+            .in_unit("logit", 1)
+            .column("above", "Level that is rated higher.", |power| Some(effect(power)?.above.as_str()))
+            .column("below", "Level that is rated lower.", |power| Some(effect(power)?.below.as_str()))
+            .column("studies", "Number of simulated studies.", |power| power.studies)
+            .column("found", "Number of studies in which the test is significant.", |power| power.found)
+            .column("untested", "Number of studies in which the test is not possible.", |power| power.untested)
+            .column("power", "Proportion of studies that find the effect.", power)
+            .column("false_alarms", "Proportion of studies that find an effect that is not there.", false_alarms)
+            .interval("ci", "the 95 % interval of this proportion", |power| Some(power.interval()))
+            .column("median_estimate", "Median of the estimated effects.", |power| power.estimate)
+            .in_unit("logit", 1)
+            .column("alpha", "Level of significance.", |_| self.sampling.alpha)
+            .column("link", "Link function of the model.", |_| spec.link.to_string())
+            .column("terms", "Terms of the model.", |_| spec.terms.to_string())
+            .column("slopes", "Random slopes of the model.", |_| spec.slopes.to_string())
+            .column("slope_sd", "Standard deviations of the simulated random slopes.", |_| slopes.as_str())
+            .in_unit("logit", 1)
+            .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
+            .column("observer", "Simulated observer.", |_| self.observer.as_str())
+            .table()
     }
 }
-
-/// Name, unit and description of the columns of the CSV file.
-const COLUMNS: [(&str, &str, &str); 23] = [
-    ("experiment", "", "Name of the definition."),
-    ("participants", "", "Number of participants."),
-    ("term", "", "Term or factor that is tested."),
-    ("test", "", "Name of the test."),
-    ("truth", "", "Whether the simulated observer has the effect."),
-    ("effect_logits", "logit", "Size of the effect on the latent scale."),
-    ("above", "", "Level that is rated higher."),
-    ("below", "", "Level that is rated lower."),
-    ("studies", "", "Number of simulated studies."),
-    ("found", "", "Number of studies in which the test is significant."),
-    ("untested", "", "Number of studies in which the test is not possible."),
-    ("power", "", "Proportion of studies that find the effect."),
-    ("false_alarms", "", "Proportion of studies that find an effect that is not there."),
-    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
-    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
-    ("median_estimate", "logit", "Median of the estimated effects."),
-    ("alpha", "", "Level of significance."),
-    ("link", "", "Link function of the model."),
-    ("terms", "", "Terms of the model."),
-    ("slopes", "", "Random slopes of the model."),
-    ("slope_sd", "logit", "Standard deviations of the simulated random slopes."),
-    ("seed", "", "Seed of the simulation."),
-    ("observer", "", "Simulated observer."),
-];

@@ -8,10 +8,10 @@ use super::{
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
-    report::{names, study::shell_command, tasks::task},
+    report::{names, study::shell_command, tables::Rows, tasks::task},
     stimulus::Stimulus,
     store::definition,
-    text::{Cell, Column, Table, names::expected_one_of},
+    text::{Table, names::expected_one_of},
 };
 
 /// The fields that apply to thresholds; the others are about ratings.
@@ -238,61 +238,44 @@ impl PlannedThresholds {
     /// Returns one row for each number of participants and of trials, and each quantity.
     #[must_use]
     pub fn table(&self) -> Table {
-        let columns = COLUMNS.iter().map(|(name, unit, description)| Column::new(*name, unit, *description)).collect();
-        Table::new(columns, self.found.iter().map(|found| self.row(found)))
-    }
-
-    fn row(&self, found: &Precision) -> Vec<Cell> {
-        let truth = found.quantity.truth();
+        const TRUTH: &str =
+            "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic.";
+        const HALF_WIDTH: &str = "Median of half the width of the 95 % interval, on the scale of the method.";
+        const SLOPE: &str = "Slope of their psychometric functions, on the scale of the method.";
+        const FALSE_ALARMS: &str = "Proportion of studies that find a difference that is not there.";
+        let truth = |found: &Precision| found.quantity.truth();
         // One participant has no interval, which could exclude 0.
-        let tested = truth.filter(|_| found.half_width.is_some());
-        let share = tested.map(|_| (found.share(), found.quantity.differs()));
+        let tested = |found: &Precision| truth(found).filter(|_| found.half_width.is_some());
+        let share = |found: &Precision, is_true: bool| {
+            tested(found).filter(|_| found.quantity.differs() == is_true).map(|_| found.share().0)
+        };
+        let rate = "Their rate of yes answers to stimuli without a target.";
+        let sd = "Standard deviation of their thresholds, on the scale of the method.";
         let observer = &self.observer;
-        vec![
-            self.protocol.name.as_str().into(),
-            found.participants.into(),
-            found.trials.into(),
-            self.name(&found.quantity).as_str().into(),
-            truth.into(),
-            found.studies.into(),
-            tested.map(|_| found.found as f64).into(),
-            found.missing.into(),
-            share.filter(|(_, is_true)| *is_true).map(|((share, _), _)| share).into(),
-            share.filter(|(_, is_true)| !*is_true).map(|((share, _), _)| share).into(),
-            share.map(|((_, interval), _)| interval.low).into(),
-            share.map(|((_, interval), _)| interval.high).into(),
-            found.half_width.into(),
-            found.error.into(),
-            observer.threshold.into(),
-            observer.subject_sd.into(),
-            observer.slope.into(),
-            observer.lapse.into(),
-            observer.false_alarms.into(),
-            self.sampling.seed.into(),
-        ]
+        Rows::new(&self.found)
+            .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
+            .column("participants", "Number of participants.", |found| found.participants)
+            .column("trials", "Number of trials of each condition.", |found| found.trials)
+            .column("estimate", "What is estimated.", |found| self.name(&found.quantity))
+            .column("truth", TRUTH, truth)
+            .column("estimates", "Number of estimates in the simulated studies.", |found| found.studies)
+            .column("found", "Number of studies whose 95 % interval excludes 0.", |found| {
+                tested(found).map(|_| found.found as f64)
+            })
+            .column("missing", "Number of estimates that are not possible.", |found| found.missing)
+            .column("power", "Proportion of studies that find the difference.", |found| share(found, true))
+            .column("false_alarms", FALSE_ALARMS, |found| share(found, false))
+            .interval("ci", "the 95 % interval of this proportion", |found| tested(found).map(|_| found.share().1))
+            .column("half_width", HALF_WIDTH, |found| found.half_width)
+            .column("error", "Root mean square of estimate minus truth, on the scale of the method.", |found| {
+                found.error
+            })
+            .column("threshold", "Mean threshold of the simulated people, as a level.", |_| observer.threshold)
+            .column("subject_sd", sd, |_| observer.subject_sd)
+            .column("slope", SLOPE, |_| observer.slope)
+            .column("lapse", "Their lapse rate.", |_| observer.lapse)
+            .column("false_alarm_rate", rate, |_| observer.false_alarms)
+            .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
+            .table()
     }
 }
-
-/// Name, unit and description of the columns of the CSV file.
-const COLUMNS: [(&str, &str, &str); 20] = [
-    ("experiment", "", "Name of the definition."),
-    ("participants", "", "Number of participants."),
-    ("trials", "", "Number of trials of each condition."),
-    ("estimate", "", "What is estimated."),
-    ("truth", "", "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic."),
-    ("estimates", "", "Number of estimates in the simulated studies."),
-    ("found", "", "Number of studies whose 95 % interval excludes 0."),
-    ("missing", "", "Number of estimates that are not possible."),
-    ("power", "", "Proportion of studies that find the difference."),
-    ("false_alarms", "", "Proportion of studies that find a difference that is not there."),
-    ("ci_low", "", "Lower end of the 95 % interval of this proportion."),
-    ("ci_high", "", "Upper end of the 95 % interval of this proportion."),
-    ("half_width", "", "Median of half the width of the 95 % interval, on the scale of the method."),
-    ("error", "", "Root mean square of estimate minus truth, on the scale of the method."),
-    ("threshold", "", "Mean threshold of the simulated people, as a level."),
-    ("subject_sd", "", "Standard deviation of their thresholds, on the scale of the method."),
-    ("slope", "", "Slope of their psychometric functions, on the scale of the method."),
-    ("lapse", "", "Their lapse rate."),
-    ("false_alarm_rate", "", "Their rate of yes answers to stimuli without a target."),
-    ("seed", "", "Seed of the simulation."),
-];

@@ -4,6 +4,10 @@
 pub mod numbers;
 mod shown;
 
+pub use numbers::{
+    count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, unit, whole,
+    with_interval,
+};
 pub use shown::Shown;
 
 use crate::report::figures::Figure;
@@ -58,6 +62,39 @@ pub struct TextTable {
     pub rows: Vec<Vec<Shown>>,
 }
 
+/// A table that is made of columns, each with its heading and the cell of every row: first those of text, then those of
+/// numbers.
+pub struct TableOf<'a, R> {
+    rows: &'a [R],
+    table: TextTable,
+}
+
+impl<'a, R> TableOf<'a, R> {
+    /// Begins a table of these rows.
+    pub fn new(caption: impl Into<String>, rows: &'a [R]) -> Self {
+        let cells = vec![Vec::new(); rows.len()];
+        Self { rows, table: TextTable { caption: caption.into(), header: Vec::new(), texts: 0, rows: cells } }
+    }
+
+    /// Adds a column of text.
+    pub fn text<C: Into<Shown>>(mut self, heading: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
+        self.table.texts += 1;
+        self.number(heading, cell)
+    }
+
+    /// Adds a column of numbers.
+    pub fn number<C: Into<Shown>>(mut self, heading: impl Into<String>, cell: impl Fn(&'a R) -> C) -> Self {
+        self.table.header.push(heading.into());
+        self.table.rows.iter_mut().zip(self.rows).for_each(|(cells, row)| cells.push(cell(row).into()));
+        self
+    }
+
+    /// Adds the table to a section.
+    pub fn add_to(self, section: &mut Section) {
+        section.blocks.push(Block::Table(self.table));
+    }
+}
+
 impl Section {
     /// Creates a section without blocks.
     pub fn new(id: &'static str, heading: &'static str) -> Self {
@@ -91,16 +128,11 @@ impl Section {
         }
     }
 
-    /// Adds a table. The columns in `texts` contain text, and the columns in `numbers` after them contain numbers.
-    pub fn table(&mut self, caption: impl Into<String>, texts: &[&str], numbers: &[&str], rows: Vec<Vec<Shown>>) {
-        let header = texts.iter().chain(numbers).map(|&name| name.to_owned()).collect();
-        self.blocks.push(Block::Table(TextTable { caption: caption.into(), header, texts: texts.len(), rows }));
-    }
-
     /// Adds a table of names and their values.
-    pub fn facts<S: Into<String>, V: Into<Shown>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, V)>) {
-        let rows = rows.into_iter().map(|(name, value)| vec![Shown::from(name), value.into()]).collect();
-        self.table(caption, &["What", "Value"], &[], rows);
+    pub fn facts<S: Into<Shown>, V: Into<Shown>>(&mut self, caption: &str, rows: impl IntoIterator<Item = (S, V)>) {
+        let rows: Vec<[Shown; 2]> = rows.into_iter().map(|(name, value)| [name.into(), value.into()]).collect();
+        let table = TableOf::new(caption, &rows);
+        table.text("What", |[name, _]| name.clone()).text("Value", |[_, value]| value.clone()).add_to(self);
     }
 
     /// Adds the charts with these names, in this order.

@@ -29,7 +29,11 @@ const MAX_NAME: f64 = 170.0;
 /// Maximum length of a level's name that is rotated below a tick.
 const MAX_UPRIGHT: f64 = 250.0;
 /// Maximum width of a name beside a panel.
-const MAX_BESIDE: f64 = 160.0;
+const MAX_BESIDE: f64 = 180.0;
+/// Distance of a legend from its panel.
+const BESIDE: f64 = 24.0;
+/// Width of a sample in a legend, with the space after it.
+const SAMPLE: f64 = 56.0;
 /// Maximum number of ticks without a name.
 const MAX_TICKS: usize = 40;
 
@@ -198,16 +202,30 @@ impl Levels {
     }
 }
 
-/// Returns the space that names need beside a panel.
-pub(super) fn beside<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
-    90.0 + names.map(|name| labels::width(name, TEXT).min(MAX_BESIDE)).fold(0.0, f64::max)
+/// Returns the space that a legend needs beside a panel; none if there is only one series.
+pub(super) fn beside(heading: &str, series: &[(Series, &str)]) -> f64 {
+    if series.len() < 2 {
+        return 0.0;
+    }
+    let heading = labels::fit(heading, SAMPLE + MAX_BESIDE, TEXT);
+    let names = series.iter().map(|(_, name)| SAMPLE + labels::width(name, TEXT).min(MAX_BESIDE));
+    BESIDE + names.fold(1.2 * labels::width(&heading, TEXT), f64::max)
 }
 
-/// Names series beside a panel, each with whether it has a line.
-pub(super) fn legend<'a>(svg: &mut Svg, panel: &Panel, all: impl Iterator<Item = (Series, bool, &'a str)>) {
-    for (index, (series, lined, name)) in all.enumerate() {
-        let y = panel.top + TEXT * (1.5 * index as f64 + 1.0);
-        svg.legend_entry((panel.right + 24.0, y), series, lined, &labels::fit(name, MAX_BESIDE, TEXT), TEXT);
+/// Names series beside a panel, unless there is only one; `lined` if they have lines. The heading may be empty.
+pub(super) fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Series, &str)], lined: bool) {
+    if series.len() < 2 {
+        return;
+    }
+    let first = usize::from(!heading.is_empty());
+    let pitch = (PANEL / (first + series.len()) as f64).min(1.35 * TEXT);
+    let at = |line: usize| (panel.right + BESIDE, panel.top + 0.5 * TEXT + line as f64 * pitch);
+    if first > 0 {
+        let heading = labels::fit(heading, SAMPLE + MAX_BESIDE, TEXT);
+        svg.text(&heading, at(0), Font::new(TEXT, Anchor::Start).bold());
+    }
+    for (line, (series, name)) in (first..).zip(series) {
+        svg.legend_entry(at(line), *series, lined, &labels::fit(name, MAX_BESIDE, TEXT), TEXT);
     }
 }
 

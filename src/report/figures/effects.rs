@@ -8,7 +8,7 @@ use super::{
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
-    Coefficient, Link, Model, Note, Results,
+    Coefficient, Model, Note, Results,
     terms::{TermPart, Variable},
 };
 use crate::statistics::Interval;
@@ -36,13 +36,9 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
     let share = |value: f64| (value - low) / (high - low);
-    let unit = match model.link {
-        Link::Logit => "logit units",
-        Link::Probit => "probit units",
-    };
     let title = format!("Effects in the {} model", model.link);
     Some(Figure::draw("effects", title, caption(model), bottom + below(TEXT), |svg| {
-        number_axis(svg, &panel, (low, high), &format!("Shift of the ratings ({unit})"));
+        number_axis(svg, &panel, (low, high), &format!("Shift of the ratings ({} units)", model.link));
         let zero = panel.x(share(0.0));
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
         for (index, (name, coefficient)) in rows.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use crate::{
     analysis::{Model, Results, number_of},
-    report::{document::numbers::count, names},
+    report::{document::count, names},
 };
 
 /// Removes line breaks and characters that XML does not allow from a text.

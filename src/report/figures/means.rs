@@ -5,22 +5,19 @@
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, plain, told},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, beside, legend, plain, told},
+    choice::{chosen, evenly},
     figure::Figure,
     labels,
     palette::{GRAY, MAX_SERIES, Series, Stroke},
-    regroup::{by_interest, evenly, project},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
     Results,
-    counts::{Counts, Factor, Role},
-    summary::{Group, by_cell, by_levels, category_values},
+    counts::{CountRow, Factor, Role},
+    summary::{Group, by_levels, means_by_subject},
 };
 use crate::statistics::Interval;
-
-/// Maximum width of a name in the legend.
-const MAX_NAME: f64 = 180.0;
 
 /// Maximum number of participants drawn as lines. More lines could not be told apart and would take long to draw.
 const MAX_LINES: usize = 300;
@@ -41,18 +38,18 @@ struct Line {
 
 /// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
 pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let factors = chosen(results);
-    let counts = project(&results.measured.counts, &factors);
+    let factors = chosen(&results.measured.counts);
     let names = ["figure4a", "figure4b"];
     let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(results, &counts, &means, names, labels::rating(results), &labels::bars(results))
+    charts(results, &factors, &means, names, labels::rating(results), &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
 /// the predicted rating, as a category value, for each condition of the counts; `None` if there is no prediction.
 /// Participants and their conditions count equally, as in the measured means.
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
-    let (counts, factors) = (&results.measured.counts, chosen(results));
+    let counts = &results.measured.counts;
+    let factors = chosen(counts);
     let mut sums: HashMap<Vec<String>, HashMap<u32, (f64, f64)>> = HashMap::new();
     for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
         let Some(rating) = expected.get(cell[0].condition as usize).copied().flatten() else { continue };
@@ -72,12 +69,7 @@ pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
-    charts(results, &project(counts, &factors), &means, names, "Predicted mean rating", source)
-}
-
-/// Chooses the two most interesting factors.
-fn chosen(results: &Results) -> Vec<usize> {
-    by_interest(&results.measured.counts).into_iter().take(2).collect()
+    charts(results, &factors, &means, names, "Predicted mean rating", source)
 }
 
 fn of_groups(groups: Vec<Group>) -> Means {
@@ -87,25 +79,26 @@ fn of_groups(groups: Vec<Group>) -> Means {
 /// Draws one chart by each factor, with one line for each level of the other.
 fn charts(
     results: &Results,
-    counts: &Counts,
+    factors: &[usize],
     means: &Means,
     names: [&'static str; 2],
     what: &str,
     source: &str,
 ) -> Vec<Figure> {
-    let chart = |(x, name)| chart(results, counts, means, (x, name), what, source);
-    (0..counts.factors.len()).zip(names).map(chart).collect()
+    let factors: Vec<&Factor> = factors.iter().map(|&factor| &results.measured.counts.factors[factor]).collect();
+    let chart = |(x, name)| chart(results, &factors, means, (x, name), what, source);
+    (0..factors.len()).zip(names).map(chart).collect()
 }
 
 fn chart(
     results: &Results,
-    counts: &Counts,
+    factors: &[&Factor],
     means: &Means,
     (x, name): (usize, &'static str),
     what: &str,
     source: &str,
 ) -> Figure {
-    let (across, by) = (&counts.factors[x], counts.factors.get(1 - x));
+    let (across, by) = (factors[x], factors.get(1 - x));
     let shown = evenly(by.map_or(1, |by| by.levels.len()), MAX_SERIES);
     let line = |(index, &level): (usize, &usize)| {
         let level = by.map(|by| &by.levels[level]);
@@ -133,23 +126,16 @@ fn chart(
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
     let caption = labels::sentence(&format!("{caption}{source}"));
-    // A single line needs no legend.
-    let by = by.filter(|_| lines.len() > 1);
-    let heading = by.map(|by| labels::fit(&labels::heading(results, &by.name), 56.0 + MAX_NAME, TEXT));
-    let legend_width = heading.as_ref().map_or(0.0, |heading| {
-        let names = lines.iter().map(|line| labels::width(&line.name, TEXT).min(MAX_NAME));
-        24.0 + names.fold(0.0, f64::max).max(1.2 * labels::width(heading, TEXT) - 56.0) + 56.0
-    });
-    let values = Values::ratings(counts);
-    let panel = values.panel(values.margin(), WIDTH - EDGE - legend_width, EDGE, PANEL);
+    let heading = by.map(|by| labels::heading(results, &by.name)).unwrap_or_default();
+    let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
+    let values = Values::ratings(&results.measured.counts);
+    let panel = values.panel(values.margin(), WIDTH - EDGE - beside(&heading, &series), EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
         levels.draw(svg, &panel, &labels::axis(results, &across.name));
         let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
-        draw(svg, &panel, &levels, &lines, [&name(across), &by.map(name).unwrap_or_default()]);
-        if let Some(heading) = &heading {
-            legend(svg, &panel, heading, &lines, levels.ordered);
-        }
+        draw(svg, &panel, &levels, &lines, [&name(across), &by.map(|by| name(by)).unwrap_or_default()]);
+        legend(svg, &panel, &heading, &series, levels.ordered);
     })
 }
 
@@ -181,54 +167,46 @@ fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, 
     }
 }
 
-fn legend(svg: &mut Svg, panel: &Panel, heading: &str, lines: &[Line], lined: bool) {
-    let (x, top) = (panel.right + 24.0, panel.top + 0.5 * TEXT);
-    let pitch = (PANEL / (lines.len() as f64 + 1.0)).min(1.35 * TEXT);
-    svg.text(heading, (x, top), Font::new(TEXT, Anchor::Start).bold());
-    for (index, line) in lines.iter().enumerate() {
-        let name = labels::fit(&line.name, MAX_NAME, TEXT);
-        svg.legend_entry((x, top + (index as f64 + 1.0) * pitch), line.series, lined, &name, TEXT);
-    }
-}
-
 /// Draws `orientation`, if a factor with several levels is a direction: the means by direction, and by the angle to the
 /// nearest horizontal or vertical.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
-    let factors = &results.measured.counts.factors;
-    let index = factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
-    let (factor, name) = (&factors[index], labels::in_sentence(results, &factors[index].name));
+    let counts = &results.measured.counts;
+    let index = counts.factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
+    let factor = &counts.factors[index];
     let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
-    let by_angle = project(&results.measured.counts, &[index]);
     let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
     distances.sort_by(f64::total_cmp);
     distances.dedup();
     let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
-    let folded = Factor { numbers: Some(distances.clone()), ..folded };
-    let (by_distance, _) = by_angle.regrouped(vec![folded], |levels| {
-        let distance = distance_to_axis(angles[levels[0]? as usize]);
-        Some(vec![Some(distances.iter().position(|d| *d == distance)? as u32)])
-    });
+    let mut by_distance = counts.clone();
+    by_distance.factors[index] = Factor { numbers: Some(distances.clone()), ..folded };
+    for levels in &mut by_distance.conditions {
+        let distance = levels[index].map(|level| distance_to_axis(angles[level as usize]));
+        levels[index] = distance.and_then(|own| distances.iter().position(|d| *d == own)).map(|place| place as u32);
+    }
     // The second panel is drawn only if several orientations have the same distance, and there is more than one
     // distance.
     let is_folded = (2..angles.len()).contains(&distances.len());
     let (what, bars) = (labels::rating(results), labels::bars(results));
     let more = if is_folded { "on the right by the angle to the nearest horizontal or vertical; " } else { "" };
     let caption = labels::sentence(&format!("{more}{bars}"));
-    let values = Values::ratings(&by_angle);
+    let values = Values::ratings(counts);
     let (left, right) = (values.margin(), WIDTH - EDGE);
     let middle = if is_folded { left + 0.62 * (right - left) } else { right };
     let all = [
-        (by_angle, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(results, &factor.name)),
-        (by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)".to_owned()),
+        (counts, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(results, &factor.name)),
+        (&by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)".to_owned()),
     ];
     let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
     let height = EDGE + PANEL + super::axes::below(TEXT);
-    Some(Figure::draw("orientation", format!("{what} by {name}"), caption, height, |svg| {
+    let title = format!("{what} by {}", labels::in_sentence(results, &factor.name));
+    Some(Figure::draw("orientation", title, caption, height, |svg| {
         for (counts, panel, up, across) in parts {
-            let (levels, means) = (Levels::of(&counts.factors[0]), of_groups(by_cell(&counts)));
+            let factor = &counts.factors[index];
+            let (levels, means) = (Levels::of(factor), of_groups(by_levels(counts, &[index])));
             values.draw(svg, &panel, up);
             levels.draw(svg, &panel, &across);
-            let means = counts.factors[0].levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
+            let means = factor.levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
             let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
             draw(svg, &panel, &levels, &[line], [&across, ""]);
         }
@@ -244,7 +222,7 @@ fn distance_to_axis(angle: f64) -> f64 {
 /// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.
 pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let factor = *by_interest(counts).first()?;
+    let factor = *chosen(counts).first()?;
     let by = &counts.factors[factor];
     let (what, name, sample) =
         (labels::rating(results), labels::in_sentence(results, &by.name), labels::sample(results));
@@ -273,7 +251,8 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         values.draw(svg, &panel, Some(what));
         levels.draw(svg, &panel, &labels::axis(results, &by.name));
         if several {
-            let means = participant_means(counts, factor);
+            let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+            let means = means_by_subject(counts, by.levels.len(), level);
             shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
             // Above the panel, where there are no ratings.
             const ONE: &str = "one participant";
@@ -295,18 +274,4 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
             svg.point(point, MARKER + 1.0, Series::only(), text);
         }
     }))
-}
-
-/// Computes the mean rating of each participant at each level.
-fn participant_means(counts: &Counts, factor: usize) -> Vec<Vec<Option<f64>>> {
-    let values = category_values(counts);
-    let mut sums = vec![vec![(0.0, 0.0); counts.factors[factor].levels.len()]; counts.subjects.len()];
-    for row in &counts.rows {
-        let Some(level) = counts.conditions[row.condition as usize][factor] else { continue };
-        let (n, sum) = &mut sums[row.subject as usize][level as usize];
-        *n += row.count as f64;
-        *sum += row.count as f64 * values[usize::from(row.rating)];
-    }
-    let mean = |(n, sum): (f64, f64)| (n > 0.0).then(|| sum / n);
-    sums.into_iter().map(|levels| levels.into_iter().map(mean).collect()).collect()
 }

@@ -5,6 +5,7 @@
 //! wide for `proportions` of two factors.
 
 mod axes;
+mod choice;
 mod display;
 mod effects;
 mod figure;
@@ -13,7 +14,6 @@ mod means;
 pub mod palette;
 mod predictive;
 mod proportions;
-mod regroup;
 mod svg;
 pub(super) mod tasks;
 mod times;

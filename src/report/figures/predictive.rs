@@ -3,10 +3,10 @@
 
 use super::{
     axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis, told},
+    choice::evenly,
     figure::Figure,
     labels,
     palette::{AXIS, Series, Stroke},
-    regroup::evenly,
     svg::WIDTH,
 };
 use crate::analysis::{Results, numbers_of};
@@ -33,8 +33,9 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     );
     let largest = all.iter().flat_map(|p| [p.observed, p.expected, p.range.high]).fold(0.0, f64::max);
     let values = Values::from_zero(largest);
-    let right = WIDTH - EDGE - beside(categories.iter().map(String::as_str));
-    let panel = values.panel(values.margin(), right, EDGE, PANEL);
+    let named = categories.iter().enumerate().take(8);
+    let series: Vec<_> = named.map(|(index, name)| (Series::of(index), name.as_str())).collect();
+    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &series), EDGE, PANEL);
     let title = "Observed and expected proportions".to_owned();
     Some(Figure::draw("predictive", title, caption, panel.bottom + below(TEXT), |svg| {
         values.draw(svg, &panel, Some("Observed proportion"));
@@ -53,7 +54,6 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
             let text = format!("{factor} {level}, rating {rating}: {observed}, expected {expected}");
             svg.point((x, panel.y(proportion.observed)), 0.8 * MARKER, series, text);
         }
-        let named = categories.iter().enumerate().take(8);
-        legend(svg, &panel, named.map(|(index, name)| (Series::of(index), false, name.as_str())));
+        legend(svg, &panel, "", &series, false);
     }))
 }

@@ -3,10 +3,10 @@
 
 use super::{
     axes::{EDGE, TEXT},
+    choice::{chosen, evenly},
     figure::Figure,
     labels,
     palette::{AXIS, Rgb, Stroke, WHITE, category},
-    regroup::{by_interest, evenly, project},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::analysis::{
@@ -27,8 +27,11 @@ const MAX_BARS: usize = 40;
 
 /// The layout of the chart.
 struct Chart<'a> {
-    counts: &'a Counts,
     results: &'a Results,
+    /// The factors of bars and panels.
+    factors: Vec<&'a Factor>,
+    /// The number of ratings in each category, by panel and bar.
+    tallies: Vec<Vec<Vec<u64>>>,
     /// Level and name of each bar.
     bars: Vec<(usize, String)>,
     /// Level and name of each panel.
@@ -42,17 +45,19 @@ struct Chart<'a> {
 
 /// Draws `proportions`.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
-    let chosen: Vec<usize> = by_interest(&results.measured.counts).into_iter().take(2).collect();
-    let counts = project(&results.measured.counts, &chosen);
-    if counts.total() == 0 {
+    let counts = &results.measured.counts;
+    let chosen = chosen(counts);
+    let tallies = tallies(counts, &chosen);
+    if tallies.iter().flatten().flatten().all(|count| *count == 0) {
         return None;
     }
-    let bars = shown(counts.factors.first(), MAX_BARS);
-    let panels = shown(counts.factors.get(1), MAX_PANELS);
+    let factors: Vec<&Factor> = chosen.iter().map(|&factor| &counts.factors[factor]).collect();
+    let bars = shown(factors.first(), MAX_BARS);
+    let panels = shown(factors.get(1), MAX_PANELS);
     let mut title = "How often each rating was given".to_owned();
     let mut caption = "Proportions of the ratings".to_owned();
     let drawn = [("bar", ", by ", bars.len()), ("panel", " and ", panels.len())];
-    for (factor, (thing, by, drawn)) in counts.factors.iter().zip(drawn) {
+    for (factor, (thing, by, drawn)) in factors.iter().zip(drawn) {
         let (name, some) = (labels::in_sentence(results, &factor.name), labels::some_of(drawn, factor.levels.len()));
         title += &format!("{by}{name}");
         caption += &format!(", one {thing} for each level of {name}{some}");
@@ -62,24 +67,27 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let widest = bars.iter().map(|(_, name)| labels::width(name, size)).fold(0.0, f64::max);
     let wide = panels.len() > 1;
     let chart =
-        Chart { counts: &counts, results, bars, panels, size, pitch: 1.5 * size, label: widest.min(12.0 * size) };
+        Chart { results, factors, tallies, bars, panels, size, pitch: 1.5 * size, label: widest.min(12.0 * size) };
     Some(Figure { wide, ..chart.figure(title, caption) })
 }
 
 /// Returns the levels to show, or a single level without a name if there is no factor.
-fn shown(factor: Option<&Factor>, most: usize) -> Vec<(usize, String)> {
+fn shown(factor: Option<&&Factor>, most: usize) -> Vec<(usize, String)> {
     let Some(factor) = factor else { return vec![(0, String::new())] };
     evenly(factor.levels.len(), most).into_iter().map(|level| (level, labels::level(&factor.levels[level]))).collect()
 }
 
-/// Counts the ratings in each category, by level of the second factor and then of the first.
-fn tallies(counts: &Counts) -> Vec<Vec<Vec<u64>>> {
-    let levels = |index: usize| counts.factors.get(index).map_or(1, |factor| factor.levels.len());
+/// Counts the ratings in each category, by level of the second factor and then of the first. Ratings that lack one of these
+/// levels are left out.
+fn tallies(counts: &Counts, factors: &[usize]) -> Vec<Vec<Vec<u64>>> {
+    let levels = |index: usize| factors.get(index).map_or(1, |factor| counts.factors[*factor].levels.len());
     let mut tallies = vec![vec![vec![0; counts.categories.len()]; levels(0)]; levels(1)];
     for row in &counts.rows {
         let condition = &counts.conditions[row.condition as usize];
-        let level = |index: usize| condition.get(index).copied().flatten().map_or(0, |level| level as usize);
-        tallies[level(1)][level(0)][usize::from(row.rating)] += row.count;
+        let level = |index: usize| factors.get(index).map_or(Some(0), |factor| condition[*factor]);
+        if let (Some(bar), Some(panel)) = (level(0), level(1)) {
+            tallies[panel as usize][bar as usize][usize::from(row.rating)] += row.count;
+        }
     }
     tallies
 }
@@ -89,12 +97,12 @@ impl Chart<'_> {
         let size = self.size;
         let abreast =
             if self.panels.len() <= PER_ROW { self.panels.len() } else { self.panels.len().div_ceil(2).min(PER_ROW) };
-        let left = EDGE + if !self.counts.factors.is_empty() { 1.5 * size + self.label + 10.0 } else { 0.0 };
+        let left = EDGE + if !self.factors.is_empty() { 1.5 * size + self.label + 10.0 } else { 0.0 };
         let (right, gap) = (WIDTH - 1.5 * size, 1.2 * size);
         let width = (right - left + gap) / abreast as f64 - gap;
         let legend = self.legend();
         let lines = legend.last().map_or(1.0, |(.., line)| line + 1.0);
-        let heading = if self.counts.factors.len() > 1 { 1.7 * size } else { 0.3 * size };
+        let heading = if self.factors.len() > 1 { 1.7 * size } else { 0.3 * size };
         let top = EDGE + (1.5 * lines + 0.3) * size;
         let block = heading + self.pitch * self.bars.len() as f64 + 2.3 * size;
         let bottom = top + block * self.panels.len().div_ceil(abreast) as f64;
@@ -105,11 +113,10 @@ impl Chart<'_> {
                 svg.rectangle((x, y - 0.45 * size), (x + 1.2 * size, y + 0.45 * size), color);
                 svg.text(&name, (x + 1.5 * size, y), Font::new(size, Anchor::Start));
             }
-            let tallies = tallies(self.counts);
             for (index, (level, name)) in self.panels.iter().enumerate() {
                 let (row, column) = (index / abreast, index % abreast);
                 let at = (left + column as f64 * (width + gap), top + row as f64 * block + heading);
-                self.panel(svg, name, &tallies[*level], at, width);
+                self.panel(svg, name, &self.tallies[*level], at, width);
                 if column == 0 {
                     self.names(svg, at);
                 }
@@ -122,7 +129,7 @@ impl Chart<'_> {
     /// Draws a panel's heading and bars, with the axis below.
     fn panel(&self, svg: &mut Svg, name: &str, tallies: &[Vec<u64>], (left, top): Point, width: f64) {
         let (size, pitch) = (self.size, self.pitch);
-        if let Some(factor) = self.counts.factors.get(1) {
+        if let Some(factor) = self.factors.get(1) {
             // A text is self-explanatory, but a number needs the factor's name.
             let heading = match &factor.numbers {
                 Some(_) => format!("{} {name}", labels::in_sentence(self.results, &factor.name)),
@@ -158,7 +165,10 @@ impl Chart<'_> {
         for (index, &count) in tally.iter().enumerate().filter(|(_, count)| **count > 0) {
             let to = from + count as f64 / n as f64 * width;
             let percent = 100.0 * count as f64 / n as f64;
-            let text = format!("{}: {count} of {n}, {percent:.0} %", labels::level(&self.counts.categories[index]));
+            let text = format!(
+                "{}: {count} of {n}, {percent:.0} %",
+                labels::level(&self.results.measured.counts.categories[index])
+            );
             svg.bar((from, high), (to, low), category(index, tally.len()), text);
             if from > left && to - from > 5.0 {
                 svg.line(&[(from, high), (from, low)], Stroke::new(WHITE, 1.6));
@@ -169,7 +179,7 @@ impl Chart<'_> {
 
     /// Draws the names of the bars and of their factor.
     fn names(&self, svg: &mut Svg, (left, top): Point) {
-        let Some(factor) = self.counts.factors.first() else { return };
+        let Some(factor) = self.factors.first() else { return };
         let (size, pitch) = (self.size, self.pitch);
         for (index, (_, name)) in self.bars.iter().enumerate() {
             let at = (left - 10.0, top + pitch * (index as f64 + 0.5));
@@ -183,7 +193,7 @@ impl Chart<'_> {
 
     /// Returns the entries of the legend: color, name, left end, and line of the legend from 0.
     fn legend(&self) -> Vec<(Rgb, String, f64, f64)> {
-        let (size, categories) = (self.size, &self.counts.categories);
+        let (size, categories) = (self.size, &self.results.measured.counts.categories);
         let first = EDGE + labels::width("Rating", 1.2 * size) + size;
         let (mut x, mut line) = (first, 0.0);
         let entry = |index: usize| {

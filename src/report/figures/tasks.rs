@@ -25,16 +25,16 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
         return None;
     }
     let values = Values::from_zero(1.0);
-    let right = WIDTH - EDGE - beside(curves.iter().map(|curve| curve.name.as_str()));
-    let panel = values.panel(values.margin(), right, EDGE, PANEL);
+    let series = curves.iter().enumerate().map(|(index, curve)| (Series::of(index), curve.name.as_str()));
+    let series: Vec<_> = series.collect();
+    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &series), EDGE, PANEL);
     let title = "Answers by level, and psychometric functions".to_owned();
     Some(Figure::draw("psychometric", title, caption, panel.bottom + below(TEXT), |svg| {
         values.draw(svg, &panel, Some("Proportion of answers"));
         number_axis(svg, &panel, (range[0], range[1]), axis);
         let share = |x: f64| (x - range[0]) / (range[1] - range[0]);
         let largest = curves.iter().flat_map(|curve| &curve.points).map(|point| point.2).max().unwrap_or(1);
-        for (index, curve) in curves.iter().enumerate() {
-            let series = Series::of(index);
+        for (curve, (series, _)) in curves.iter().zip(&series) {
             let last = curve.line.len().saturating_sub(1).max(1) as f64;
             let line = curve.line.iter().enumerate().map(|(i, y)| (panel.x(i as f64 / last), panel.y(*y)));
             svg.line(&line.collect::<Vec<_>>(), series.line());
@@ -44,10 +44,10 @@ pub(crate) fn psychometric(curves: &[Curve], range: [f64; 2], axis: &str, captio
                 let of = if curve.name.is_empty() { String::new() } else { format!("{}, ", curve.name) };
                 let [level, answers] = [*x, *y].map(|value| told(value, None));
                 let text = format!("{of}{axis} {level}: {answers} of {n} trials");
-                svg.point((panel.x(share(*x)), panel.y(*y)), radius, series, text);
+                svg.point((panel.x(share(*x)), panel.y(*y)), radius, *series, text);
             }
         }
-        legend(svg, &panel, curves.iter().enumerate().map(|(i, curve)| (Series::of(i), true, curve.name.as_str())));
+        legend(svg, &panel, "", &series, true);
     }))
 }
 
@@ -67,9 +67,9 @@ pub(crate) fn estimates(
     let pad = if high > low { 0.06 * (high - low) } else { 0.5 };
     let values = Values::between(low - pad, high + pad);
     let named = series.len() > 1;
-    let names = || series.iter().map(|(name, _)| name.as_str());
-    let right = WIDTH - EDGE - if named { beside(names()) } else { 0.0 };
-    let panel = values.panel(values.margin(), right, EDGE, PANEL);
+    let names = series.iter().enumerate().map(|(index, (name, _))| (Series::of(index), name.as_str()));
+    let names: Vec<_> = names.collect();
+    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &names), EDGE, PANEL);
     let levels = super::axes::Levels::evenly(places, false);
     let height = panel.bottom + levels.below(panel.width());
     Some(Figure::draw(name, title.to_owned(), caption, height, |svg| {
@@ -90,6 +90,6 @@ pub(crate) fn estimates(
                 svg.point((x, panel.y(*value)), MARKER, one, text);
             }
         }
-        legend(svg, &panel, names().enumerate().map(|(i, name)| (Series::of(i), false, name)).filter(|_| named));
+        legend(svg, &panel, "", &names, false);
     }))
 }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     analysis::{Results, counts::Quartiles, numbers_of},
-    report::document::numbers::count,
+    report::document::count,
     statistics::Interval,
 };
 

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     analysis::{Note, Results, results::SubjectResults, terms::Term},
-    report::document::numbers::{count, either, fixed, p_is, percent, short_list, unit, whole},
+    report::document::{count, either, fixed, p_is, percent, short_list, unit, whole},
     statistics::Z_95,
     store::{FileError, definition::built_in, ratings::Source},
 };
@@ -270,31 +270,21 @@ fn one_category(results: &Results) -> Vec<String> {
         let (category, share) = shares.max_by(|l, r| l.1.total_cmp(r.1)).filter(|_| summary.n >= FEW_RATINGS)?;
         (*share >= NEARLY_ALL).then_some((category, *share))
     };
-    let category = |subject: &&SubjectResults| most_used(subject).map(|(category, _)| category);
-    let mut sentences = Vec::new();
-    for (index, name) in results.measured.counts.categories.iter().enumerate() {
-        let own: Vec<&SubjectResults> = results.subjects.iter().filter(|s| category(s) == Some(index)).collect();
-        for is_all in [true, false] {
-            let share = |subject: &&&SubjectResults| most_used(subject).map_or(0.0, |(_, share)| share);
-            let own: Vec<&&SubjectResults> = own.iter().filter(|s| (share(s) >= 1.0) == is_all).collect();
-            let people: Vec<String> = own.iter().map(|subject| who(subject)).collect();
-            if people.is_empty() {
-                continue;
+    let of_category = |(index, name): (usize, &String)| {
+        let share = |subject: &SubjectResults| Some(most_used(subject).filter(|(category, _)| *category == index)?.1);
+        let (whose, least, most) = odd(&results.subjects, share, |_| true)?;
+        // Not 100 % if some ratings are others.
+        let rounded = |share: f64| if share < 1.0 { ((100.0 * share).round() / 100.0).min(0.99) } else { share };
+        let [some, all] = [least, most].map(|share| percent(rounded(share)));
+        Some(match some == all {
+            _ if least >= 1.0 => format!("{whose} used only one category: all their ratings are {name}."),
+            true => format!("{whose} hardly used more than one category: {some} of their ratings are {name}."),
+            false => {
+                format!("{whose} hardly used more than one category: {some} to {all} of their ratings are {name}.")
             }
-            // Not 100 %, because some ratings are others.
-            let percents = own.iter().map(|subject| percent(((100.0 * share(subject)).round() / 100.0).min(0.99)));
-            let percents: BTreeSet<String> = percents.map(|percent| percent.to_string()).collect();
-            let [least, most] = [percents.first(), percents.last()].map(|end| end.map_or("", String::as_str));
-            let whose = first_word(names::all_of(&people, MAX_NAMES));
-            sentences.push(if is_all {
-                format!("{whose} used only one category: all their ratings are {name}.")
-            } else {
-                let some = if least == most { most.to_owned() } else { format!("{least} to {most}") };
-                format!("{whose} hardly used more than one category: {some} of their ratings are {name}.")
-            });
-        }
-    }
-    sentences
+        })
+    };
+    results.measured.counts.categories.iter().enumerate().filter_map(of_category).collect()
 }
 
 /// Returns the names of the participants with an unusual value, and the smallest and the largest such value.

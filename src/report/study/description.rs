@@ -8,15 +8,12 @@ use super::{
 use crate::{
     analysis::{
         Results,
-        counts::Quartiles,
-        summary::{Group, Summary},
+        counts::{Factor, Quartiles},
+        summary::Group,
     },
     experiment::{Order, Protocol},
     report::{
-        document::{
-            Section, Shown,
-            numbers::{count, fixed, mean, range, short_list, unit, whole},
-        },
+        document::{Section, Shown, TableOf, count, fixed, mean, range, short_list, unit, whole},
         figures::Figure,
     },
     store::ratings::Source,
@@ -99,19 +96,21 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         let factor = source.protocol.as_ref()?.factors.iter().find(|factor| factor.name == name)?;
         Some(factor.levels.len() as f64)
     };
-    let rows: Vec<Vec<Shown>> = (results.measured.counts.factors.iter())
-        .map(|factor| {
-            let levels: Vec<String> =
-                factor.levels.iter().map(|level| names::level(results, &factor.name, level).to_string()).collect();
-            let (name, n) = (names::factor(results, &factor.name).into(), whole(levels.len() as u64));
-            vec![name, levels.join(", ").into(), n, fixed(planned(&factor.name), 0)]
-        })
-        .collect();
-    if rows.is_empty() {
+    let factors = &results.measured.counts.factors;
+    if factors.is_empty() {
         section.text("No factor was varied, so all ratings belong to one condition.");
-    } else {
-        section.table("Factors and their levels", &["Factor", "Levels rated"], &["Number", "Planned"], rows);
+        return;
     }
+    let levels = |factor: &Factor| {
+        let levels = factor.levels.iter().map(|level| names::level(results, &factor.name, level).to_string());
+        levels.collect::<Vec<_>>().join(", ")
+    };
+    TableOf::new("Factors and their levels", factors)
+        .text("Factor", |factor| names::factor(results, &factor.name))
+        .text("Levels rated", levels)
+        .number("Number", |factor| whole(factor.levels.len() as u64))
+        .number("Planned", |factor| fixed(planned(&factor.name), 0))
+        .add_to(section);
 }
 
 /// Describes the planned and the completed trials.
@@ -206,20 +205,21 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
 
 /// Adds a table of groups of ratings; `heads` are the headings of the columns with their names.
 fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[String], rows: Vec<(Vec<Shown>, &Group)>) {
-    let categories: Vec<String> = results.measured.counts.categories.iter().map(|c| format!("Rated {c}")).collect();
-    let intervals = rows.iter().any(|(_, group)| group.summary.interval.is_some());
-    let mut numbers = vec!["Ratings", "Mean", "Median"];
-    numbers.extend(intervals.then_some("Interval of the mean"));
-    numbers.extend(categories.iter().map(String::as_str));
-    let row = |(mut row, group): (Vec<Shown>, &Group)| {
-        let Summary { n, mean: average, median, ref proportions, interval, .. } = group.summary;
-        row.extend([whole(n), mean(average), fixed(median, 1)]);
-        row.extend(intervals.then(|| range(interval, mean)));
-        row.extend(proportions.iter().map(|p| unit(*p)));
-        row
-    };
-    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    section.table(caption, &heads, &numbers, rows.into_iter().map(row).collect());
+    let mut table = TableOf::new(caption, &rows);
+    for (place, head) in heads.iter().enumerate() {
+        table = table.text(head, |(names, _)| names[place].clone());
+    }
+    table = table
+        .number("Ratings", |(_, group)| whole(group.summary.n))
+        .number("Mean", |(_, group)| mean(group.summary.mean))
+        .number("Median", |(_, group)| fixed(group.summary.median, 1));
+    if rows.iter().any(|(_, group)| group.summary.interval.is_some()) {
+        table = table.number("Interval of the mean", |(_, group)| range(group.summary.interval, mean));
+    }
+    for (place, category) in results.measured.counts.categories.iter().enumerate() {
+        table = table.number(format!("Rated {category}"), |(_, group)| unit(group.summary.proportions[place]));
+    }
+    table.add_to(section);
 }
 
 /// Describes the response times.
@@ -253,11 +253,13 @@ pub(super) fn times(results: &Results, figures: &[Figure]) -> Section {
 }
 
 fn quartiles(section: &mut Section, head: &str, by: &str, rows: impl Iterator<Item = (Shown, Option<Quartiles>)>) {
-    let row = |(name, times): (Shown, Option<Quartiles>)| {
-        let seconds = [times.map(|t| t.lower), times.map(|t| t.median), times.map(|t| t.upper)];
-        let n = whole(times.map_or(0, |times| times.n));
-        [name, n].into_iter().chain(seconds.map(|seconds| fixed(seconds, 2))).collect()
-    };
-    let numbers = ["Answers", "Lower quartile", "Median", "Upper quartile"];
-    section.table(format!("Response times by {by}"), &[head], &numbers, rows.map(row).collect());
+    let rows: Vec<(Shown, Option<Quartiles>)> = rows.collect();
+    let seconds = |of: fn(Quartiles) -> f64| move |(_, times): &(Shown, Option<Quartiles>)| fixed(times.map(of), 2);
+    TableOf::new(format!("Response times by {by}"), &rows)
+        .text(head, |(name, _)| name.clone())
+        .number("Answers", |(_, times)| whole(times.map_or(0, |times| times.n)))
+        .number("Lower quartile", seconds(|times| times.lower))
+        .number("Median", seconds(|times| times.median))
+        .number("Upper quartile", seconds(|times| times.upper))
+        .add_to(section);
 }

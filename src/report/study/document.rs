@@ -14,10 +14,7 @@ use crate::{
     },
     experiment::RatingRow,
     report::{
-        document::{
-            Document,
-            numbers::{count, list},
-        },
+        document::{Document, count, list},
         figures::Figure,
         prediction::{PredictionError, StudyPrediction},
     },
@@ -69,11 +66,7 @@ pub enum StudyError {
 
 fn told(codes: &[(String, u64)]) -> String {
     let codes: Vec<String> = codes.iter().map(|(code, n)| format!("{code} ({})", count(*n, "rating"))).collect();
-    format!(
-        "{} {}",
-        list(&codes.iter().map(String::as_str).collect::<Vec<_>>()),
-        if codes.len() == 1 { "is" } else { "are" }
-    )
+    format!("{} {}", list(&codes), if codes.len() == 1 { "is" } else { "are" })
 }
 
 /// The ratings in the files, and the errors found in them.

@@ -6,10 +6,7 @@ use crate::{
         Results,
         counts::{Excluded, Part},
     },
-    report::document::{
-        Section, Shown,
-        numbers::{count, list, whole},
-    },
+    report::document::{Section, Shown, TableOf, count, list, whole},
     store::ratings::{Reason, SessionRead, Source},
 };
 
@@ -23,7 +20,6 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
             Part::Participant(id) => people.push(with_ratings(id, *ratings)),
             Part::Levels { factor, kept } => {
                 let kept: Vec<Shown> = kept.iter().map(|level| names::level(results, factor, level)).collect();
-                let kept: Vec<&str> = kept.iter().map(|level| &**level).collect();
                 sentences.push(format!(
                     "Only ratings at {} {} were analyzed, on request; {} at other levels {} left out.",
                     names::factor(results, factor),
@@ -44,8 +40,8 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
     }
     if !people.is_empty() {
         let who = if people.len() == 1 { "Participant" } else { "Participants" };
-        let people: Vec<&str> = people.iter().map(String::as_str).collect();
-        sentences.insert(0, format!("{who} {} left out on request.", was(&people)));
+        let were = if people.len() == 1 { "was" } else { "were" };
+        sentences.insert(0, format!("{who} {} {were} left out on request.", list(&people)));
     }
     let (least, most) = source.shape.time_limits;
     for (limit, reason, than) in [(least, Reason::TooFast, "less"), (most, Reason::TooSlow, "more")] {
@@ -69,28 +65,23 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
 pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
     let reasons = Reason::ALL.map(|reason| (format!("rows {reason}"), source.left_out(reason)));
     let reasons = reasons.into_iter().filter(|(_, (rows, _))| *rows > 0);
-    let reasons = reasons.map(|(why, (rows, people))| vec![why.into(), whole(rows), whole(people as u64)]);
+    let reasons = reasons.map(|(why, (rows, people))| (why, rows, people as u64));
     let requests = results.measured.excluded.iter().map(|excluded| {
         let why = match &excluded.what {
             Part::Participant(id) => format!("ratings by {id}"),
             Part::Levels { factor, .. } => format!("ratings at other levels of {}", names::factor(results, factor)),
             Part::Missing(factor) => format!("ratings without a value of {}", names::factor(results, factor)),
         };
-        vec![why.into(), whole(excluded.ratings), whole(excluded.participants)]
+        (why, excluded.ratings, excluded.participants)
     });
-    let rows: Vec<Vec<Shown>> = reasons.chain(requests).collect();
+    let rows: Vec<(String, u64, u64)> = reasons.chain(requests).collect();
     if !rows.is_empty() {
-        section.table("What was left out, and why", &["Left out"], &["Number", "Participants"], rows);
+        TableOf::new("What was left out, and why", &rows)
+            .text("Left out", |(why, ..)| why)
+            .number("Number", |(_, number, _)| whole(*number))
+            .number("Participants", |(.., people)| whole(*people))
+            .add_to(section);
     }
-}
-
-fn was(names: &[&str]) -> String {
-    format!("{} {}", list(names), if names.len() == 1 { "was" } else { "were" })
-}
-
-/// Returns the number of ratings that were excluded, formatted.
-pub(super) fn ratings(results: &Results) -> Shown {
-    whole(results.measured.excluded.iter().map(|excluded| excluded.ratings).sum())
 }
 
 /// Returns the sessions of participants who were not excluded.

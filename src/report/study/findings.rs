@@ -13,10 +13,7 @@ use crate::{
         results::FactorResults,
         terms::{Term, Variable},
     },
-    report::document::{
-        Shown,
-        numbers::{count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
-    },
+    report::document::{Shown, count, fixed, list, mean, p_is, percent, ratio, short_list, with_interval},
     statistics::Interval,
 };
 
@@ -181,19 +178,15 @@ pub(super) fn verdict(name: &str, test: &str, p: f64) -> String {
 
 /// Returns why the model does not test a factor, if it does not.
 pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String> {
-    match &results.model {
-        Err(error) => Some(format!("there is no model ({error})")),
-        Ok(_) => main_effect(results, &factor.name)
-            .and_then(|term| likelihood_ratio(results, term)?.withheld)
-            .map(|reason| reason.to_string())
-            .or_else(|| {
-                main_effect(results, &factor.name).is_none().then(|| "it is not a term of the model".to_owned())
-            })
-            .or_else(|| {
-                let reason = "the model has no random slope for it, and rank tests cannot account for items";
-                results.spec.items.is_some().then(|| reason.to_owned())
-            }),
+    if let Err(error) = &results.model {
+        return Some(format!("there is no model ({error})"));
     }
+    let Some(term) = main_effect(results, &factor.name) else {
+        return Some("it is not a term of the model".to_owned());
+    };
+    let withheld = likelihood_ratio(results, term).and_then(|test| test.withheld).map(|reason| reason.to_string());
+    let items = "the model has no random slope for it, and rank tests cannot account for items";
+    withheld.or_else(|| results.spec.items.as_ref().map(|_| items.to_owned()))
 }
 
 /// Says why a factor could not be tested.

@@ -4,10 +4,7 @@ use super::names;
 use crate::{
     analysis::{Checks, Contrast, Influence, Model, Proportion, Results},
     report::{
-        document::{
-            Section,
-            numbers::{count, fixed, list, range, short_list, unit, whole},
-        },
+        document::{Section, TableOf, count, fixed, list, range, short_list, unit, whole},
         figures::Figure,
     },
 };
@@ -50,23 +47,19 @@ pub(super) fn fit_of_model(
             if checks.is_poor() { poor } else { ": no more than chance allows" }
         ));
     }
-    let row = |p: &&Proportion| {
-        vec![
-            names::factor(results, &p.factor).into(),
-            names::level(results, &p.factor, &p.level),
-            (&p.category).into(),
-            unit(p.observed),
-            unit(p.expected),
-            range(Some(p.range), unit),
-        ]
-    };
     /// More rows would not be read.
     const MOST: usize = 24;
     let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
-    let rows = outside.iter().copied().chain(cells).map(|p| row(&p)).collect::<Vec<_>>();
+    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
     if !rows.is_empty() {
-        let numbers = ["Observed", "Expected", "Middle 95\u{a0}%"];
-        section.table("Proportions outside the middle 95\u{a0}%", &["Factor", "Level", "Rating"], &numbers, rows);
+        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
+            .text("Factor", |own| names::factor(results, &own.factor))
+            .text("Level", |own| names::level(results, &own.factor, &own.level))
+            .text("Rating", |own| &own.category)
+            .number("Observed", |own| unit(own.observed))
+            .number("Expected", |own| unit(own.expected))
+            .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
+            .add_to(section);
     }
     if let Some((observed, range_of_spread)) = checks.spread {
         let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
@@ -85,28 +78,18 @@ fn influence(section: &mut Section, results: &Results, model: &Model, checks: &C
     if checks.influence.is_empty() || model.contrasts.is_empty() {
         return;
     }
-    let heads: Vec<String> = (model.contrasts.iter())
-        .map(|c| {
-            format!(
-                "{} {} – {}",
-                names::factor(results, &c.factor),
-                names::level(results, &c.factor, &c.level),
-                names::level(results, &c.factor, &c.other)
-            )
-        })
-        .collect();
-    let mut rows = vec![
-        std::iter::once("none".into()).chain(model.contrasts.iter().map(|c| fixed(c.estimate, 2))).collect::<Vec<_>>(),
-    ];
-    rows.extend(checks.influence.iter().map(|one| {
-        std::iter::once((&one.subject).into()).chain(one.estimates.iter().map(|estimate| fixed(*estimate, 2))).collect()
-    }));
-    section.table(
-        "Contrasts on the latent scale with one participant left out",
-        &["Left out"],
-        &heads.iter().map(String::as_str).collect::<Vec<_>>(),
-        rows,
-    );
+    let none = model.contrasts.iter().map(|contrast| Some(contrast.estimate)).collect();
+    let left_out = checks.influence.iter().map(|one| (one.subject.as_str(), one.estimates.clone()));
+    let rows: Vec<(&str, Vec<Option<f64>>)> = std::iter::once(("none", none)).chain(left_out).collect();
+    let caption = "Contrasts on the latent scale with one participant left out";
+    let mut table = TableOf::new(caption, &rows).text("Left out", |(who, _)| *who);
+    for (place, contrast) in model.contrasts.iter().enumerate() {
+        let [level, other] =
+            [&contrast.level, &contrast.other].map(|level| names::level(results, &contrast.factor, level));
+        let heading = format!("{} {level} – {other}", names::factor(results, &contrast.factor));
+        table = table.number(heading, |(_, estimates)| fixed(estimates[place], 2));
+    }
+    table.add_to(section);
     let changes = |contrast: &Contrast, place: usize| -> Vec<String> {
         let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
         checks.influence.iter().filter(flips).map(|one| one.subject.clone()).collect()

@@ -8,32 +8,25 @@ use super::{
 };
 use crate::{
     analysis::Results,
-    report::document::{
-        Section, Shown,
-        numbers::{count, fixed, list, whole},
-    },
-    store::ratings::{FileRead, Reason, SessionRead, Source},
+    report::document::{Section, TableOf, count, fixed, list, whole},
+    store::ratings::{FileRead, SessionRead, Source},
 };
 
 pub(super) fn section(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("health", "Data quality");
     let sum = |of: fn(&FileRead) -> u64| whole(source.files.iter().map(of).sum());
-    let left_out = Reason::ALL.map(|reason| (format!("Excluded: {reason}"), source.left_out(reason).0));
-    let mut facts = vec![
+    let facts = [
         ("Files", whole(source.files.len() as u64)),
         ("Rows below the headers", sum(|file| file.rows)),
         ("Excluded: practice", sum(|file| file.practice)),
         ("Excluded: corrected ratings", sum(|file| file.superseded)),
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
+        ("Rows used", sum(|file| file.counted)),
+        ("Ratings in these rows", sum(|file| file.ratings)),
+        ("Ratings analyzed", whole(results.measured.counts.total())),
     ];
-    facts.extend(left_out.iter().filter(|(_, rows)| *rows > 0).map(|(name, rows)| (name.as_str(), whole(*rows))));
-    facts.extend([("Rows used", sum(|file| file.counted)), ("Ratings in these rows", sum(|file| file.ratings))]);
-    let excluded = exclusions::sentences(source, results);
-    if !results.measured.excluded.is_empty() {
-        facts.push(("Excluded: ratings of participants and levels", exclusions::ratings(results)));
-    }
-    facts.push(("Ratings analyzed", whole(results.measured.counts.total())));
     section.facts("Rows read and excluded", facts);
+    let excluded = exclusions::sentences(source, results);
     if !excluded.is_empty() {
         section.text(excluded.join(" "));
     }
@@ -63,10 +56,16 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         let analyzed: Vec<&SessionRead> = exclusions::sessions(source, results).collect();
         let is_excluded = |session: &SessionRead| !analyzed.iter().any(|one| std::ptr::eq(*one, session));
         section.heading("Sessions");
-        let texts = ["Participant", "Session", "State", "Ratings by"];
-        let numbers = ["Planned", "Rated", "Trials with dropped frames"];
-        let rows = source.sessions.iter().map(|one| session(one, is_excluded(one))).collect();
-        section.table("Sessions: trials planned and rated", &texts, &numbers, rows);
+        let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
+        TableOf::new("Sessions: trials planned and rated", &source.sessions)
+            .text("Participant", |session| &session.subject)
+            .text("Session", |session| &session.session)
+            .text("State", |session| if is_excluded(session) { "excluded".to_owned() } else { state(session) })
+            .text("Ratings by", rated_by)
+            .number("Planned", |session| known(session.planned))
+            .number("Rated", |session| whole(session.rated))
+            .number("Trials with dropped frames", |session| known(session.dropped))
+            .add_to(&mut section);
     }
     if sittings::all(source, results).next().is_some() {
         screens(&mut section, source, results);
@@ -117,21 +116,20 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
     }
 }
 
-fn session(session: &SessionRead, is_excluded: bool) -> Vec<Shown> {
-    let state = match session.planned {
-        _ if is_excluded => "excluded".to_owned(),
+fn state(session: &SessionRead) -> String {
+    match session.planned {
         None => "not known".to_owned(),
         Some(planned) if session.rated < planned => format!("unfinished, {} missing", whole(planned - session.rated)),
         Some(_) => "finished".to_owned(),
-    };
-    let by = match &session.sidecar {
+    }
+}
+
+fn rated_by(session: &SessionRead) -> &'static str {
+    match &session.sidecar {
         None => "not known",
         Some(_) if sittings::is_simulated(session) => "a program",
         Some(_) => "a person",
-    };
-    let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
-    let (planned, rated, dropped) = (known(session.planned), whole(session.rated), known(session.dropped));
-    vec![(&session.subject).into(), (&session.session).into(), state.into(), by.into(), planned, rated, dropped]
+    }
 }
 
 fn screens(section: &mut Section, source: &Source, results: &Results) {
@@ -181,13 +179,10 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
         let different = list(&different);
         section.warning(format!("Sittings differ in {different}, which may explain differences between participants."));
     }
-    let rows = (properties.into_iter())
-        .map(|(name, values)| {
-            let same = if values.len() > 1 { "differs" } else { "the same" };
-            let value = |(value, n)| format!("{value} ({})", count(n as u64, "sitting"));
-            let values: Vec<String> = values.into_iter().map(value).collect();
-            vec![name.into(), values.join("; ").into(), same.into()]
-        })
-        .collect();
-    section.table("How the sittings were run", &["Setting", "Value", "Across sittings"], &[], rows);
+    let value = |(value, n): &(String, usize)| format!("{value} ({})", count(*n as u64, "sitting"));
+    TableOf::new("How the sittings were run", &properties)
+        .text("Setting", |(name, _)| *name)
+        .text("Value", |(_, values)| values.iter().map(value).collect::<Vec<_>>().join("; "))
+        .text("Across sittings", |(_, values)| if values.len() > 1 { "differs" } else { "the same" })
+        .add_to(section);
 }

@@ -15,7 +15,7 @@ use crate::{
         summary::Group,
         terms::{Term, Variable},
     },
-    report::document::numbers::{fixed, list, mean, p_is, with_interval},
+    report::document::{fixed, list, mean, p_is, with_interval},
     statistics::{holm, mean_and_sd},
 };
 

@@ -8,17 +8,14 @@ use super::{
 };
 use crate::{
     analysis::{
-        Link, ModelReport, RandomSlope, Results, TermTest,
+        ModelReport, RandomSlope, Results, TermTest,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
     },
     experiment::{Protocol, ResponseScale},
     report::{
-        document::{
-            Section,
-            numbers::{count, fixed, list, p_is, unit, with_interval},
-        },
+        document::{Section, count, fixed, list, p_is, unit, with_interval},
         prediction::StudyPrediction,
     },
     store::ratings::Source,
@@ -75,12 +72,8 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         n => format!("{people}, {n} of them simulated,"),
     };
     let rated = names::rated(&who, results, "which varied in", |factor| {
-        factor
-            .levels
-            .iter()
-            .map(|level| names::level_of(results, factor, level).to_string())
-            .collect::<Vec<_>>()
-            .join(", ")
+        let levels = factor.levels.iter().map(|level| names::level_of(results, factor, level).to_string());
+        levels.collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
     let excluded: String =
@@ -120,10 +113,7 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let terms =
         if terms.is_empty() { "no fixed effects".to_owned() } else { format!("fixed effects of {}", list(&terms)) };
     let terms = if model.random.is_some() { format!(", {terms}") } else { format!(" and {terms}") };
-    let link = match model.link {
-        Link::Logit => "logit",
-        Link::Probit => "probit",
-    };
+    let link = model.link;
     let ordinal = cited.cite("Liddell & Kruschke, 2018; Bürkner & Vuorre, 2019");
     let family = cited.cite("McCullagh, 1980; Christensen, 2022");
     let (mixed, how) = match &model.random {

@@ -3,18 +3,17 @@
 use super::{cautions::is_serious, findings::ALPHA, fit, methods::not_simulated, names};
 use crate::{
     analysis::{
-        Coefficient, Comparison, Contrast, Interaction, Link, Margin, Model, ModelReport, Random, RandomEffect,
-        RandomSlope, Results, Slopes, TermTest, Threshold, Withheld, terms::Variable,
+        Coefficient, Comparison, Contrast, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
+        TermTest, Withheld, terms::Variable,
     },
     report::{
         document::{
-            Section,
-            numbers::{count, fixed, list, mean, p_is, percent, probability, range, ratio, unit, whole, with_interval},
+            Section, TableOf, count, fixed, list, mean, p_is, percent, probability, range, ratio, unit, whole,
+            with_interval,
         },
         figures::Figure,
         script,
     },
-    statistics::Interval,
 };
 
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
@@ -34,22 +33,17 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     section.list(others.iter().map(|note| names::note(results, model, note)).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
-    let threshold =
-        |threshold: &Threshold| vec![(&threshold.name).into(), fixed(threshold.estimate, 3), fixed(threshold.se, 3)];
-    let caption = "Thresholds between the categories, on the latent scale";
-    let rows = model.thresholds.iter().map(threshold).collect();
-    section.table(caption, &["Between"], &["Estimate", "SE"], rows);
+    TableOf::new("Thresholds between the categories, on the latent scale", &model.thresholds)
+        .text("Between", |threshold| &threshold.name)
+        .number("Estimate", |threshold| fixed(threshold.estimate, 3))
+        .number("SE", |threshold| fixed(threshold.se, 3))
+        .add_to(&mut section);
     if let Some(random) = &model.random {
         between_people(&mut section, results, model, random);
     }
     effect_sizes(&mut section, results, model);
     comparisons(&mut section, results, report);
     margins(&mut section, results, report);
-    let scope = if results.is_inferential() {
-        ""
-    } else {
-        " The p values are about this participant’s trials, not about people."
-    };
     tests(
         &mut section,
         results,
@@ -59,7 +53,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
                 "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
              its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
-             terms. {}{scope}",
+             terms. {}",
                 if model.random.is_some() { " but has the same random effects" } else { "" },
                 source_of_p(results, &report.terms)
             ),
@@ -116,17 +110,12 @@ fn interactions(section: &mut Section, results: &Results, report: &ModelReport) 
         "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two factors."
     };
     section.text(format!("{model} {how} The p values are corrected for the number of rows."));
-    let row = |test: &Interaction| {
-        let names = test.factors.iter().map(|name| names::factor(results, name)).collect::<Vec<_>>().join(", ");
-        vec![names.into(), fixed(test.chi_squared, 2), whole(test.df as u64), probability(test.p)]
-    };
-    let rows = report.interactions.iter().map(row).collect();
-    section.table(
-        "Tests of the interactions that are not in the model",
-        &["Factors"],
-        &["χ²", "df", "Corrected p"],
-        rows,
-    );
+    TableOf::new("Tests of the interactions that are not in the model", &report.interactions)
+        .text("Factors", |test| test.factors.each_ref().map(|name| names::factor(results, name)).join(", "))
+        .number("χ²", |test| fixed(test.chi_squared, 2))
+        .number("df", |test| whole(test.df as u64))
+        .number("Corrected p", |test| probability(test.p))
+        .add_to(section);
     for test in &report.interactions {
         if let Some(reason) = test.withheld {
             section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
@@ -194,18 +183,20 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
-    let row = |(name, sd, se, interval): (String, f64, Option<f64>, Option<Interval>)| {
-        let decimals = decimals(sd, se);
-        let of_interval = if decimals > 3 { decimals } else { 2 };
-        vec![name.into(), fixed(sd, decimals), fixed(se, decimals), range(interval, |sd| fixed(sd, of_interval))]
-    };
     let caption = if random.items.is_some() {
         "Standard deviations between participants and between items, on the latent scale"
     } else {
         "Standard deviations between participants, on the latent scale"
     };
-    let numbers = ["SD", "SE", "95\u{a0}% interval"];
-    section.table(caption, &["Of"], &numbers, rows.into_iter().map(row).collect());
+    TableOf::new(caption, &rows)
+        .text("Of", |(name, ..)| name)
+        .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
+        .number("SE", |(_, sd, se, _)| fixed(*se, decimals(*sd, *se)))
+        .number("95\u{a0}% interval", |(_, sd, se, interval)| {
+            let decimals = if decimals(*sd, *se) > 3 { decimals(*sd, *se) } else { 2 };
+            range(*interval, |sd| fixed(sd, decimals))
+        })
+        .add_to(section);
     let (share, interval) = model.share_between();
     if let Some(share) = share {
         section.text(format!(
@@ -218,21 +209,17 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     if let Some(correlations) = &random.correlations {
         let slopes: Vec<String> = random.slopes.iter().map(|slope| names::slope(results, model, slope)).collect();
         let names: Vec<&str> = std::iter::once("Intercept").chain(slopes.iter().map(String::as_str)).collect();
-        let row = |(name, row): (&&str, &Vec<f64>)| {
-            [(*name).into()].into_iter().chain(row.iter().map(|r| unit(*r))).collect()
-        };
-        section.table(
-            "Correlations of the random effects",
-            &["Of"],
-            &names,
-            names.iter().zip(correlations).map(row).collect(),
-        );
+        let rows: Vec<(&&str, &Vec<f64>)> = names.iter().zip(correlations).collect();
+        let table = TableOf::new("Correlations of the random effects", &rows).text("Of", |(name, _)| **name);
+        let columns = names.iter().enumerate();
+        columns.fold(table, |table, (place, name)| table.number(*name, |(_, row)| unit(row[place]))).add_to(section);
     }
     if results.is_inferential() && random.sd > 0.0 {
-        let rows =
-            random.subjects.iter().map(|s| vec![(&s.subject).into(), fixed(s.mode, 2), fixed(s.sd, 2)]).collect();
-        let caption = "Shift of each participant; positive values mean higher ratings";
-        section.table(caption, &["Participant"], &["Shift", "Conditional SD"], rows);
+        TableOf::new("Shift of each participant; positive values mean higher ratings", &random.subjects)
+            .text("Participant", |own| &own.subject)
+            .number("Shift", |own| fixed(own.mode, 2))
+            .number("Conditional SD", |own| fixed(own.sd, 2))
+            .add_to(section);
     }
 }
 
@@ -251,30 +238,25 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
         if odds { "The odds ratio is that of a higher rating. " } else { "" },
         if script::has_numbers(results) { " The summary gives the effects of numbers over their range." } else { "" }
     ));
-    let mut numbers = vec!["Superiority", "95\u{a0}% interval of superiority", "d", "95\u{a0}% interval of d"];
-    if odds {
-        numbers.splice(0..0, ["Odds ratio", "95\u{a0}% interval of the odds ratio"]);
-    }
     let link = model.link;
-    let row = |contrast: &Contrast| {
-        let level = |level: &str| names::level(results, &contrast.factor, level);
-        let (estimate, interval) = (contrast.estimate, contrast.interval);
-        let mut cells = vec![
-            names::factor(results, &contrast.factor).into(),
-            format!("{} – {}", level(&contrast.level), level(&contrast.other)).into(),
-        ];
-        if odds {
-            cells.extend([ratio(estimate.exp()), range(interval, |x| ratio(x.exp()))]);
-        }
-        cells.extend([unit(link.superiority(estimate)), range(interval, |x| unit(link.superiority(x)))]);
-        cells.extend([fixed(estimate / link.sd(), 2), range(interval, |x| fixed(x / link.sd(), 2))]);
-        cells
-    };
-    let rows = model.contrasts.iter().map(row).collect();
-    section.table("Sizes of the effects", &["Factor", "Levels"], &numbers, rows);
-    if results.options.random == Some(Random::None) && results.is_inferential() {
-        section.note("Without random effects, these intervals are too narrow for statements about people.");
+    let level = |contrast: &Contrast, level: &str| names::level(results, &contrast.factor, level);
+    let levels = |c: &Contrast| format!("{} – {}", level(c, &c.level), level(c, &c.other));
+    let superiority = |difference: f64| unit(link.superiority(difference));
+    let d = |difference: f64| fixed(difference / link.sd(), 2);
+    let mut table = TableOf::new("Sizes of the effects", &model.contrasts)
+        .text("Factor", |contrast| names::factor(results, &contrast.factor))
+        .text("Levels", levels);
+    if odds {
+        table = table
+            .number("Odds ratio", |contrast| ratio(contrast.estimate.exp()))
+            .number("95\u{a0}% interval of the odds ratio", |contrast| range(contrast.interval, |x| ratio(x.exp())));
     }
+    table
+        .number("Superiority", |contrast| superiority(contrast.estimate))
+        .number("95\u{a0}% interval of superiority", |contrast| range(contrast.interval, superiority))
+        .number("d", |contrast| d(contrast.estimate))
+        .number("95\u{a0}% interval of d", |contrast| range(contrast.interval, d))
+        .add_to(section);
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
@@ -300,24 +282,19 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
             ""
         }
     ));
-    let row = |c: &Comparison| {
-        let level = |level: &str| names::level(results, &c.factor, level);
-        let at = c.at.as_ref().map(|(factor, level)| {
-            format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
-        });
-        vec![
-            names::factor(results, &c.factor).into(),
-            format!("{} – {}", level(&c.level), level(&c.other)).into(),
-            at.unwrap_or_default().into(),
-            fixed(c.estimate, 2),
-            range(c.interval, |x| fixed(x, 2)),
-            probability(c.p),
-            probability(c.p_holm),
-        ]
+    let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
+    let at = |(factor, level): &(String, String)| {
+        format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
     };
-    let numbers = ["Difference", "95\u{a0}% interval", "p", "Holm-corrected p"];
-    let rows = report.comparisons.iter().map(row).collect();
-    section.table("Differences between levels", &["Factor", "Levels", "At"], &numbers, rows);
+    TableOf::new("Differences between levels", &report.comparisons)
+        .text("Factor", |c| names::factor(results, &c.factor))
+        .text("Levels", |c| format!("{} – {}", level(c, &c.level), level(c, &c.other)))
+        .text("At", |c| c.at.as_ref().map(at).unwrap_or_default())
+        .number("Difference", |c| fixed(c.estimate, 2))
+        .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, 2)))
+        .number("p", |c| probability(c.p))
+        .number("Holm-corrected p", |c| probability(c.p_holm))
+        .add_to(section);
     for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
             section.note(format!("No p for differences of {}: {reason}.", names::factor(results, &comparison.factor)));
@@ -347,17 +324,12 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
             Some(_) => " of a participant with average random effects",
         }
     ));
-    let row = |m: &Margin| {
-        let interval = range(m.interval, mean);
-        vec![
-            names::factor(results, &m.factor).into(),
-            names::level(results, &m.factor, &m.level),
-            mean(m.mean),
-            interval,
-        ]
-    };
-    let rows = report.margins.iter().map(row).collect();
-    section.table("Expected ratings", &["Factor", "Level"], &["Expected rating", "95\u{a0}% interval"], rows);
+    TableOf::new("Expected ratings", &report.margins)
+        .text("Factor", |margin| names::factor(results, &margin.factor))
+        .text("Level", |margin| names::level(results, &margin.factor, &margin.level))
+        .number("Expected rating", |margin| mean(margin.mean))
+        .number("95\u{a0}% interval", |margin| range(margin.interval, mean))
+        .add_to(section);
 }
 
 /// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
@@ -395,32 +367,24 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
         Link::Logit => "logistic",
         Link::Probit => "normal",
     };
-    let items = model.random.as_ref().and_then(|random| random.items.as_ref());
-    let (of_item, shift_of_item, normal_item) = match items {
-        Some(_) => (" item k in", " − w[k]", ", w[k] ~ N(0, τ²)"),
-        None => ("", "", ""),
-    };
-    let (who, by, shift, normal) = if mixed {
-        match model.random.as_ref().map_or(0, |random| random.slopes.len()) {
-            0 => (" and every participant", " by participant s", " − u[s]", ",   u[s] ~ N(0, σ²)"),
-            _ => (
-                " and every participant",
-                " by participant s",
-                " − u[s] − v[s, i]",
-                ",   u[s] ~ N(0, σ²), v[s, i] the deviations of participant s",
-            ),
-        }
-    } else {
-        ("", "", "", "")
-    };
+    let has_slopes = model.random.as_ref().is_some_and(|random| !random.slopes.is_empty());
+    let has_items = model.random.as_ref().is_some_and(|random| random.items.is_some());
+    let (who, by) = if mixed { (" and every participant", " by participant s") } else { ("", "") };
+    let of_item = if has_items { " item k in" } else { "" };
+    let random = [
+        (mixed, " − u[s]", ",   u[s] ~ N(0, σ²)"),
+        (has_slopes, " − v[s, i]", ", v[s, i] the deviations of participant s"),
+        (has_items, " − w[k]", ", w[k] ~ N(0, τ²)"),
+    ];
+    let random = || random.iter().filter(|(is_there, ..)| *is_there);
+    let shifts: String = random().map(|(_, shift, _)| *shift).collect();
+    let distributions: String = random().map(|(.., distribution)| *distribution).collect();
     section.text(format!(
         "Ratings are ordered, but the steps between categories are not necessarily equal. The model therefore does not \
          average ratings: it places thresholds on a latent scale, and every condition{who} shifts the ratings along this \
          scale. A positive shift means higher ratings."
     ));
-    section.code(format!(
-        "P(rating of{of_item} condition i{by} ≤ j) = F(θ[j] − x[i]·β{shift}{shift_of_item}){normal}{normal_item}"
-    ));
+    section.code(format!("P(rating of{of_item} condition i{by} ≤ j) = F(θ[j] − x[i]·β{shifts}){distributions}"));
     section.text(format!(
         "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
     ));
@@ -480,23 +444,24 @@ fn decimals(estimate: f64, se: Option<f64>) -> usize {
 
 /// Adds a table of coefficients, with odds ratios if requested.
 fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficient], odds: bool) {
-    let mut numbers = vec!["Estimate", "SE", "95\u{a0}% interval"];
-    numbers.extend(odds.then_some(["Odds ratio", "95\u{a0}% interval of the odds ratio"]).into_iter().flatten());
-    let row = |c: &Coefficient| {
+    let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
-        let decimals = if is_of_number { decimals(c.estimate, c.se) } else { 3 };
-        let is_small = decimals > 3;
-        let odds_ratio = |x: f64| if is_small { fixed(x.exp(), decimals) } else { ratio(x.exp()) };
-        let mut cells = vec![
-            names::coefficient(results, &c.parts).into(),
-            fixed(c.estimate, decimals),
-            fixed(c.se, decimals),
-            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { decimals } else { 2 })),
-        ];
-        cells.extend(odds.then(|| [odds_ratio(c.estimate), range(c.interval, odds_ratio)]).into_iter().flatten());
-        cells
+        if is_of_number { decimals(c.estimate, c.se) } else { 3 }
     };
-    section.table("Coefficients of the model", &["Coefficient"], &numbers, all.iter().map(row).collect());
+    let mut table = TableOf::new("Coefficients of the model", all)
+        .text("Coefficient", |c| names::coefficient(results, &c.parts))
+        .number("Estimate", |c| fixed(c.estimate, of(c)))
+        .number("SE", |c| fixed(c.se, of(c)))
+        .number("95\u{a0}% interval", |c| {
+            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { of(c) } else { 2 }))
+        });
+    if odds {
+        let odds_ratio = |c: &Coefficient, x: f64| if of(c) > 3 { fixed(x.exp(), of(c)) } else { ratio(x.exp()) };
+        table = table
+            .number("Odds ratio", |c| odds_ratio(c, c.estimate))
+            .number("95\u{a0}% interval of the odds ratio", |c| range(c.interval, |x| odds_ratio(c, x)));
+    }
+    table.add_to(section);
 }
 
 fn meaning(results: &Results, model: &Model) -> String {
@@ -510,9 +475,6 @@ fn meaning(results: &Results, model: &Model) -> String {
         Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
         Link::Probit => "One unit is a standard deviation of the latent ratings.",
     };
-    if !results.is_inferential() {
-        text += " The intervals are about other trials of this participant, not about other people.";
-    }
     text
 }
 
@@ -527,21 +489,17 @@ fn tests(
     if tests.is_empty() {
         return;
     }
-    let row = |test: &TermTest| {
-        let mut cells = vec![
-            names::term(results, &test.term).into(),
-            fixed(test.lr, 2),
-            whole(test.df as u64),
-            probability(test.p),
-        ];
-        cells.extend(corrected.then(|| probability(test.p_holm)));
-        cells
-    };
-    let mut numbers = vec!["χ²", "df", "p"];
-    numbers.extend(corrected.then_some("Holm-corrected p"));
     section.heading(heading);
     section.text(about);
-    section.table(caption, &["Term"], &numbers, tests.iter().map(row).collect());
+    let mut table = TableOf::new(caption, tests)
+        .text("Term", |test| names::term(results, &test.term))
+        .number("χ²", |test| fixed(test.lr, 2))
+        .number("df", |test| whole(test.df as u64))
+        .number("p", |test| probability(test.p));
+    if corrected {
+        table = table.number("Holm-corrected p", |test| probability(test.p_holm));
+    }
+    table.add_to(section);
     let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
     reasons.dedup();
     for reason in reasons {

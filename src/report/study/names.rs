@@ -12,10 +12,7 @@ use crate::{
     },
     experiment::{Category, Protocol},
     report::{
-        document::{
-            Shown,
-            numbers::{count, list, short_list},
-        },
+        document::{Shown, count, list, short_list},
         names,
     },
 };

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 
 use crate::{
     analysis::Results,
-    report::document::{Section, numbers::whole},
+    report::document::{Section, TableOf, whole},
     store::ratings::{FileRead, Layout, Source},
 };
 
@@ -31,9 +31,7 @@ impl Provenance {
             made_at,
         }
     }
-}
 
-impl Provenance {
     /// Says how to repeat an analysis, and how its page was created; `further` are other facts.
     pub fn tell(&self, section: &mut Section, further: impl IntoIterator<Item = (&'static str, String)>) {
         section.text("The same program, command and files produce the same numbers on every machine.");
@@ -62,17 +60,18 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
         ("Simulated studies, at most", whole(resampling.draws.into()).to_string()),
     ];
     provenance.tell(&mut section, further);
-    let row = |file: &FileRead| {
-        let layout = match file.layout {
-            Layout::Results => "results",
-            Layout::Counts => "counts",
-            Layout::Long => "long table",
-        };
-        let hash = file.sha256.clone().unwrap_or_else(|| "not computed".to_owned());
-        vec![file.path.display().to_string().into(), layout.into(), hash.into(), whole(file.rows), whole(file.counted)]
+    let kind = |file: &FileRead| match file.layout {
+        Layout::Results => "results",
+        Layout::Counts => "counts",
+        Layout::Long => "long table",
     };
-    let texts = ["File", "Kind", "SHA-256"];
-    section.table("Files", &texts, &["Rows", "Rows that count"], source.files.iter().map(row).collect());
+    TableOf::new("Files", &source.files)
+        .text("File", |file| file.path.display().to_string())
+        .text("Kind", kind)
+        .text("SHA-256", |file| file.sha256.as_deref().unwrap_or("not computed"))
+        .number("Rows", |file| whole(file.rows))
+        .number("Rows that count", |file| whole(file.counted))
+        .add_to(&mut section);
     if let Some(protocol) = &source.protocol {
         section.heading("The definition");
         if let Some(hash) = &source.definition_sha256 {

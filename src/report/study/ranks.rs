@@ -5,13 +5,10 @@ use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
-        rank_tests::{EXACT_PARTICIPANTS, PERMUTATIONS, PMethod},
+        rank_tests::{EXACT_PARTICIPANTS, Friedman, PERMUTATIONS, PMethod},
         results::FactorResults,
     },
-    report::document::{
-        Section,
-        numbers::{count, fixed, list, probability, short_list, unit, whole, with_interval},
-    },
+    report::document::{Section, TableOf, count, fixed, list, probability, short_list, unit, whole, with_interval},
 };
 
 /// Describes the rank tests.
@@ -35,26 +32,24 @@ pub(super) fn section(results: &Results) -> Section {
 }
 
 fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]) {
-    let row = |factor: &&FactorResults| {
-        let test = factor.friedman;
-        vec![
-            names::factor(results, &factor.name).into(),
-            fixed(test.map(|test| test.subjects as f64), 0),
-            fixed(test.map(|test| test.levels as f64), 0),
-            fixed(test.map(|test| test.chi_squared), 2),
-            fixed(test.map(|test| test.df as f64), 0),
-            probability(test.map(|test| test.p)),
-            unit(test.map(|test| test.w)),
-        ]
-    };
     section.heading("Friedman’s test");
     if factors.iter().all(|factor| factor.friedman.is_none()) {
         section
             .text("No factor could be tested: the test needs participants who rated every level in the same conditions, and it cannot account for items.");
         return;
     }
-    let numbers = ["Participants", "Levels", "χ²", "df", "p", "Kendall’s W"];
-    section.table("Friedman’s test of each factor", &["Factor"], &numbers, factors.iter().map(row).collect());
+    let of = |number: fn(Friedman) -> f64, decimals: usize| {
+        move |factor: &&FactorResults| fixed(factor.friedman.map(number), decimals)
+    };
+    TableOf::new("Friedman’s test of each factor", factors)
+        .text("Factor", |factor| names::factor(results, &factor.name))
+        .number("Participants", of(|test| test.subjects as f64, 0))
+        .number("Levels", of(|test| test.levels as f64, 0))
+        .number("χ²", of(|test| test.chi_squared, 2))
+        .number("df", of(|test| test.df as f64, 0))
+        .number("p", |factor| probability(factor.friedman.map(|test| test.p)))
+        .number("Kendall’s W", |factor| unit(factor.friedman.map(|test| test.w)))
+        .add_to(section);
     for factor in factors.iter().filter(|factor| !factor.crossing.is_empty() && !factor.matched.incomplete.is_empty()) {
         let (name, who) = (names::factor(results, &factor.name), short_list(&factor.matched.incomplete, 12));
         section.note(format!("Excluded from the tests of {name}, because they did not rate every level of it in the same conditions: {who}."));
@@ -145,10 +140,10 @@ pub(super) fn agreement(results: &Results) -> Section {
         with_interval(interval, unit),
         unit(LOW_KAPPA),
     ));
-    let rows = (results.subjects.iter())
-        .map(|subject| vec![names::participant(subject).into(), whole(subject.retests), unit(subject.kappa)])
-        .collect();
-    let numbers = ["Conditions rated twice", "Weighted κ"];
-    section.table("First and second ratings of each participant", &["Participant"], &numbers, rows);
+    TableOf::new("First and second ratings of each participant", &results.subjects)
+        .text("Participant", names::participant)
+        .number("Conditions rated twice", |subject| whole(subject.retests))
+        .number("Weighted κ", |subject| unit(subject.kappa))
+        .add_to(&mut section);
     section
 }

@@ -5,8 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::exclusions;
 use crate::{
     analysis::Results,
-    display::Monitor,
-    report::document::numbers::fixed,
+    report::document::fixed,
     store::{
         ratings::{SessionRead, Source},
         sitting::{Geometry, SimulatedObserver, Sitting, UsedDisplay},
@@ -100,10 +99,9 @@ fn display(sitting: &Sitting) -> Option<String> {
 }
 
 fn monitor(sitting: &Sitting) -> Option<String> {
-    let Monitor { name, width_px, height_px, refresh_hz, .. } = sitting.monitor.as_ref()?;
-    let name = name.as_deref().unwrap_or("without a name");
-    let refresh = refresh_hz.map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
-    Some(format!("{name}, {width_px} × {height_px} pixels{refresh}"))
+    let monitor = sitting.monitor.as_ref()?;
+    let refresh = monitor.refresh_hz.map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
+    Some(format!("{}{refresh}", monitor.title()))
 }
 
 fn stimulus(sitting: &Sitting) -> Option<String> {

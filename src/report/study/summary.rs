@@ -9,10 +9,7 @@ use crate::{
         ModelReport, Results,
         results::{FactorResults, SubjectResults},
     },
-    report::document::{
-        Section,
-        numbers::{count, list, mean, unit, with_interval},
-    },
+    report::document::{Section, count, list, mean, unit, with_interval},
     statistics::mean_and_sd,
     store::ratings::Source,
 };

@@ -5,10 +5,7 @@ use super::{names, sittings};
 use crate::{
     analysis::{Results, counts::Counts},
     report::{
-        document::{
-            Section, Shown,
-            numbers::{count, fixed, list, mean, unit, whole},
-        },
+        document::{Section, Shown, count, fixed, list, mean, unit, whole},
         figures::Figure,
         prediction::{Comparison, PredictionError, StudyPrediction},
     },

@@ -13,16 +13,12 @@ use crate::{
 /// What was asked.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// The title of the study, and the name of its experiment or file.
+    /// The title of the study, or the name of its experiment or file.
     pub title: String,
-    /// That name.
-    pub name: String,
     /// The kind of task.
     pub task: String,
-    /// What participants were asked; empty if it is not known.
-    pub question: String,
-    /// What the answers are analyzed as.
-    pub measures: Measures,
+    /// What the answers are analyzed as; `None` for a table of answers at levels.
+    pub measures: Option<Measures>,
     /// The factors; the last one is the second parameter of an adaptive method, if it has one.
     pub factors: Vec<Factor>,
     /// Each condition's level of each factor.
@@ -31,8 +27,6 @@ pub struct Asked {
     pub levels: Option<Levels>,
     /// The value that participants set.
     pub dial: Option<Dial>,
-    /// The probability of a correct answer without seeing anything.
-    pub guess: Option<f64>,
     /// The definition; `None` for a table.
     pub protocol: Option<Protocol>,
 }
@@ -126,15 +120,12 @@ impl From<&Protocol> for Asked {
         }
         Self {
             title: title.clone(),
-            name: protocol.name.clone(),
             task: task(&protocol.task).to_owned(),
-            question: protocol.response.question.clone(),
-            measures: protocol.task.measures(),
+            measures: Some(protocol.task.measures()),
             factors,
             conditions,
             levels,
             dial: protocol.task.dial(),
-            guess: protocol.task.guess(),
             protocol: Some(protocol.clone()),
         }
     }

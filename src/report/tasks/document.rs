@@ -17,8 +17,8 @@ use crate::{
     experiment::task::{Common, Curve, Measures},
     report::{
         document::{
-            Document, Section, Shown,
-            numbers::{count, fixed, list, p_is, probability, range, short_list, unit, whole, with_interval},
+            Document, Section, Shown, TableOf, count, fixed, list, p_is, probability, range, short_list, unit, whole,
+            with_interval,
         },
         figures::Figure,
         study::Provenance,
@@ -41,9 +41,9 @@ pub fn document(
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
     sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
-    let Asked { title, name, task, protocol, .. } = &study.asked;
+    let Asked { title, task, protocol, .. } = &study.asked;
     let subtitle = match protocol {
-        Some(_) => format!("Experiment {name}: {task}"),
+        Some(protocol) => format!("Experiment {}: {task}", protocol.name),
         None => format!("A {task}"),
     };
     Document { title: title.clone(), subtitle, sections }
@@ -159,8 +159,8 @@ fn data(study: &TaskStudy) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
     let mut facts = vec![("Task", asked.task.clone())];
-    if asked.protocol.is_some() {
-        facts.push(("Question", asked.question.clone()));
+    if let Some(protocol) = &asked.protocol {
+        facts.push(("Question", protocol.response.question.clone()));
         facts.push(("Sessions", whole(study.files.len() as u64).to_string()));
     }
     facts.extend([("Participants", short_list(&study.people, 20)), ("Answers", whole(study.answers()).to_string())]);
@@ -209,22 +209,17 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
     if results.populations.is_empty() {
         return;
     }
-    let row = |(condition, population): &(usize, Population)| {
-        let level = level(common, population.interval);
-        vec![
-            study.name(*condition).into(),
-            whole(population.people.len() as u64),
-            level(population.mean),
-            range(population.interval, &level),
-            further::scaled(false, None)(population.sd),
-            further::scaled(false, None)(population.width),
-            unit(population.guess),
-            unit(population.lapse),
-        ]
-    };
-    let numbers = ["Participants", "Mean threshold", "95\u{a0}% interval", "SD", "Width", "Guess rate", "Lapse rate"];
-    let rows = results.populations.iter().map(row).collect();
-    section.table("Thresholds over participants, by condition", &["Condition"], &numbers, rows);
+    let plain = further::scaled(false, None);
+    TableOf::new("Thresholds over participants, by condition", &results.populations)
+        .text("Condition", |(condition, _)| study.name(*condition))
+        .number("Participants", |(_, own)| whole(own.people.len() as u64))
+        .number("Mean threshold", |(_, own)| level(common, own.interval)(own.mean))
+        .number("95\u{a0}% interval", |(_, own)| range(own.interval, level(common, own.interval)))
+        .number("SD", |(_, own)| plain(own.sd))
+        .number("Width", |(_, own)| plain(own.width))
+        .number("Guess rate", |(_, own)| unit(own.guess))
+        .number("Lapse rate", |(_, own)| unit(own.lapse))
+        .add_to(section);
     if common.log {
         section.note("The standard deviation and the width are in base-10 logarithms of the level.");
     }
@@ -232,40 +227,28 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
 
 /// Adds the psychometric function of each participant.
 fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
-    let row = |function: &PersonFunction| {
-        let fit = function.described();
-        let level = level(common, fit.map(|fit| fit.threshold));
-        let slope = further::scaled(false, fit.map(|fit| fit.slope_interval));
-        vec![
-            study.people[function.person].as_str().into(),
-            study.name(function.condition).into(),
-            whole(function.trials()),
-            match (fit, function.side()) {
-                (None, _) => fixed(None, 0),
-                (Some(_), None) => function.threshold().map_or_else(|| fixed(None, 0), &level),
-                (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
-                (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
-            },
-            range(fit.map(|fit| fit.threshold), &level),
-            fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), &slope),
-            range(fit.map(|fit| fit.slope_interval), &slope),
-            unit(fit.map(|fit| fit.estimate.guess)),
-            unit(fit.map(|fit| fit.estimate.lapse)),
-            probability(function.goodness.map(|goodness| goodness.p)),
-        ]
+    let rows: Vec<(&PersonFunction, Option<&Fit>)> =
+        results.functions.iter().map(|function| (function, function.described())).collect();
+    let level = |fit: Option<&Fit>| level(common, fit.map(|fit| fit.threshold));
+    let slope = |fit: Option<&Fit>| further::scaled(false, fit.map(|fit| fit.slope_interval));
+    let threshold = |(function, fit): &(&PersonFunction, Option<&Fit>)| match (fit, function.side()) {
+        (None, _) => fixed(None, 0),
+        (Some(_), None) => function.threshold().map_or_else(|| fixed(None, 0), level(*fit)),
+        (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
+        (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
     };
-    let numbers = [
-        "Trials",
-        "Threshold",
-        "95\u{a0}% interval",
-        "Slope",
-        "95\u{a0}% interval of the slope",
-        "Guess rate",
-        "Lapse rate",
-        "p of the fit",
-    ];
-    let rows = results.functions.iter().map(row).collect();
-    section.table("The psychometric function of each participant", &["Participant", "Condition"], &numbers, rows);
+    TableOf::new("The psychometric function of each participant", &rows)
+        .text("Participant", |(function, _)| &study.people[function.person])
+        .text("Condition", |(function, _)| study.name(function.condition))
+        .number("Trials", |(function, _)| whole(function.trials()))
+        .number("Threshold", threshold)
+        .number("95\u{a0}% interval", |(_, fit)| range(fit.map(|fit| fit.threshold), level(*fit)))
+        .number("Slope", |(_, fit)| fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(*fit)))
+        .number("95\u{a0}% interval of the slope", |(_, fit)| range(fit.map(|fit| fit.slope_interval), slope(*fit)))
+        .number("Guess rate", |(_, fit)| unit(fit.map(|fit| fit.estimate.guess)))
+        .number("Lapse rate", |(_, fit)| unit(fit.map(|fit| fit.estimate.lapse)))
+        .number("p of the fit", |(function, _)| probability(function.goodness.map(|goodness| goodness.p)))
+        .add_to(section);
 }
 
 /// Names a participant, and the condition if there are several.
@@ -369,15 +352,15 @@ fn at_least(found: usize, all: usize, probability: f64) -> f64 {
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("methods", "Methods");
     let how = match study.asked.measures {
-        _ if study.asked.protocol.is_none() => "",
-        Measures::Proportions => "An answer counts as seen if the target was chosen.",
-        Measures::Detection if study.asked.levels.is_some() => {
+        None => "",
+        Some(Measures::Proportions) => "An answer counts as seen if the target was chosen.",
+        Some(Measures::Detection) if study.asked.levels.is_some() => {
             "An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
         }
-        Measures::Detection => "An answer counts as seen if it was yes; catch trials show no target.",
-        Measures::Comparisons => "Each answer is a comparison of two conditions.",
+        Some(Measures::Detection) => "An answer counts as seen if it was yes; catch trials show no target.",
+        Some(Measures::Comparisons) => "Each answer is a comparison of two conditions.",
         _ if study.asked.is_slider() => "Each answer is a place on a slider, which is analyzed as a number.",
-        Measures::Settings | Measures::Ratings => "Each answer is a value that the participant set.",
+        Some(Measures::Settings | Measures::Ratings) => "Each answer is a value that the participant set.",
     };
     if !how.is_empty() {
         section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts. {how}"));
@@ -447,8 +430,10 @@ pub fn model_of_a_person(model: &Model) -> String {
 fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
     provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
-    let row = |(path, rows): &(std::path::PathBuf, usize)| vec![path.display().to_string().into(), whole(*rows as u64)];
-    section.table("Files", &["File"], &["Rows"], study.files.iter().map(row).collect());
+    TableOf::new("Files", &study.files)
+        .text("File", |(path, _)| path.display().to_string())
+        .number("Rows", |(_, rows)| whole(*rows as u64))
+        .add_to(&mut section);
     if let Some(protocol) = &study.asked.protocol {
         section.heading("The definition");
         section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));

@@ -3,16 +3,13 @@
 use super::{
     asked::Levels,
     further::{APART, over_people, proportion, scaled_ends},
-    results::{OfPerson, PersonFunction, TaskResults},
+    results::{Detected, OfPerson, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::{
-        detection::Detection,
-        tasks::psychometric::{Estimate, Point},
-    },
+    analysis::tasks::psychometric::{Estimate, Point},
     report::{
-        document::numbers::{count, list},
+        document::{count, list},
         figures::{
             Figure,
             tasks::{Curve, Estimates, estimates, psychometric},
@@ -160,8 +157,8 @@ fn shares(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
-    let value = |own: &Option<Detection>| Some((*own)?.d_prime);
-    by_person(study, &results.sensitivity, None, value, ("detection", "Sensitivity", "d’"), ["d’", "answer"])
+    let value = |own: &Detected| Some(own.1?.d_prime);
+    by_person(study, &results.detection, None, value, ("detection", "Sensitivity", "d’"), ["d’", "answer"])
 }
 
 fn scale(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {

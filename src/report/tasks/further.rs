@@ -1,22 +1,14 @@
 //! Sections about detection, comparisons and settings.
 
 use super::{
-    results::{Comparisons, OfPerson, TaskResults},
+    results::{Comparisons, Detected, OfPerson, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::{
-        comparisons::{Scale, Triads},
-        detection::{Answers, Detection},
-        settings::Settings,
-        tasks::means::Mean,
-    },
+    analysis::{comparisons::Scale, detection::Detection, tasks::means::Mean},
     experiment::task::{Dial, Measures},
     report::{
-        document::{
-            Section, Shown,
-            numbers::{count, fixed, range, significant, unit, whole, with_interval},
-        },
+        document::{Section, Shown, TableOf, count, fixed, range, significant, unit, whole, with_interval},
         figures::Figure,
     },
     statistics::Interval,
@@ -24,15 +16,16 @@ use crate::{
 
 /// Returns the sentences of the summary.
 pub(super) fn summary(study: &TaskStudy, results: &TaskResults) -> Vec<String> {
-    let (two, guess) = (|value: f64| fixed(value, 2), unit(study.asked.guess));
+    let (two, guess) =
+        (|value: f64| fixed(value, 2), unit(study.asked.protocol.as_ref().and_then(|protocol| protocol.task.guess())));
     let shares = means(study, &results.shares, Some([0.0, 1.0]), |own| Some(proportion(own)), |_| unit);
     let of_share = |(at, mean)| format!("The proportion of correct answers{at} is {mean}; guessing gives {guess}.");
     let mut all: Vec<String> = shares.into_iter().map(of_share).collect();
-    let sensitivity = means(study, &results.sensitivity, None, |own| Some((*own)?.d_prime), |_| two).into_iter();
+    let sensitivity = means(study, &results.detection, None, |own| Some(own.1?.d_prime), |_| two).into_iter();
     all.extend(sensitivity.map(|(at, mean)| format!("The sensitivity d’{at} is {mean}.")));
     let has_none =
-        |condition: &usize| !results.sensitivity.iter().any(|own| own.condition == *condition && own.found.is_some());
-    let is_wanted = study.asked.measures == Measures::Detection && study.asked.levels.is_none();
+        |condition: &usize| !results.detection.iter().any(|own| own.condition == *condition && own.found.1.is_some());
+    let is_wanted = study.asked.measures == Some(Measures::Detection) && study.asked.levels.is_none();
     let without = (0..study.asked.conditions.len()).filter(|condition| is_wanted && has_none(condition));
     all.extend(without.map(|condition| {
         format!("There is no d’{}, because no participant had both targets and catch trials.", study.at(condition))
@@ -176,21 +169,21 @@ pub(super) fn sections(study: &TaskStudy, results: &TaskResults, figures: &[Figu
     answered.into_iter().chain(detected).chain(compared).chain(set).collect()
 }
 
-/// Begins a row with the participant and the condition.
-fn begun<T>(study: &TaskStudy, own: &OfPerson<T>) -> Vec<Shown> {
-    vec![study.people[own.person].as_str().into(), study.name(own.condition).into()]
+/// Begins a table of the participants and the conditions.
+fn begun<'a, T>(study: &TaskStudy, caption: impl Into<String>, rows: &'a [OfPerson<T>]) -> TableOf<'a, OfPerson<T>> {
+    TableOf::new(caption, rows)
+        .text("Participant", |own| &study.people[own.person])
+        .text("Condition", |own| study.name(own.condition))
 }
 
 fn shares(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Section {
     let mut section = Section::new("shares", "Correct answers");
     section.figures(figures, &["shares"]);
-    let row = |own: &OfPerson<[u32; 2]>| {
-        let [right, all] = own.found.map(|count| whole(count.into()));
-        [begun(study, own), vec![all, right, unit(proportion(&own.found))]].concat()
-    };
-    let rows = results.shares.iter().map(row).collect();
-    let numbers = ["Trials", "Correct", "Proportion"];
-    section.table("Correct answers of each participant", &["Participant", "Condition"], &numbers, rows);
+    begun(study, "Correct answers of each participant", &results.shares)
+        .number("Trials", |own| whole(own.found[1].into()))
+        .number("Correct", |own| whole(own.found[0].into()))
+        .number("Proportion", |own| unit(proportion(&own.found)))
+        .add_to(&mut section);
     section
 }
 
@@ -205,17 +198,17 @@ fn detection(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> Se
          finite; with few trials, this pulls d’ toward 0."
     });
     section.figures(figures, &["detection"]);
-    let row = |(own, OfPerson { found, .. }): (&OfPerson<Answers>, &OfPerson<Option<Detection>>)| {
-        let counts = own.found.counts().map(|count| whole(count.into()));
-        begun(study, own)
-            .into_iter()
-            .chain(counts)
-            .chain(Detection::numbers(*found).map(|value| fixed(value, 2)))
-            .collect()
-    };
-    let numbers = ["Hits", "Misses", "False alarms", "Correct rejections", "d’", "SE of d’", "c", "SE of c"];
-    let rows = results.detection.iter().zip(&results.sensitivity).map(row).collect();
-    section.table("Detection by each participant", &["Participant", "Condition"], &numbers, rows);
+    let number = |place: usize| move |own: &OfPerson<Detected>| fixed(Detection::numbers(own.found.1)[place], 2);
+    begun(study, "Detection by each participant", &results.detection)
+        .number("Hits", |own| whole(own.found.0.hits.into()))
+        .number("Misses", |own| whole(own.found.0.misses.into()))
+        .number("False alarms", |own| whole(own.found.0.false_alarms.into()))
+        .number("Correct rejections", |own| whole(own.found.0.correct_rejections.into()))
+        .number("d’", number(0))
+        .number("SE of d’", number(1))
+        .number("c", number(2))
+        .number("SE of c", number(3))
+        .add_to(&mut section);
     section
 }
 
@@ -223,25 +216,17 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
     let mut section = Section::new("comparisons", "Comparisons");
     section.figures(figures, &["scale"]);
     let [thurstone, bradley_terry] = &found.scales;
-    let row = |item: &usize| {
-        let won: f64 = found.people.iter().map(|wins| wins.row(*item).sum()).sum();
-        let all: f64 = won + found.people.iter().map(|wins| wins.column(*item).sum()).sum::<f64>();
-        vec![
-            study.name(*item).as_str().into(),
-            whole(all as u64),
-            whole(won as u64),
-            fixed(thurstone.values[*item], 2),
-            range(found.intervals.as_ref().map(|intervals| intervals[*item]), |end| fixed(end, 2)),
-            fixed(bradley_terry.values[*item], 2),
-        ]
-    };
-    let numbers = ["Comparisons", "Chosen", "Thurstone", "95 % interval", "Bradley–Terry"];
-    section.table(
-        "Scale values in JND, highest first",
-        &["Condition"],
-        &numbers,
-        found.order().iter().flatten().map(row).collect(),
-    );
+    let won = |item: usize| found.people.iter().map(|wins| wins.row(item).sum()).sum::<f64>();
+    let lost = |item: usize| found.people.iter().map(|wins| wins.column(item).sum()).sum::<f64>();
+    let interval = |item: usize| found.intervals.as_ref().map(|intervals| intervals[item]);
+    TableOf::new("Scale values in JND, highest first", &found.order().concat())
+        .text("Condition", |item| study.name(*item))
+        .number("Comparisons", |item| whole((won(*item) + lost(*item)) as u64))
+        .number("Chosen", |item| whole(won(*item) as u64))
+        .number("Thurstone", |item| fixed(thurstone.values[*item], 2))
+        .number("95 % interval", |item| range(interval(*item), |end| fixed(end, 2)))
+        .number("Bradley–Terry", |item| fixed(bradley_terry.values[*item], 2))
+        .add_to(&mut section);
     section.text(format!(
         "The log-likelihood is {} for Thurstone’s Case V and {} for the model of Bradley and Terry. {}",
         fixed(thurstone.log_likelihood, 1),
@@ -254,13 +239,16 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
              determine a scale."
         }
     ));
-    let row = |((triads, own), person): ((&Triads, &Option<Scale>), &String)| {
-        let span = own.as_ref().and_then(|own| own.groups.iter().map(|group| own.span(group)).reduce(f64::max));
-        vec![person.as_str().into(), whole(triads.circular.into()), whole(triads.all.into()), fixed(span, 2)]
+    let span = |own: &Option<Scale>| {
+        own.as_ref().and_then(|own| own.groups.iter().map(|group| own.span(group)).reduce(f64::max))
     };
-    let rows = found.triads.iter().zip(&found.own).zip(&study.people).map(row).collect();
-    let numbers = ["Circular triads", "Decided triads", "Span of the own scale (JND)"];
-    section.table("Contradictions of each participant", &["Participant"], &numbers, rows);
+    let rows: Vec<_> = study.people.iter().zip(&found.triads).zip(&found.own).collect();
+    TableOf::new("Contradictions of each participant", &rows)
+        .text("Participant", |((person, _), _)| *person)
+        .number("Circular triads", |((_, triads), _)| whole(triads.circular.into()))
+        .number("Decided triads", |((_, triads), _)| whole(triads.all.into()))
+        .number("Span of the own scale (JND)", |(_, own)| fixed(span(own), 2))
+        .add_to(&mut section);
     section.note(
         "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \
          undecided.",
@@ -274,17 +262,15 @@ fn settings(study: &TaskStudy, results: &TaskResults, dial: &Dial, figures: &[Fi
     let mut section = Section::new("settings", heading);
     section.figures(figures, &["settings"]);
     let has_start = results.settings.iter().any(|own| own.found.direction.is_some());
-    let row = |own: &OfPerson<Settings>| {
-        let Settings { n, mean, sd, direction } = own.found;
-        let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
-        let start = has_start.then(|| plain(direction));
-        let numbers = [whole(n as u64), scaled(dial.log, None)(mean), plain(sd)];
-        begun(study, own).into_iter().chain(numbers).chain(start).collect()
-    };
-    let numbers = [heading, "Mean", "SD", "Effect of the start"];
-    let numbers = if has_start { &numbers[..] } else { &numbers[..3] };
-    let rows = results.settings.iter().map(row).collect();
-    section.table(format!("The {of_each} of each participant"), &["Participant", "Condition"], numbers, rows);
+    let plain = |value: Option<f64>| value.map_or_else(|| fixed(None, 0), scaled(false, None));
+    let mut table = begun(study, format!("The {of_each} of each participant"), &results.settings)
+        .number(heading, |own| whole(own.found.n as u64))
+        .number("Mean", |own| scaled(dial.log, None)(own.found.mean))
+        .number("SD", |own| plain(own.found.sd));
+    if has_start {
+        table = table.number("Effect of the start", |own| plain(own.found.direction));
+    }
+    table.add_to(&mut section);
     if has_start {
         section.note("The effect of the start is the mean of settings that began in the upper half of the range minus that of the others.");
     }

@@ -45,11 +45,8 @@ pub struct TaskResults {
     pub marginal: Vec<Marginal>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
-    /// Hits and false alarms of each person and condition.
-    pub detection: Vec<OfPerson<Answers>>,
-    /// Sensitivity and criterion of each of these; `None` without targets or catch trials, and over different levels, where both
-    /// would describe how the levels were chosen, not any stimulus.
-    pub sensitivity: Vec<OfPerson<Option<Detection>>>,
+    /// Hits and false alarms of each person and condition, with sensitivity and criterion.
+    pub detection: Vec<OfPerson<Detected>>,
     /// The scale of comparisons.
     pub comparisons: Option<Comparisons>,
     /// The settings of each person and condition, on the scale of the dial.
@@ -77,6 +74,10 @@ pub struct OfPerson<T> {
     /// What follows.
     pub found: T,
 }
+
+/// The answers of a person in a condition, and sensitivity and criterion: `None` without targets or catch trials, and over
+/// different levels, where both would describe how the levels were chosen, not any stimulus.
+pub type Detected = (Answers, Option<Detection>);
 
 /// The scale of comparisons.
 #[derive(Clone, Debug)]
@@ -193,17 +194,10 @@ impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
     #[must_use]
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
-        let detection = detection(study);
-        let sensitivity = |&OfPerson { person, condition, ref found }: &OfPerson<Answers>| OfPerson {
-            person,
-            condition,
-            found: found.detection().filter(|_| study.asked.levels.is_none()),
-        };
         let mut results = Self {
             seed,
             shares: shares(study),
-            sensitivity: detection.iter().map(sensitivity).collect(),
-            detection,
+            detection: detection(study),
             comparisons: comparisons(study, seed),
             settings: settings(study),
             ..Self::default()
@@ -243,35 +237,39 @@ fn by_person<T: Default, A>(
     all.into_iter().map(|((condition, person), found)| OfPerson { person, condition, found }).collect()
 }
 
-/// Returns whether a trial had a target, and whether it was seen or chosen.
-fn seen(answer: &TaskAnswered) -> Option<(bool, bool)> {
+/// Returns whether trials had a target, in how many it was seen or chosen, and their number.
+fn seen(answer: &TaskAnswered) -> Option<(bool, u32, u32)> {
     match *answer {
-        TaskAnswered::Seen { is_target, seen, .. } => Some((is_target, seen)),
+        TaskAnswered::Seen { is_target, seen, total, .. } => Some((is_target, seen, total)),
         _ => None,
     }
 }
 
 fn shares(study: &TaskStudy) -> Vec<OfPerson<[u32; 2]>> {
-    if study.asked.measures != Measures::Proportions || study.asked.levels.is_some() {
+    if study.asked.measures != Some(Measures::Proportions) || study.asked.levels.is_some() {
         return Vec::new();
     }
-    by_person(study, seen, |[right, all]: &mut [u32; 2], (_, seen)| {
-        (*right, *all) = (*right + u32::from(seen), *all + 1);
+    by_person(study, seen, |[right, all]: &mut [u32; 2], (_, seen, total)| {
+        (*right, *all) = (*right + seen, *all + total);
     })
 }
 
-fn detection(study: &TaskStudy) -> Vec<OfPerson<Answers>> {
-    if study.asked.measures != Measures::Detection {
+fn detection(study: &TaskStudy) -> Vec<OfPerson<Detected>> {
+    if study.asked.measures != Some(Measures::Detection) {
         return Vec::new();
     }
-    by_person(study, seen, |answers: &mut Answers, answer| {
-        *match answer {
-            (true, true) => &mut answers.hits,
-            (true, false) => &mut answers.misses,
-            (false, true) => &mut answers.false_alarms,
-            (false, false) => &mut answers.correct_rejections,
-        } += 1;
-    })
+    let all = by_person(study, seen, |answers: &mut Answers, (is_target, seen, total)| {
+        let (yes, no) = match is_target {
+            true => (&mut answers.hits, &mut answers.misses),
+            false => (&mut answers.false_alarms, &mut answers.correct_rejections),
+        };
+        (*yes, *no) = (*yes + seen, *no + total - seen);
+    });
+    let with = |OfPerson { person, condition, found }: OfPerson<Answers>| {
+        let sensitivity = found.detection().filter(|_| study.asked.levels.is_none());
+        OfPerson { person, condition, found: (found, sensitivity) }
+    };
+    all.into_iter().map(with).collect()
 }
 
 fn comparisons(study: &TaskStudy, seed: u64) -> Option<Comparisons> {
@@ -307,13 +305,12 @@ fn settings(study: &TaskStudy) -> Vec<OfPerson<Settings>> {
 /// them: those of the condition, whatever the level of the second parameter.
 fn points(
     study: &TaskStudy,
-    detection: &[OfPerson<Answers>],
+    detection: &[OfPerson<Detected>],
     common: &Common,
     model: &Model,
 ) -> Vec<OfPerson<Vec<Point>>> {
     let counted = |answer: &TaskAnswered| match *answer {
-        TaskAnswered::Seen { level: Some(level), is_target: true, seen } => Some((level, u32::from(seen), 1)),
-        TaskAnswered::Counted { level, seen, total } if total > 0 => Some((level, seen, total)),
+        TaskAnswered::Seen { level, is_target: true, seen, total } if total > 0 => Some((level?, seen, total)),
         _ => None,
     };
     let mut all = by_person(study, counted, |points, (level, seen, total)| {
@@ -323,9 +320,9 @@ fn points(
     let levels = second.map_or(1, |second| second.levels.len());
     let of = |condition: usize| condition / levels;
     for OfPerson { person, condition, found } in &mut all {
-        let is_own = |own: &&OfPerson<Answers>| own.person == *person && of(own.condition) == of(*condition);
+        let is_own = |own: &&OfPerson<Detected>| own.person == *person && of(own.condition) == of(*condition);
         for own in detection.iter().filter(|own| is_own(own) && model.guess == Guess::Free) {
-            let Answers { false_alarms, correct_rejections, .. } = own.found;
+            let Answers { false_alarms, correct_rejections, .. } = own.found.0;
             Point::add(found, model.unseen(), false_alarms, false_alarms + correct_rejections);
         }
         found.sort_by(|a, b| a.x.total_cmp(&b.x));

@@ -7,7 +7,6 @@ use std::{
 
 use super::asked::{Asked, Levels};
 use crate::{
-    analysis::tasks::psychometric::Guess,
     experiment::{
         Factor, Phase, Replayed,
         task::{Adaptive, Answer, Measures, Second, Task},
@@ -62,22 +61,15 @@ pub struct TaskTrial {
 /// What was answered.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TaskAnswered {
-    /// Whether the target was seen or chosen.
+    /// In how many trials the target was seen or chosen.
     Seen {
-        /// The level, if an adaptive method chose one.
+        /// The level, if there is one.
         level: Option<f64>,
-        /// Whether the trial showed a target.
+        /// Whether the trials showed a target.
         is_target: bool,
-        /// Whether the answer says so: the right answer, or yes.
-        seen: bool,
-    },
-    /// Targets at a level were seen or chosen in some trials.
-    Counted {
-        /// The level.
-        level: f64,
-        /// The number of trials in which they were.
+        /// The number of trials whose answer says so: the right answer, or yes.
         seen: u32,
-        /// The number of trials.
+        /// The number of trials: 1, except in tables.
         total: u32,
     },
     /// Two conditions were compared.
@@ -195,7 +187,12 @@ impl TaskStudy {
             trials.push(TaskTrial {
                 person: place(&mut people, row.subject.clone()),
                 condition: place(&mut conditions, of),
-                answer: TaskAnswered::Counted { level: row.level, seen: row.correct, total: row.total },
+                answer: TaskAnswered::Seen {
+                    level: Some(row.level),
+                    is_target: true,
+                    seen: row.correct,
+                    total: row.total,
+                },
             });
         }
         let of_rows = conditions.clone();
@@ -207,19 +204,14 @@ impl TaskStudy {
             let levels = levels.into_iter().map(|level| ParameterValue::from(level.as_str())).collect();
             Factor { name, levels }
         };
-        let name = path.file_stem().unwrap_or_default().display().to_string();
-        let guess = if let Guess::Fixed(guess) = levels.model.guess { Some(guess) } else { None };
         let asked = Asked {
-            title: name.clone(),
-            name,
+            title: path.file_stem().unwrap_or_default().display().to_string(),
             task: "table of answers".to_owned(),
-            question: String::new(),
-            measures: if guess.is_some() { Measures::Proportions } else { Measures::Detection },
+            measures: None,
             factors: names.into_iter().zip(found).map(factor).collect(),
             conditions,
             levels: Some(levels),
             dial: None,
-            guess,
             protocol: None,
         };
         let simulated: BTreeSet<&String> = rows.iter().filter(|row| row.is_simulated).map(|row| &row.subject).collect();
@@ -241,7 +233,7 @@ impl TaskStudy {
     #[must_use]
     pub fn answers(&self) -> u64 {
         let count = |trial: &TaskTrial| match trial.answer {
-            TaskAnswered::Counted { total, .. } => u64::from(total),
+            TaskAnswered::Seen { total, .. } => u64::from(total),
             _ => 1,
         };
         self.trials.iter().map(count).sum()
@@ -273,10 +265,8 @@ impl TaskStudy {
     #[must_use]
     pub fn name(&self, condition: usize) -> String {
         let named = self.asked.factors.iter().zip(self.levels(condition));
-        named
-            .map(|(factor, level)| format!("{} {level}", self.asked.factor(&factor.name)))
-            .collect::<Vec<_>>()
-            .join(", ")
+        let named = named.map(|(factor, level)| format!("{} {level}", self.asked.factor(&factor.name)));
+        named.collect::<Vec<_>>().join(", ")
     }
 
     /// Returns ` at CONDITION`, or nothing if there is only one.
@@ -286,10 +276,10 @@ impl TaskStudy {
         if name.is_empty() { name } else { format!(" at {name}") }
     }
 
-    /// Returns a condition's level of each factor as a cell.
-    pub fn cells(&self, condition: usize) -> impl Iterator<Item = Cell> {
-        let levels = &self.asked.conditions[condition];
-        self.asked.factors.iter().zip(levels).map(|(factor, level)| factor.levels[*level].clone().into())
+    /// Returns a condition's level of a factor, given by index.
+    #[must_use]
+    pub fn cell(&self, condition: usize, factor: usize) -> Cell {
+        self.asked.factors[factor].levels[self.asked.conditions[condition][factor]].clone().into()
     }
 
     /// Returns a condition's level of each factor.
@@ -340,7 +330,7 @@ fn answered(session: &Recorded, index: usize, person: usize) -> Option<TaskTrial
                     condition * levels.len() + level.or((!is_target).then_some(0))?
                 }
             };
-            (condition, TaskAnswered::Seen { level: shown.level, is_target, seen })
+            (condition, TaskAnswered::Seen { level: shown.level, is_target, seen: seen.into(), total: 1 })
         }
     };
     Some(TaskTrial { person, condition, answer })

@@ -2,15 +2,22 @@
 
 use super::{
     asked::Levels,
-    results::{Comparisons, OfPerson, TaskResults},
+    results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
-    analysis::{detection::Detection, settings::Settings, tasks::psychometric::Fit},
+    analysis::{
+        comparisons::Wins,
+        detection::Detection,
+        tasks::{
+            population::Population,
+            psychometric::{Fit, Point},
+        },
+    },
     experiment::task::Common,
-    report::tables::with_factors,
+    report::tables::Rows,
     statistics::Interval,
-    text::{Cell, Column, Table},
+    text::Table,
 };
 
 /// Returns the tables by the names of their files.
@@ -39,191 +46,139 @@ pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Ta
     all
 }
 
-fn columns(study: &TaskStudy, first: &[(&str, &str)], last: &[(&str, &str, &str)]) -> Vec<Column> {
-    let first = first.iter().map(|(name, text)| Column::new(*name, "", *text)).collect();
-    let factors = study.asked.factors.iter().map(|factor| factor.name.clone()).collect();
-    with_factors(first, factors, last.iter().map(|(name, unit, text)| Column::new(*name, unit, *text)).collect())
+/// Begins a table with the levels of the factors in the condition of each row.
+fn with_levels<'a, R>(study: &TaskStudy, rows: Rows<'a, R>, condition: impl Fn(&'a R) -> usize) -> Rows<'a, R> {
+    let names = study.asked.factors.iter().map(|factor| &factor.name);
+    rows.levels(names, |row, factor| study.cell(condition(row), factor))
 }
 
-const PERSON: (&str, &str) = ("subject_id", "Participant.");
+/// Begins a table with the participant of each row, given by index.
+fn with_people<'a, R>(study: &TaskStudy, rows: &'a [R], person: impl Fn(&'a R) -> usize) -> Rows<'a, R> {
+    Rows::new(rows).column("subject_id", "Participant.", |row| study.people[person(row)].as_str())
+}
+
+/// Begins a table of what follows from the answers of each person in each condition.
+fn of_people<'a, T>(study: &TaskStudy, rows: &'a [OfPerson<T>]) -> Rows<'a, OfPerson<T>> {
+    with_levels(study, with_people(study, rows, |own| own.person), |own| own.condition)
+}
 
 fn answers(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
-    let last = [
-        ("level", "", "Level of the adapted parameter."),
-        ("correct", "", "Number of correct answers, or of yes answers."),
-        ("total", "", "Number of trials with a target."),
-    ];
-    let rows = results.functions.iter().flat_map(|function| {
-        function.targets().map(|point| {
-            let person = std::iter::once(Cell::from(study.people[function.person].as_str()));
-            let numbers =
-                [Cell::from(common.level(point.x)), u64::from(point.correct).into(), u64::from(point.total).into()];
-            person.chain(study.cells(function.condition)).chain(numbers).collect()
-        })
-    });
-    Table::new(columns(study, &[PERSON], &last), rows)
+    let all = results.functions.iter();
+    let rows: Vec<(&PersonFunction, &Point)> =
+        all.flat_map(|function| function.targets().map(move |point| (function, point))).collect();
+    with_levels(study, with_people(study, &rows, |(own, _)| own.person), |(own, _)| own.condition)
+        .column("level", "Level of the adapted parameter.", |(_, point)| common.level(point.x))
+        .column("correct", "Number of correct answers, or of yes answers.", |(_, point)| point.correct)
+        .column("total", "Number of trials with a target.", |(_, point)| point.total)
+        .table()
 }
 
-/// Returns the ends of an interval on the scale of the levels.
-fn ends(common: &Common, interval: Option<Interval>) -> [Cell; 2] {
-    let of = |end: fn(Interval) -> f64| interval.map(|interval| common.level(end(interval))).into();
-    [of(|interval| interval.low), of(|interval| interval.high)]
+/// Returns an interval on the scale of the levels.
+fn scaled(common: &Common, Interval { low, high }: Interval) -> Interval {
+    Interval { low: common.level(low), high: common.level(high) }
 }
 
 fn thresholds(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
-    let last = [
-        ("trials", "", "Number of trials with a target."),
-        (
-            "threshold",
-            "",
-            "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the values up to `lapse`, if no function describes the answers.",
-        ),
-        ("threshold_low", "", "Lower end of its 95 % interval."),
-        ("threshold_high", "", "Upper end of its 95 % interval."),
-        (
-            "slope",
-            "per unit of the scale of the levels",
-            "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval.",
-        ),
-        ("slope_low", "", "Lower end of its 95 % interval."),
-        ("slope_high", "", "Upper end of its 95 % interval."),
-        ("guess", "", "Guess rate."),
-        ("lapse", "", "Lapse rate."),
-        ("overdispersion", "", "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials."),
-        ("is_beyond", "", "1 if the most probable threshold lies beyond the levels, where only the prior places it."),
-        ("deviance", "", "Deviance of the best function."),
-        ("p", "", "Proportion of simulated studies with at least this deviance."),
-    ];
-    let rows = results.functions.iter().map(|function| {
-        let fit = function.described();
-        let mut row = vec![Cell::from(study.people[function.person].as_str())];
-        row.extend(study.cells(function.condition));
-        row.push(function.trials().into());
-        row.push(fit.and_then(Fit::determined_threshold).map(|threshold| common.level(threshold)).into());
-        row.extend(ends(common, fit.map(|fit| fit.threshold)));
-        let slope = fit.map(|fit| fit.slope_interval);
-        row.extend(
-            [fit.and_then(Fit::determined_slope), slope.map(|slope| slope.low), slope.map(|slope| slope.high)]
-                .map(Cell::from),
-        );
-        let shares = fit.map(|Fit { estimate, .. }| [estimate.guess, estimate.lapse, estimate.overdispersion]);
-        row.extend([0, 1, 2].map(|place| Cell::from(shares.map(|shares| shares[place]))));
-        row.push(u64::from(fit.is_some() && function.beyond.is_some()).into());
-        let goodness = function.goodness;
-        row.extend([goodness.map(|goodness| goodness.deviance), goodness.map(|goodness| goodness.p)].map(Cell::from));
-        row
-    });
-    Table::new(columns(study, &[PERSON], &last), rows)
+    const THRESHOLD: &str = "Level with F = 1/2; empty if the most probable one lies outside the interval and, with the \
+                             values up to `lapse`, if no function describes the answers.";
+    const SLOPE: &str = "Slope of the psychometric function at the threshold; empty if the most probable one lies outside the interval.";
+    const OVERDISPERSION: &str = "By how much blocks of trials vary more than binomially, 0 to 1; 0 for single trials.";
+    const BEYOND: &str = "1 if the most probable threshold lies beyond the levels, where only the prior places it.";
+    let rows: Vec<(&PersonFunction, Option<&Fit>)> =
+        results.functions.iter().map(|function| (function, function.described())).collect();
+    with_levels(study, with_people(study, &rows, |(own, _)| own.person), |(own, _)| own.condition)
+        .column("trials", "Number of trials with a target.", |(own, _)| own.trials())
+        .column("threshold", THRESHOLD, |(_, fit)| Some(common.level(fit.as_ref()?.determined_threshold()?)))
+        .interval("threshold", "its 95 % interval", |(_, fit)| Some(scaled(common, fit.as_ref()?.threshold)))
+        .column("slope", SLOPE, |(_, fit)| fit.as_ref()?.determined_slope())
+        .in_unit("per unit of the scale of the levels", 1)
+        .interval("slope", "its 95 % interval", |(_, fit)| Some(fit.as_ref()?.slope_interval))
+        .column("guess", "Guess rate.", |(_, fit)| Some(fit.as_ref()?.estimate.guess))
+        .column("lapse", "Lapse rate.", |(_, fit)| Some(fit.as_ref()?.estimate.lapse))
+        .column("overdispersion", OVERDISPERSION, |(_, fit)| Some(fit.as_ref()?.estimate.overdispersion))
+        .column("is_beyond", BEYOND, |(own, fit)| u64::from(fit.is_some() && own.beyond.is_some()))
+        .column("deviance", "Deviance of the best function.", |(own, _)| Some(own.goodness?.deviance))
+        .column("p", "Proportion of simulated studies with at least this deviance.", |(own, _)| Some(own.goodness?.p))
+        .table()
 }
 
 fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Table {
-    let last = [
-        ("people", "", "Number of participants."),
-        ("threshold", "", "Mean threshold of people, on the scale of the levels."),
-        ("threshold_low", "", "Lower end of its 95 % interval."),
-        ("threshold_high", "", "Upper end of its 95 % interval."),
-        ("sd", "scale of the levels", "Standard deviation of people's thresholds."),
-        ("function_width", "scale of the levels", "Distance of the levels with F = .05 and F = .95."),
-        ("guess", "", "Common guess rate."),
-        ("lapse", "", "Common lapse rate."),
-    ];
-    let rows = results.populations.iter().map(|(condition, population)| {
-        let mut row: Vec<Cell> = study.cells(*condition).collect();
-        row.extend([(population.people.len() as u64).into(), common.level(population.mean).into()]);
-        row.extend(ends(common, population.interval));
-        row.extend([population.sd, population.width, population.guess, population.lapse].map(Cell::from));
-        row
-    });
-    Table::new(columns(study, &[], &last), rows)
-}
-
-/// Begins a row with the participant and the levels of the condition.
-fn begun<T>(study: &TaskStudy, own: &OfPerson<T>) -> Vec<Cell> {
-    let person = std::iter::once(Cell::from(study.people[own.person].as_str()));
-    person.chain(study.cells(own.condition)).collect()
+    let scaled = |(_, own): &(usize, Population)| Some(scaled(common, own.interval?));
+    let mean = "Mean threshold of people, on the scale of the levels.";
+    with_levels(study, Rows::new(&results.populations), |(condition, _)| *condition)
+        .column("people", "Number of participants.", |(_, own)| own.people.len())
+        .column("threshold", mean, |(_, own)| common.level(own.mean))
+        .interval("threshold", "its 95 % interval", scaled)
+        .column("sd", "Standard deviation of people's thresholds.", |(_, own)| own.sd)
+        .column("function_width", "Distance of the levels with F = .05 and F = .95.", |(_, own)| own.width)
+        .in_unit("scale of the levels", 2)
+        .column("guess", "Common guess rate.", |(_, own)| own.guess)
+        .column("lapse", "Common lapse rate.", |(_, own)| own.lapse)
+        .table()
 }
 
 fn shares(study: &TaskStudy, results: &TaskResults) -> Table {
-    let last = [("correct", "", "Number of correct answers."), ("total", "", "Number of trials.")];
-    let rows = results
-        .shares
-        .iter()
-        .map(|own| begun(study, own).into_iter().chain(own.found.map(|count| Cell::from(u64::from(count)))).collect());
-    Table::new(columns(study, &[PERSON], &last), rows)
+    of_people(study, &results.shares)
+        .column("correct", "Number of correct answers.", |own| own.found[0])
+        .column("total", "Number of trials.", |own| own.found[1])
+        .table()
 }
 
 fn detection(study: &TaskStudy, results: &TaskResults) -> Table {
-    let last = [
-        ("hits", "", "Targets answered yes."),
-        ("misses", "", "Targets answered no."),
-        ("false_alarms", "", "Catch trials answered yes."),
-        ("correct_rejections", "", "Catch trials answered no."),
-        ("d_prime", "", "Sensitivity, with the log-linear correction."),
-        ("d_prime_se", "", "Its standard error."),
-        ("criterion", "", "Criterion c."),
-        ("criterion_se", "", "Its standard error."),
-    ];
-    let rows = results.detection.iter().zip(&results.sensitivity).map(|(own, OfPerson { found, .. })| {
-        let counts = own.found.counts().map(|count| Cell::from(u64::from(count)));
-        begun(study, own).into_iter().chain(counts).chain(Detection::numbers(*found).map(Cell::from)).collect()
-    });
-    Table::new(columns(study, &[PERSON], &last), rows)
+    let found = |place: usize| move |own: &OfPerson<Detected>| Detection::numbers(own.found.1)[place];
+    of_people(study, &results.detection)
+        .column("hits", "Targets answered yes.", |own| own.found.0.hits)
+        .column("misses", "Targets answered no.", |own| own.found.0.misses)
+        .column("false_alarms", "Catch trials answered yes.", |own| own.found.0.false_alarms)
+        .column("correct_rejections", "Catch trials answered no.", |own| own.found.0.correct_rejections)
+        .column("d_prime", "Sensitivity, with the log-linear correction.", found(0))
+        .column("d_prime_se", "Its standard error.", found(1))
+        .column("criterion", "Criterion c.", found(2))
+        .column("criterion_se", "Its standard error.", found(3))
+        .table()
 }
 
 /// Returns how often each person chose each condition over each other.
 fn comparisons(study: &TaskStudy, found: &Comparisons) -> Table {
-    let names = ["winner", "loser"].map(|name| Column::new(name, "", "Levels of the condition."));
-    let count = Column::new("count", "", "How often it was chosen over the other.");
-    let columns = [vec![Column::new(PERSON.0, "", PERSON.1)], names.to_vec(), vec![count]].concat();
-    let rows = found.people.iter().zip(&study.people).flat_map(|(wins, person)| {
-        let pairs = (0..wins.nrows()).flat_map(|i| (0..wins.ncols()).map(move |j| (i, j)));
-        let compared = pairs.filter(|place| wins[*place] > 0.0);
-        compared.map(|(i, j)| {
-            let [winner, loser] = [i, j].map(|item| {
-                let levels = study.asked.factors.iter().zip(&study.asked.conditions[item]);
-                let levels = levels.map(|(factor, level)| factor.levels[*level].to_string());
-                Cell::from(levels.collect::<Vec<_>>().join(", "))
-            });
-            vec![Cell::from(person.as_str()), winner, loser, (wins[(i, j)] as u64).into()]
-        })
-    });
-    Table::new(columns, rows)
+    let of_person = |(person, wins): (usize, &Wins)| {
+        let pairs = (0..wins.nrows()).flat_map(|winner| (0..wins.ncols()).map(move |loser| (winner, loser)));
+        pairs.map(|pair| (person, pair, wins[pair] as u64)).filter(|(.., count)| *count > 0).collect::<Vec<_>>()
+    };
+    let rows: Vec<(usize, (usize, usize), u64)> = found.people.iter().enumerate().flat_map(of_person).collect();
+    let levels = |condition: usize| {
+        let levels = (0..study.asked.factors.len()).map(|factor| study.cell(condition, factor).to_string());
+        levels.collect::<Vec<_>>().join(", ")
+    };
+    with_people(study, &rows, |(person, ..)| *person)
+        .column("winner", "Levels of the condition.", |(_, (winner, _), _)| levels(*winner))
+        .column("loser", "Levels of the condition.", |(_, (_, loser), _)| levels(*loser))
+        .column("count", "How often it was chosen over the other.", |(.., count)| *count)
+        .table()
 }
 
 fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
-    let last = [
-        ("thurstone", "JND", "Scale value of Thurstone's Case V, all people."),
-        ("low", "JND", "Lower end of its 95 % interval over people."),
-        ("high", "JND", "Upper end of its 95 % interval over people."),
-        ("bradley_terry", "JND", "Scale value of the model of Bradley and Terry."),
-        ("group", "", "Only values of the same group can be compared."),
-    ];
     let [thurstone, bradley_terry] = &found.scales;
-    let rows = (0..thurstone.values.len()).map(|item| {
-        let mut row: Vec<Cell> = study.cells(item).collect();
-        let interval = found.intervals.as_ref().map(|intervals| intervals[item]);
-        row.push(thurstone.values[item].into());
-        row.extend([interval.map(|interval| interval.low), interval.map(|interval| interval.high)].map(Cell::from));
-        let group = thurstone.groups.iter().position(|group| group.contains(&item));
-        row.extend([bradley_terry.values[item].into(), group.map(|group| group as u64 + 1).into()]);
-        row
-    });
-    Table::new(columns(study, &[], &last), rows)
+    let rows: Vec<usize> = (0..thurstone.values.len()).collect();
+    let interval = |item: &usize| Some(found.intervals.as_ref()?[*item]);
+    let group = |item: &usize| Some(thurstone.groups.iter().position(|group| group.contains(item))? + 1);
+    with_levels(study, Rows::new(&rows), |item| *item)
+        .column("thurstone", "Scale value of Thurstone's Case V, all people.", |item| thurstone.values[*item])
+        .column("low", "Lower end of its 95 % interval over people.", |item| Some(interval(item)?.low))
+        .column("high", "Upper end of its 95 % interval over people.", |item| Some(interval(item)?.high))
+        .column("bradley_terry", "Scale value of the model of Bradley and Terry.", |item| bradley_terry.values[*item])
+        .in_unit("JND", 4)
+        .column("group", "Only values of the same group can be compared.", group)
+        .table()
 }
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
     let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
-    let unit = if log { "log10 of the value" } else { "" };
-    let last = [
-        ("n", "", "Number of settings."),
-        ("mean", unit, "Mean of the settings."),
-        ("sd", unit, "Standard deviation of the settings."),
-        ("direction", unit, "Mean of those that began above minus that of those that began below."),
-    ];
-    let rows = results.settings.iter().map(|own| {
-        let Settings { n, mean, sd, direction, .. } = own.found;
-        let numbers = [(n as u64).into(), Cell::from(mean), sd.into(), direction.into()];
-        begun(study, own).into_iter().chain(numbers).collect()
-    });
-    Table::new(columns(study, &[PERSON], &last), rows)
+    let direction = "Mean of those that began above minus that of those that began below.";
+    of_people(study, &results.settings)
+        .column("n", "Number of settings.", |own| own.found.n)
+        .column("mean", "Mean of the settings.", |own| own.found.mean)
+        .column("sd", "Standard deviation of the settings.", |own| own.found.sd)
+        .column("direction", direction, |own| own.found.direction)
+        .in_unit(if log { "log10 of the value" } else { "" }, 3)
+        .table()
 }
