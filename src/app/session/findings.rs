@@ -13,70 +13,47 @@ use crate::{
         frames::{FrameTimes, Refresh},
     },
     experiment::{Protocol, task::Layout},
-    store::{check::missing_fonts, dataset::SessionPaths, profile, sidecar::Sidecar, sitting::PreflightNote},
+    store::{
+        check::missing_fonts,
+        profile,
+        sitting::{PreflightNote, Sitting},
+    },
 };
 
 /// Number of positions across an image at which its light is compared with the light of the field.
 const SAMPLES: u32 = 64;
 
-pub struct Findings {
-    pub notes: Vec<PreflightNote>,
-    /// The values that the session needs, or why it cannot run.
-    pub prepared: Result<Prepared, String>,
-}
-
-/// The screen of the previous sitting.
-pub struct PreviousSitting {
-    /// Name and transfer function of the display profile.
-    profile: String,
-    /// Whether this is still the current profile.
-    same_profile: bool,
-    size_px: u32,
-}
-
-impl PreviousSitting {
-    /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known. A sidecar that cannot
-    /// be read is reported when the session begins.
-    pub fn read(request: &Request) -> Option<Self> {
-        let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
-        let sidecar = Sidecar::read(&paths.sidecar).ok()??;
-        let sitting = sidecar.sittings.last()?;
-        let display = sitting.display.as_ref()?;
-        Some(Self {
-            profile: format!("{} ({})", display.name, display.transfer),
-            same_profile: display.sha256 == profile::hash(&request.display),
-            size_px: sitting.viewing.as_ref()?.stimulus_px,
-        })
-    }
-
-    fn note(&self, now_px: u32) -> PreflightNote {
-        let Self { profile, same_profile, size_px } = self;
-        let same = *same_profile && *size_px == now_px;
-        let sentence = match same {
-            true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
-            false => format!(
-                "The previous sitting used the display profile {profile} and a stimulus of {size_px} pixels. Go back \
-                    and restore them, unless you intend to change them."
-            ),
-        };
-        note("same_as_before", same, sentence)
-    }
+/// Compares the display profile and the size of the stimulus with those of the previous sitting; `None` if that is not
+/// known.
+fn same_as_before(before: &Sitting, display: &DisplayProfile, now_px: u32) -> Option<PreflightNote> {
+    let (used, size_px) = (before.display.as_ref()?, before.viewing.as_ref()?.stimulus_px);
+    let same = used.sha256 == profile::hash(display) && size_px == now_px;
+    let sentence = match same {
+        true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
+        false => format!(
+            "The previous sitting used the display profile {} ({}) and a stimulus of {size_px} pixels. Go back and \
+                restore them, unless you intend to change them.",
+            used.name, used.transfer
+        ),
+    };
+    Some(note("same_as_before", same, sentence))
 }
 
 fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
-/// Returns all findings except the steps of light, which do not change. `scale` is in physical pixels per point.
+/// Returns all findings except the steps of light, which do not change, and the values that the session needs, or why it
+/// cannot run. `before` is the previous sitting, if there was one. `scale` is in physical pixels per point.
 pub fn all(
     request: &Request,
-    before: Option<&PreviousSitting>,
+    before: Option<&Sitting>,
     monitor: &Monitor,
     platform: &Platform,
     frames: &FrameTimes,
     window: (u32, u32),
     scale: f64,
-) -> Findings {
+) -> (Vec<PreflightNote>, Result<Prepared, String>) {
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let told_scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
@@ -101,9 +78,9 @@ pub fn all(
     let geometry = geometry(request, monitor, window, scale, &mut notes);
     let prepared = geometry.map(|(viewing, size_px)| Prepared { viewing, size_px, refresh: refresh_found, window });
     if let (Some(before), Ok(now)) = (before, &prepared) {
-        notes.push(before.note(now.size_px));
+        notes.extend(same_as_before(before, &request.display, now.size_px));
     }
-    Findings { notes, prepared }
+    (notes, prepared)
 }
 
 fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> PreflightNote {

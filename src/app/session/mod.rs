@@ -16,3 +16,4 @@ mod unsaved_answer;
 
 pub use request::{Request, needed_px, stimulus_side_px};
 pub use runner::Runner;
+pub use trials::Trials;

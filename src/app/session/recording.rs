@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    path::Path,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
     time::{Duration, SystemTime, UNIX_EPOCH},
@@ -139,11 +138,6 @@ impl Recording {
         }
     }
 
-    /// Returns the path of the file with the rows.
-    pub fn csv(&self) -> &Path {
-        self.store.csv()
-    }
-
     /// Records the end of the sitting in the sidecar; does so only once. Returns the write error, which is also printed
     /// to stderr. If the sidecar cannot be written now, it lacks these details, but no other data are lost.
     pub fn close(&mut self, session: &mut Session, screen: &ScreenRefresh) -> Option<String> {
@@ -162,7 +156,7 @@ impl Recording {
         let errors: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
         // The last resort for an answer that no disk accepts.
         for row in self.store.unsaved() {
-            let place = self.csv().display();
+            let place = self.store.csv().display();
             message("error", &format!("{place}: this row is not on disk; expected it at the end of the file: {row}"));
         }
         errors.iter().for_each(|error| message("error", error));
