@@ -8,7 +8,7 @@ use std::{
 };
 
 use eframe::{
-    CreationContext, EframeWinitApplication, NativeOptions, UserEvent,
+    AppCreator, CreationContext, EframeWinitApplication, NativeOptions, UserEvent,
     egui::{self, Key, ViewportBuilder},
     egui_wgpu::WgpuSetup,
     wgpu::DeviceDescriptor,
@@ -45,8 +45,9 @@ pub fn open<P: Program + 'static>(
         return Err(WindowError::NoDisplay);
     }
     let stamps = Stamps::default();
-    let input = Input::stamped(stamps.clone());
-    run(options(fullscreen), stamps, Shared::new(|cc| Box::new(make(cc, input))))
+    let (program, input) = (Shared::default(), Input::stamped(stamps.clone()));
+    let creator = program.creator(|cc| make(cc, input));
+    run(options(fullscreen), stamps, program, creator)
 }
 
 fn options(fullscreen: bool) -> NativeOptions {
@@ -83,11 +84,16 @@ const MIN_IDLE: Duration = Duration::from_micros(500);
 /// # Errors
 /// [`WindowError::Refused`] with the reason that the window system or the graphics driver gave; [`WindowError::Lost`]
 /// if one of them was lost while the window was open; [`WindowError::Ended`] after a signal.
-fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
+fn run(
+    options: NativeOptions,
+    stamps: Stamps,
+    program: Shared,
+    creator: AppCreator<'static>,
+) -> Result<(), WindowError> {
     let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
     listen_to_log();
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
-    let (failure, creator) = (program.failure().clone(), program.creator());
+    let failure = program.failure.clone();
     signals::watch();
     Failure::catch_panics();
     program.report_at_exit();
@@ -145,7 +151,7 @@ impl<'a> Handler<'a> {
     /// Passes an event to eframe. Once the window or the graphics are lost, or a signal asks the program to end, closes
     /// the session and ends the loop.
     fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
-        let failure = self.program.failure();
+        let failure = &self.program.failure;
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
             failure.report_panic();
         }

@@ -145,34 +145,26 @@ fn file_name(path: &str) -> &str {
 }
 
 /// The program in the window. The event loop can close it when the window no longer can.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Shared {
+    /// `None` until there is a window.
     program: Rc<RefCell<Option<Box<dyn Program>>>>,
-    make: Rc<Cell<Option<Make>>>,
-    failure: Failure,
+    /// Why the window or the graphics failed.
+    pub failure: Failure,
 }
 
-type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
-
 impl Shared {
-    /// Creates the program only once there is a window.
-    pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
-        Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
-    }
-
-    /// Returns the failure of the window or the graphics, which is empty until they fail.
-    pub fn failure(&self) -> &Failure {
-        &self.failure
-    }
-
-    /// Returns a function for eframe that creates the program.
-    pub fn creator(&self) -> AppCreator<'static> {
+    /// Returns a function for eframe that creates the program with `make`, once there is a window.
+    pub fn creator<P: Program + 'static>(
+        &self,
+        make: impl FnOnce(&CreationContext<'_>) -> P + 'static,
+    ) -> AppCreator<'static> {
         let shared = self.clone();
         Box::new(move |cc| {
             shared.failure.watch(cc);
             let ctx = cc.egui_ctx.clone();
             signals::wake(move || ctx.request_repaint());
-            shared.program.replace(shared.make.take().map(|make| make(cc)));
+            shared.program.replace(Some(Box::new(make(cc))));
             Ok(Box::new(shared))
         })
     }
