@@ -24,6 +24,8 @@ pub const LABELS: f32 = 150.0;
 const NUMBER: f32 = 90.0;
 /// Width of a field for a number that can be absent, points.
 const OPTIONAL: f32 = 140.0;
+/// Width of a list of values to choose from, points.
+pub const LIST: f32 = 240.0;
 /// The whole numbers that cannot be 0.
 const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
 /// What is said of an answer without a label.
@@ -39,7 +41,6 @@ pub struct DefinitionForm {
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
     original: String,
-    changed: bool,
     /// The hash of what the definition said when it was opened.
     hash: Option<String>,
     /// The definition as it was when it last had no errors.
@@ -87,7 +88,6 @@ impl DefinitionForm {
             draft,
             kinds: BTreeMap::new(),
             typed: BTreeMap::new(),
-            changed: false,
             hash: None,
             protocol: None,
             revision: 0,
@@ -113,7 +113,7 @@ impl DefinitionForm {
 
     /// Returns whether anything was changed since the definition was opened.
     pub fn is_changed(&self) -> bool {
-        self.changed
+        self.draft.text() != self.original
     }
 
     /// Returns whether the definition now says something else than when it was opened, apart from the plan.
@@ -142,6 +142,12 @@ impl DefinitionForm {
             return Picture::PARAMETERS;
         }
         Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
+    }
+
+    /// Returns the parameters that no factor varies.
+    pub fn free_parameters(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
+        let factors = self.draft.factors();
+        self.parameters().iter().filter(move |parameter| factors.iter().all(|factor| factor != parameter.name))
     }
 
     /// Returns the label of a factor.
@@ -193,7 +199,6 @@ impl DefinitionForm {
 
     fn check(&mut self) {
         self.revision += 1;
-        self.changed = self.draft.text() != self.original;
         match self.draft.check(self.protocol.as_ref()) {
             Ok(protocol) => (self.protocol, self.errors) = (Some(protocol), Vec::new()),
             Err(FileErrors(errors)) => self.errors = errors,
@@ -274,6 +279,24 @@ impl DefinitionForm {
     pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
         let default = default.to_string();
         self.field(label, key, &default, Typed::Value, about, |field, text| field.width(NUMBER).text(ui, text));
+    }
+
+    /// Draws a list of values to choose from, with the errors of the chosen one; returns a value that was just chosen.
+    /// `title` is what the list shows of a value.
+    pub fn choice<'n>(
+        &mut self,
+        ui: &mut Ui,
+        [label, key, default, about]: [&str; 4],
+        names: impl IntoIterator<Item = &'n str>,
+        title: impl Fn(&str) -> String,
+    ) -> Option<String> {
+        self.name(key, label);
+        let (before, error) = (self.value(key, default), self.error(key));
+        let mut chosen = before.clone();
+        let names: Vec<String> = names.into_iter().map(ToOwned::to_owned).collect();
+        let field = Field::new(label).column(LABELS).error(&error).width(LIST);
+        field.choice(ui, &mut chosen, &names, |name| title(name)).on_hover_text(about);
+        (chosen != before).then_some(chosen)
     }
 
     /// Draws a field for a list of numbers, with its errors; a long list wraps. An empty one is removed; `absent` says

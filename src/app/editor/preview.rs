@@ -15,6 +15,7 @@ use crate::{
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
+    stimulus::Stimulus,
     work,
 };
 
@@ -32,12 +33,10 @@ const MAX_TRIALS: usize = 2000;
 
 #[derive(Default)]
 pub struct Preview {
-    /// The revision of the form, and the side of a stimulus in pixels.
-    of: Option<(u64, u32)>,
+    /// The revision of the form to which the trial belongs.
+    of: Option<u64>,
     trial: Option<Presentation>,
-    /// The first revision with these stimuli, and their side in pixels.
-    pictured: (u64, u32),
-    drawn: Drawn<(u64, u32)>,
+    drawn: Drawn<(Vec<Stimulus>, u32)>,
     pilot: Pilot,
 }
 
@@ -73,17 +72,12 @@ impl Preview {
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
         let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
         let side = side.clamp(16.0, SIDE);
-        let key = (revision, (side * ui.ctx().pixels_per_point()).round() as u32);
-        if self.of != Some(key) {
-            let trial = first_trial(protocol);
-            let is_drawn = self.trial.iter().zip(&trial).any(|(old, new)| old.stimuli == new.stimuli);
-            if !is_drawn || self.pictured.1 != key.1 {
-                self.pictured = key;
-            }
-            (self.of, self.trial) = (Some(key), trial);
+        if self.of != Some(revision) {
+            (self.of, self.trial) = (Some(revision), first_trial(protocol));
         }
         let Some(trial) = &self.trial else { return };
-        let drawn = self.drawn.get(ui.ctx(), self.pictured, self.pictured.1, || trial.stimuli.clone());
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        let drawn = self.drawn.get(ui.ctx(), (trial.stimuli.clone(), px), px, || trial.stimuli.clone());
         ui::section(ui, format!("One trial{when}"));
         let light = protocol.stimulus.field_light(protocol.recovery.level);
         let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), light);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
 
-use super::form::{DefinitionForm, LABELS};
+use super::form::{DefinitionForm, LABELS, LIST};
 use crate::{
     app::ui::{
         self, Field, parameter,
@@ -21,8 +21,6 @@ use crate::{
 /// Smallest size of the card of a task, and the side of its icon, points.
 const CARD: Vec2 = vec2(112.0, 104.0);
 const PICTOGRAM: f32 = 28.0;
-/// Width of a list, and of the fields of a reference, points.
-const LIST: f32 = 200.0;
 /// What a list shows if there is no value.
 const NONE: &str = "none";
 /// Side of a picture that shows whether a parameter changes anything, pixels.
@@ -121,21 +119,16 @@ fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Res
 /// Draws how levels are chosen.
 fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Method");
-    let before = if form.draft().keys("adaptive").is_empty() {
-        NONE.to_owned()
-    } else {
-        form.value("adaptive.method", Method::default().name())
-    };
-    let mut chosen = before.clone();
-    let all: Vec<String> = [NONE].iter().chain(Method::NAMES).map(|name| (*name).to_owned()).collect();
-    let error = form.error("adaptive.method");
-    let field = Field::new("Levels chosen by").column(LABELS).error(&error).width(LIST);
-    let title = |name: &String| match name.as_str() {
+    let title = |name: &str| match name {
         NONE => "The factors alone".to_owned(),
         name => capitalized(&parameter::method(name)),
     };
-    field.choice(ui, &mut chosen, &all, title);
-    if chosen != before {
+    let default = |form: &DefinitionForm| match form.draft().keys("adaptive").as_slice() {
+        [] => NONE,
+        _ => Method::default().name(),
+    };
+    let field = ["Levels chosen by", "adaptive.method", default(form), "How the level of each trial is found."];
+    if let Some(chosen) = form.choice(ui, field, [NONE].into_iter().chain(Method::NAMES.iter().copied()), title) {
         let method = (chosen != NONE).then_some(chosen.as_str());
         let found = varied(form).filter(|_| form.draft().get("adaptive.parameter").is_none());
         form.rebuild(|draft| {
@@ -146,6 +139,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
             }
         });
     }
+    let chosen = form.value("adaptive.method", default(form));
     let about = Method::NAMES.iter().position(|name| *name == chosen).map(|index| Method::ABOUT[index].trim());
     ui::hint(ui, about.unwrap_or("Every combination of the factors' levels is shown equally often."));
     if chosen == NONE {
@@ -161,15 +155,13 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
 
 /// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.
 fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
-    let factors = form.draft().factors();
     let numbers = |parameter: &Parameter| {
         let mut numbers: Vec<f64> = parameter.levels_hint.iter().filter_map(|level| level.parse().ok()).collect();
         numbers.retain(|number| *number > 0.0);
         numbers.sort_by(f64::total_cmp);
         numbers
     };
-    let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
-    let found: Vec<_> = free.map(|parameter| (parameter.name, numbers(parameter))).collect();
+    let found: Vec<_> = form.free_parameters().map(|parameter| (parameter.name, numbers(parameter))).collect();
     let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
     let with =
@@ -260,19 +252,15 @@ fn control(
                 form.edit(|draft| draft.set_flag(key, flag));
             }
         }
-        OptionValue::OneOf(names) => {
-            let names = names.iter().map(|name| (*name).to_owned()).collect();
-            list(form, ui, option, [key, owner], names, &default);
-        }
+        OptionValue::OneOf(names) => list(form, ui, option, [key, owner], names.to_vec(), &default),
         OptionValue::Parameter(optional) => {
-            let factors = form.draft().factors();
-            let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|name| name == parameter.name));
-            let none = optional.then(|| NONE.to_owned());
-            let names = none.into_iter().chain(free.map(|parameter| parameter.name.to_owned())).collect();
+            let free = form.free_parameters().map(|parameter| parameter.name);
+            let names = optional.then_some(NONE).into_iter().chain(free).collect();
             list(form, ui, option, [key, owner], names, if optional { NONE } else { "" });
         }
         OptionValue::Factor => {
-            let names = std::iter::once(NONE.to_owned()).chain(form.draft().factors()).collect();
+            let factors = form.draft().factors();
+            let names = [NONE].into_iter().chain(factors.iter().map(String::as_str)).collect();
             list(form, ui, option, [key, owner], names, NONE);
         }
         OptionValue::Settings => settings(form, ui, option, key),
@@ -284,18 +272,14 @@ fn list(
     ui: &mut Ui,
     option: &TaskOption,
     [key, owner]: [&str; 2],
-    names: Vec<String>,
+    names: Vec<&str>,
     default: &str,
 ) {
-    let before = form.value(key, default);
-    let (mut chosen, error) = (before.clone(), form.error(key));
-    let field = Field::new(option.label).column(LABELS).error(&error).width(LIST);
-    field.choice(ui, &mut chosen, &names, |name| form.factor(name)).on_hover_text(option.about);
-    if chosen == before {
-    } else if chosen == NONE {
-        form.rebuild(|draft| draft.remove(owner));
-    } else {
-        form.type_value(key, &chosen, Typed::Value);
+    let (parameters, field) = (form.parameters(), [option.label, key, default, option.about]);
+    match form.choice(ui, field, names, |name| parameter::label(parameters, name)).as_deref() {
+        None => {}
+        Some(NONE) => form.rebuild(|draft| draft.remove(owner)),
+        Some(chosen) => form.type_value(key, chosen, Typed::Value),
     }
 }
 
@@ -325,9 +309,8 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
             form.type_value(&inner, &text, Typed::Value);
         }
     }
-    let factors = form.draft().factors();
-    let free: Vec<String> = form.parameters().iter().map(|parameter| parameter.name.to_owned()).collect();
-    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name) && !factors.contains(name)).collect();
+    let free = form.free_parameters().map(|parameter| parameter.name.to_owned());
+    let free: Vec<String> = free.filter(|name| !names.contains(name)).collect();
     let (mut chosen, mut error) = (String::new(), form.own_error(key));
     if names.is_empty() && !error.is_empty() {
         let first = if free.is_empty() { "Remove a factor, then choose" } else { "Choose" };
