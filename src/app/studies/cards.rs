@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
-    actions::open_file,
+    actions::open,
     grid::{self, Cell},
     page::{Destination, Now, Open, Studies},
 };
@@ -16,7 +16,7 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::{MachBand, ParameterValue, Stimulus},
-    store::{definition, session::overview::SessionState},
+    store::definition,
 };
 
 /// Side of the example image, physical pixels.
@@ -65,7 +65,7 @@ impl Studies {
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
         let is_low = ui.available_height() < ROOM_FOR_DETAIL;
         panel.show(ui, |ui| {
-            for error in &self.sessions.all.errors {
+            for error in self.sessions.errors() {
                 ui::show_error(ui, error.lines().next().unwrap_or_default());
             }
             if let Some(error) = &self.error
@@ -80,7 +80,7 @@ impl Studies {
             }
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
-            } else if self.sessions.all.errors.is_empty() {
+            } else if self.sessions.errors().is_empty() {
                 ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
                 ui.add_space(theme::SMALL_GAP);
             }
@@ -91,8 +91,7 @@ impl Studies {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
-                        let is_filled_in = self.form.participant == cell.subject && self.form.session == cell.session;
-                        let enter = match (cell.has_keys(ui), is_filled_in) {
+                        let enter = match (cell.has_keys(ui), self.form.cell == *cell) {
                             (false, _) => "",
                             (true, true) => " Enter begins it.",
                             (true, false) => " Enter opens New session for it.",
@@ -100,28 +99,15 @@ impl Studies {
                         ui::hint(ui, format!("Not begun.{enter}"));
                         return;
                     };
-                    if !session.is_readable {
-                        Icon::Warn.show(ui, ink(ui).bad);
-                        ui.label(RichText::new("Its files cannot be read.").small().color(ink(ui).bad));
-                        return;
-                    }
-                    let SessionState { rated, planned, complete, .. } = session;
-                    let (icon, color, note) = match complete {
-                        true if session.is_damaged() => {
-                            (Icon::Warn, ink(ui).bad, "; it was finished, so check its file")
-                        }
-                        true => (Icon::Done, ink(ui).text, ""),
-                        false => (Icon::Part, ink(ui).warn, ""),
-                    };
+                    let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));
                     icon.show(ui, color);
-                    let text =
-                        format!("{rated} of {planned} trials (with practice), last used on {}{note}", session.day());
-                    ui.label(RichText::new(text).small().color(color));
-                    if !complete && action(ui, Icon::Resume, "Resume").clicked() {
+                    let day = if session.is_readable { format!(" (last used on {})", session.day()) } else { String::new() };
+                    ui.label(RichText::new(told + &day).small().color(color));
+                    if !session.complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
                     }
                     if ui.button("Open the file").clicked() {
-                        open_file(ui, session);
+                        open(ui, &session.csv);
                     }
                     if session.is_empty() && ui.button("Remove…").clicked() {
                         self.open = Some(Open::Removal(Box::new(session.clone())));
@@ -190,7 +176,7 @@ impl Studies {
                 ui::hint(ui, format!("The definition does not plan a number of participants{find}."));
             }
         });
-        let found = self.found.clone().filter(|found| found.folder == self.folder());
+        let found = Some(self.found.clone()).filter(|found| found.folder == self.folder());
         card(ui, &mut |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Check").strong().size(SECTION));

@@ -7,6 +7,7 @@ use std::{
 
 use eframe::egui::Ui;
 
+use super::grid::Cell;
 use crate::{
     app::{
         session::{Request, needed_px, stimulus_side_px},
@@ -36,10 +37,8 @@ pub fn labels(ui: &Ui) -> f32 {
 pub struct SessionForm {
     /// Name of a built-in definition, or path of a file.
     pub experiment: String,
-    /// Participant ID.
-    pub participant: String,
-    /// Session ID.
-    pub session: String,
+    /// Participant ID and session ID.
+    pub cell: Cell,
     /// Fields for the screen and the viewing distance.
     pub screen: ScreenFields,
     /// Whether to run the experiment in gray, for participants with a color vision deficiency.
@@ -113,8 +112,7 @@ impl Default for SessionForm {
     fn default() -> Self {
         Self {
             experiment: definition::BUILT_IN[0].name.to_owned(),
-            participant: String::new(),
-            session: "1".to_owned(),
+            cell: Cell::first(""),
             screen: ScreenFields::default(),
             gray: false,
             results: "results".to_owned(),
@@ -132,9 +130,9 @@ impl SessionForm {
         if self.screen.distance_cm.is_empty() {
             self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
         }
-        if self.participant.is_empty() {
+        if self.cell.subject.is_empty() {
             // If the folder cannot be read, the check says so.
-            self.participant = free_participant(&self.results(), &protocol).unwrap_or_default();
+            self.cell.subject = free_participant(&self.results(), &protocol).unwrap_or_default();
         }
     }
 
@@ -147,13 +145,13 @@ impl SessionForm {
         let mut errors = BTreeMap::new();
         let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
-        if let Err(error) = Identity::check_subject(&self.participant) {
+        if let Err(error) = Identity::check_subject(&self.cell.subject) {
             errors.insert(SessionField::Participant, error.to_string());
         }
-        if let Err(error) = Identity::check_session(&self.session) {
+        if let Err(error) = Identity::check_session(&self.cell.session) {
             errors.insert(SessionField::Session, error.to_string());
         }
-        let identity = Identity::new(&self.participant, &self.session).ok();
+        let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
         if let Some(error) = results_error(&results) {
             errors.insert(SessionField::Results, error);
@@ -161,7 +159,7 @@ impl SessionForm {
         let mut resume = false;
         if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
             errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
-            if self.participant.is_empty() {
+            if self.cell.subject.is_empty() {
                 // It could not be suggested, for that reason.
                 errors.remove(&SessionField::Participant);
             }

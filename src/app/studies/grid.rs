@@ -1,7 +1,7 @@
 //! The participants of a study and their sessions, as a grid.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeSet,
     path::{Path, PathBuf},
 };
 
@@ -13,10 +13,10 @@ use eframe::egui::{
 use crate::{
     app::ui::{
         describe,
-        theme::{CONTROL, GAP, ICON, Icon, ROW, ink},
+        theme::{CONTROL, GAP, ICON, Icon, Ink, ROW, ink},
         work::Latest,
     },
-    experiment::Plan,
+    experiment::{Identity, Plan},
     store::session::overview::{Overview, SessionState},
     text::names::natural,
 };
@@ -36,11 +36,8 @@ const PAGE: isize = 10;
 pub struct Sessions {
     /// Increased to read the folder again.
     edition: u64,
+    /// What was read last stays until the folder has been read again.
     read: Latest<(PathBuf, u64), Overview>,
-    /// What was read last; it stays until the folder has been read again.
-    pub all: Overview,
-    /// How many people took part in each experiment.
-    people: BTreeMap<String, usize>,
 }
 
 impl Sessions {
@@ -51,31 +48,29 @@ impl Sessions {
 
     /// Updates what is known about the folder.
     pub fn update(&mut self, ui: &Ui, results: &Path) {
-        let key = (results.to_owned(), self.edition);
-        self.read.want(ui.ctx(), key.clone(), || {
+        self.read.want(ui.ctx(), (results.to_owned(), self.edition), || {
             let results = results.to_owned();
             move || Ok(Overview::of(&results))
         });
-        if let Some(Ok(read)) = self.read.get(&key)
-            && self.all != *read
-        {
-            self.all.clone_from(read);
-            let mut people: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
-            for session in &self.all.sessions {
-                people.entry(session.experiment.clone()).or_default().insert(session.identity.subject());
-            }
-            self.people = people.into_iter().map(|(name, people)| (name, people.len())).collect();
-        }
+    }
+
+    fn all(&self) -> Option<&Overview> {
+        self.read.last()?.as_ref().ok()
+    }
+
+    /// Returns the errors of sessions and folders that cannot be read.
+    pub fn errors(&self) -> &[String] {
+        self.all().map_or(&[], |all| &all.errors)
     }
 
     /// Returns the sessions of an experiment.
     pub fn of<'a>(&'a self, experiment: &'a str) -> impl Iterator<Item = &'a SessionState> {
-        self.all.sessions.iter().filter(move |session| session.experiment == experiment)
+        self.all().into_iter().flat_map(|all| &all.sessions).filter(move |session| session.experiment == experiment)
     }
 
     /// Returns how many people took part in an experiment.
     pub fn participants(&self, experiment: &str) -> usize {
-        self.people.get(experiment).copied().unwrap_or_default()
+        self.of(experiment).map(|session| session.identity.subject()).collect::<BTreeSet<_>>().len()
     }
 }
 
@@ -87,8 +82,13 @@ pub struct Cell {
 }
 
 impl Cell {
-    pub fn of(session: &SessionState) -> Self {
-        Self { subject: session.identity.subject().to_owned(), session: session.identity.session().to_owned() }
+    pub fn of(identity: &Identity) -> Self {
+        Self { subject: identity.subject().to_owned(), session: identity.session().to_owned() }
+    }
+
+    /// Returns the first session of a participant.
+    pub fn first(subject: &str) -> Self {
+        Self { subject: subject.to_owned(), session: "1".to_owned() }
     }
 
     pub fn title(&self) -> String {
@@ -116,14 +116,6 @@ pub enum Chosen {
     Entered(Cell),
     /// The selected session is to be removed.
     Removed(Cell),
-}
-
-/// The state of a cell.
-enum State<'a> {
-    Recorded(&'a SessionState),
-    /// The next session of the plan.
-    Next,
-    Planned,
 }
 
 /// The grid of a study.
@@ -162,17 +154,6 @@ impl<'a> Grid<'a> {
         }
         subjects[before..].sort_by(|a, b| natural(a, b));
         Self { sessions, subjects, columns, next, wrong }
-    }
-
-    fn state(&self, cell: &Cell) -> State<'a> {
-        let is_here = |session: &&&SessionState| {
-            session.identity.subject() == cell.subject && session.identity.session() == cell.session
-        };
-        match self.sessions.iter().find(is_here) {
-            Some(session) => State::Recorded(session),
-            None if *cell == self.next => State::Next,
-            None => State::Planned,
-        }
     }
 
     /// Returns what a key does in the grid.
@@ -289,35 +270,27 @@ impl<'a> Grid<'a> {
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
         let ink = ink(ui);
-        let (icon, text, color, said) = match self.state(cell) {
-            State::Recorded(session) if self.wrong.contains(&session.csv) => {
-                (Icon::Warn, session.rated.to_string(), ink.bad, "check failed".to_owned())
-            }
-            State::Recorded(session) if !session.is_readable => {
-                (Icon::Warn, "unreadable".to_owned(), ink.bad, "cannot be read".to_owned())
-            }
-            State::Recorded(session) if session.is_damaged() => {
-                let SessionState { rated, planned, .. } = session;
-                let said = format!("was finished, but only {rated} of {planned} trials are left");
-                (Icon::Warn, format!("{rated} of {planned}"), ink.bad, said)
-            }
-            State::Recorded(session) if session.complete => {
-                (Icon::Done, session.rated.to_string(), ink.text, format!("finished, {} trials", session.rated))
-            }
-            State::Recorded(session) => {
-                let SessionState { rated, planned, .. } = session;
-                let said = format!("unfinished, {rated} of {planned} trials");
-                (Icon::Part, format!("{rated} of {planned}"), ink.warn, said)
-            }
-            State::Next => (Icon::Play, "next".to_owned(), ink.text, "next".to_owned()),
-            State::Planned => (Icon::None, String::new(), ink.off, "not begun".to_owned()),
+        let is_here = |session: &&&SessionState| {
+            session.identity.subject() == cell.subject && session.identity.session() == cell.session
+        };
+        let session = self.sessions.iter().find(is_here);
+        let is_next = session.is_none() && *cell == self.next;
+        let (icon, color, said) = match session {
+            Some(session) => told(session, self.wrong, ink),
+            None if is_next => (Icon::Play, ink.text, "next".to_owned()),
+            None => (Icon::None, ink.off, "not begun".to_owned()),
+        };
+        let text = match session {
+            Some(session) if !session.is_readable => "unreadable".to_owned(),
+            Some(SessionState { rated, planned, .. }) if rated < planned => format!("{rated} of {planned}"),
+            Some(session) => session.rated.to_string(),
+            None => if is_next { "next" } else { "" }.to_owned(),
         };
         let name = format!("{}: {said}", cell.title());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, &name));
         if ui.is_rect_visible(rect) {
             let painter = ui.painter();
-            let is_recorded = matches!(self.state(cell), State::Recorded(_));
-            let fill = match (is_selected, response.hovered(), is_recorded) {
+            let fill = match (is_selected, response.hovered(), session.is_some()) {
                 (true, ..) => ink.raised,
                 (_, true, _) => ink.hover,
                 (.., true) => ink.card,
@@ -325,25 +298,20 @@ impl<'a> Grid<'a> {
             };
             painter.rect_filled(rect, 4.0, fill);
             let outline = rect.shrink(0.5);
-            match self.state(cell) {
-                _ if is_selected => {
-                    let ring = if ring == Some(true) { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
-                    _ = painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
-                }
-                State::Recorded(_) => {}
-                State::Next => {
-                    let corners = [
-                        outline.left_top(),
-                        outline.right_top(),
-                        outline.right_bottom(),
-                        outline.left_bottom(),
-                        outline.left_top(),
-                    ];
-                    painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
-                }
-                State::Planned => {
-                    _ = painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
-                }
+            if let Some(has_keys) = ring {
+                let ring = if has_keys { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
+                painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
+            } else if is_next {
+                let corners = [
+                    outline.left_top(),
+                    outline.right_top(),
+                    outline.right_bottom(),
+                    outline.left_bottom(),
+                    outline.left_top(),
+                ];
+                painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
+            } else if session.is_none() {
+                painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
             }
             let square =
                 Rect::from_min_size(egui::pos2(rect.left() + GAP, rect.center().y - ICON / 2.0), Vec2::splat(ICON));
@@ -360,6 +328,20 @@ impl<'a> Grid<'a> {
             response.request_focus();
             Chosen::Selected(cell.clone())
         })
+    }
+}
+
+/// Returns the sign of a session, its color, and its state in words. In the data files in `wrong`, a check found errors.
+pub fn told(session: &SessionState, wrong: &BTreeSet<PathBuf>, ink: &Ink) -> (Icon, Color32, String) {
+    let SessionState { csv, rated, planned, complete, is_readable, .. } = session;
+    match complete {
+        _ if wrong.contains(csv) => (Icon::Warn, ink.bad, "check failed".to_owned()),
+        _ if !is_readable => (Icon::Warn, ink.bad, "cannot be read".to_owned()),
+        true if session.is_damaged() => {
+            (Icon::Warn, ink.bad, format!("was finished, but only {rated} of {planned} trials are left"))
+        }
+        true => (Icon::Done, ink.text, format!("finished, {rated} trials")),
+        false => (Icon::Part, ink.warn, format!("unfinished, {rated} of {planned} trials")),
     }
 }
 

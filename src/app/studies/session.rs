@@ -74,9 +74,8 @@ impl Studies {
         if checked.is_wrong(SessionField::Experiment) {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
         }
-        let SessionForm { participant, session, screen, .. } = &mut self.form;
-        let first =
-            checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, participant);
+        let SessionForm { cell: Cell { subject, session }, screen, .. } = &mut self.form;
+        let first = checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, subject);
         if std::mem::take(&mut self.opening) {
             first.request_focus();
         }
@@ -238,8 +237,7 @@ impl Studies {
     /// form.
     pub(super) fn resume(&mut self, ui: &Ui, session: &SessionState, now: &mut Now<'_>) -> Option<Destination> {
         let identity = &session.identity;
-        self.form.participant = identity.subject().to_owned();
-        self.form.session = identity.session().to_owned();
+        self.form.cell = Cell::of(identity);
         self.error = None;
         let Some(display) = &now.checked.display else {
             self.error = Some("The display profile cannot be read. Correct it, then resume the session.".to_owned());
@@ -261,8 +259,7 @@ impl Studies {
 
     pub(super) fn begin(&mut self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
         request.windowed = !settings.full_screen;
-        let (subject, session) = (request.identity.subject().to_owned(), request.identity.session().to_owned());
-        self.selected = Some(Cell { subject, session });
+        self.selected = Some(Cell::of(&request.identity));
         if settings.full_screen {
             // Choosing a monitor makes the window full screen there.
             ui.ctx().send_viewport_cmd(match self.monitor_choice {
