@@ -33,6 +33,7 @@ const EMPTY_LABEL: &str = "the label is empty";
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
+#[derive(Default)]
 pub struct DefinitionForm {
     draft: Draft,
     /// The drafts with other kinds of stimuli, as they were left, by the kind.
@@ -83,20 +84,7 @@ impl DefinitionForm {
                 draft.set_flag("session.own_means", false);
             }
         }
-        let mut form = Self {
-            original: draft.text(),
-            draft,
-            kinds: BTreeMap::new(),
-            typed: BTreeMap::new(),
-            hash: None,
-            protocol: None,
-            revision: 0,
-            errors: Vec::new(),
-            shown: BTreeSet::new(),
-            labels: BTreeMap::new(),
-            pictures: Dialog::default(),
-            added: None,
-        };
+        let mut form = Self { original: draft.text(), draft, ..Self::default() };
         form.check();
         form.hash = form.protocol.as_ref().map(definition::hash);
         Ok(form)
@@ -153,11 +141,6 @@ impl DefinitionForm {
     /// Returns the label of a factor.
     pub fn factor(&self, name: &str) -> String {
         parameter::label(self.parameters(), name)
-    }
-
-    /// Returns whether the stimulus is to be pictures, which are not chosen yet.
-    pub fn lacks_pictures(&self) -> bool {
-        self.value("stimulus.kind", "") == Picture::KIND && self.value("stimulus.files", "").trim().is_empty()
     }
 
     /// Returns the errors that this frame has not shown next to a field.
@@ -267,11 +250,11 @@ impl DefinitionForm {
         self.field(label, key, default, Typed::Text, about, |field, text| field.width(width).text(ui, text));
     }
 
-    /// Draws a field for text of several lines, with its errors.
+    /// Draws a field for text that may have several lines, with its errors.
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
         self.field(label, key, default, Typed::Text, about, |field, text| {
-            field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width))
+            field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).desired_width(width))
         });
     }
 

@@ -31,6 +31,7 @@ pub struct Saved {
 }
 
 /// A definition, or a copy of one, while it is edited.
+#[derive(Default)]
 pub struct Editor {
     /// The definition that is edited or copied, as it was named.
     of: String,
@@ -49,8 +50,6 @@ pub struct Editor {
     fonts: TextFonts,
     /// The part of the form to scroll to.
     wanted: Option<usize>,
-    /// Whether no frame was drawn yet, so that the form begins at its top.
-    is_new: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
@@ -73,14 +72,7 @@ impl Editor {
             before: (definition::text(path)?.into_owned(), form.draft().get("name")),
             form,
             folder: folder.display().to_string(),
-            dialog: Dialog::default(),
-            error: String::new(),
-            preview: Preview::default(),
-            thumbnails: Thumbnails::default(),
-            fonts: TextFonts::default(),
-            wanted: None,
-            is_new: true,
-            leaving: false,
+            ..Self::default()
         })
     }
 
@@ -146,10 +138,9 @@ impl Editor {
         Step::back_if(self.leaving && self.discards(ui.ctx()))
     }
 
-    /// Returns the scrolling room of the form, which begins at its top for each definition.
-    fn scrolled(&mut self) -> ScrollArea {
-        let area = ScrollArea::vertical().auto_shrink(false);
-        if std::mem::take(&mut self.is_new) { area.vertical_scroll_offset(0.0) } else { area }
+    /// Returns the scrolling room of the form. It begins at its top for each definition.
+    fn scrolled(&self) -> ScrollArea {
+        ScrollArea::vertical().id_salt(&self.of).auto_shrink(false)
     }
 
     fn fields(&mut self, ui: &mut Ui) {
@@ -192,7 +183,6 @@ impl Editor {
             match form.errors() {
                 [] if is_frozen => ui::note(ui, "Only the plan may change while there are sessions."),
                 [] => ui::hint(ui, format!("as {}", path.display())),
-                _ if form.lacks_pictures() => ui::hint(ui, "Choose the pictures first."),
                 [first, ..] => {
                     let count = count(form.errors().len() as u64, "error");
                     ui::show_error(ui, format!("{count}, first in {}.", form.label(first)));

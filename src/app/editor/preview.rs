@@ -11,7 +11,7 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     experiment::{
-        Course, Definition, Identity, Phase, Protocol, Schedule,
+        Course, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
@@ -43,10 +43,8 @@ pub struct Preview {
 /// The answers of a simulated observer.
 #[derive(Default)]
 struct Pilot {
-    /// The revision of the form.
-    revision: u64,
-    /// The definition without its title, and when it appeared, seconds.
-    of: Option<(Definition, f64)>,
+    /// The definition, and when it appeared, seconds.
+    of: Option<(Protocol, f64)>,
     running: Option<BackgroundTask<Result<Option<OwnPlot>, String>>>,
     /// The last result, and whether it belongs to this definition.
     plot: Option<Result<Option<OwnPlot>, String>>,
@@ -62,7 +60,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot.show(ui, protocol, revision, when);
+            self.pilot.show(ui, protocol, when);
         }
     }
 
@@ -118,14 +116,11 @@ impl Preview {
 
 impl Pilot {
     /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
-    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
+    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
         let now = ui.input(|input| input.time);
-        if std::mem::replace(&mut self.revision, revision) != revision {
-            let definition = Definition { title: String::new(), ..Definition::clone(protocol) };
-            if self.of.as_ref().is_none_or(|(of, _)| *of != definition) {
-                // The former observer stops.
-                (self.of, self.running, self.is_done) = (Some((definition, now)), None, false);
-            }
+        if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
+            // The former observer stops.
+            (self.of, self.running, self.is_done) = (Some((protocol.clone(), now)), None, false);
         }
         let since = self.of.as_ref().map_or(now, |(_, since)| *since);
         if let Some(running) = &self.running {

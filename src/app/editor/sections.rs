@@ -19,9 +19,6 @@ use crate::{
     store::draft::Typed,
 };
 
-/// A default text longer than this gets a field of several lines, bytes.
-const LONG: usize = 70;
-
 /// Draws a part of the form.
 type Part = fn(&mut DefinitionForm, &mut Ui);
 
@@ -97,18 +94,8 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
-    let about = "A folder beside the definition, a slash, and a name in which * stands for any letters.";
-    if form.lacks_pictures() {
-        // Nothing was chosen yet, so nothing is wrong.
-        form.error("stimulus");
-        let mut files = String::new();
-        let field = Field::new("Files").column(LABELS).slot().hint("pictures/*.png").text(ui, &mut files);
-        if field.on_hover_text(about).changed() {
-            form.type_value("stimulus.files", &files, Typed::Text);
-        }
-    } else {
-        form.text(ui, "Files", "stimulus.files", "", about);
-    }
+    let about = "A folder beside the definition, a slash, and a name in which * stands for any letters: pictures/*.png";
+    form.text(ui, "Files", "stimulus.files", "", about);
     Field::new("").column(LABELS).show(ui, |ui, _| {
         let mut folder = String::new();
         if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
@@ -129,9 +116,7 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
             "Choose PNG files: opaque, with 8 or 16 bits. A table pictures.csv beside them gives them levels of factors.",
         );
     }
-    if !form.lacks_pictures() {
-        ui::text::errors(ui, &form.own_error("stimulus"));
-    }
+    ui::text::errors(ui, &form.own_error("stimulus"));
     let shown = "Display: the file's light. Codes: the file's codes, whatever the display.";
     let size = "Pixels: one for one. Degrees: the longer side fills the stimulus window.";
     for (label, key, names, about) in
@@ -436,11 +421,7 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
         for [name, about, default] in Texts::ALL {
             let label = capitalized(&name.replace('_', " "));
             let key = format!("instructions.{name}");
-            if default.len() > LONG {
-                form.lines(ui, &label, &key, default, about.trim());
-            } else {
-                form.text(ui, &label, &key, default, about.trim());
-            }
+            form.lines(ui, &label, &key, default, about.trim());
         }
     });
 }

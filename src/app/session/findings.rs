@@ -5,18 +5,18 @@ use std::collections::BTreeSet;
 
 use eframe::egui;
 
-use super::request::{Prepared, Request, has_slider, needed_px, stimulus_side_px};
+use super::request::{Prepared, Request, room, stimulus_side_px};
 use crate::{
     app::ui::{Monitor, platform::Platform, today},
     display::{
         DisplayProfile, Screen, Viewing,
         frames::{FrameTimes, Refresh},
     },
-    experiment::{Protocol, task::Layout},
+    experiment::Protocol,
     store::{
         check::missing_fonts,
         profile,
-        sitting::{PreflightNote, Sitting},
+        sitting::{Geometry, PreflightNote, Sitting},
     },
 };
 
@@ -76,9 +76,9 @@ pub fn all(
     notes.extend(path_to_the_screen(platform));
     notes.extend(display_profile(&request.display, monitor, platform));
     let geometry = geometry(request, monitor, window, scale, &mut notes);
-    let prepared = geometry.map(|(viewing, size_px)| Prepared { viewing, size_px, refresh: refresh_found, window });
+    let prepared = geometry.map(|geometry| Prepared { geometry, refresh: refresh_found });
     if let (Some(before), Ok(now)) = (before, &prepared) {
-        notes.extend(same_as_before(before, &request.display, now.size_px));
+        notes.extend(same_as_before(before, &request.display, now.geometry.stimulus_px));
     }
     (notes, prepared)
 }
@@ -180,14 +180,14 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// Returns the viewing geometry, and the side of the stimulus in physical pixels, or why the stimulus cannot be shown.
+/// Returns the viewing geometry, or why the stimulus cannot be shown.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
-    (width, height): (u32, u32),
+    window: (u32, u32),
     px_per_point: f64,
     notes: &mut Vec<PreflightNote>,
-) -> Result<(Viewing, u32), String> {
+) -> Result<Geometry, String> {
     let known_cm = request.screen_width_cm.or(request.display.screen_width_cm);
     let width_cm = known_cm.unwrap_or_else(|| monitor.assumed_width_cm());
     let viewing = Screen::new(monitor.width_px, monitor.height_px, width_cm)
@@ -213,24 +213,19 @@ fn geometry(
     let deg = request.protocol.viewing.window_deg;
     let size_px = stimulus_side_px(&viewing, &request.protocol);
     notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
-    let layout = request.protocol.task.layout();
-    let [wide, high] = needed_px(&request.protocol, size_px, px_per_point);
-    let fits = wide <= width && high <= height;
-    let stimuli = match layout {
-        Layout::Places(count) => format!("The {count} stimuli of {deg}° side by side"),
-        _ if has_slider(&request.protocol) => format!("The {deg}° stimulus with its slider"),
-        Layout::Single | Layout::Intervals { .. } => format!("The {deg}° stimulus"),
-    };
-    let verb = |one: &str, several: &str| if layout.grid() == [1, 1] { one.to_owned() } else { several.to_owned() };
-    let sentence = match fits {
-        true => format!("{stimuli} {} {wide} × {high} pixels and {}.", verb("is", "are"), verb("fits", "fit")),
-        false => format!(
-            "{stimuli} {} {wide} × {high} pixels; the window has {width} × {height}. Sit closer, or use a larger screen.",
-            verb("needs", "need")
-        ),
-    };
-    notes.push(note("stimulus_fits", fits, &sentence));
-    if fits { Ok((viewing, size_px)) } else { Err(sentence) }
+    let room = room(&request.protocol, size_px, px_per_point, "window", window.into());
+    let room = room.map_err(|error| error + " Sit closer, or use a larger screen.");
+    notes.push(note("stimulus_fits", room.is_ok(), room.as_ref().unwrap_or_else(|error| error)));
+    room.map(|_| Geometry {
+        distance_cm: distance,
+        screen_width_cm: width_cm,
+        screen_width_measured: known_cm.is_some(),
+        pixels_per_degree: per_degree,
+        stimulus_px: size_px,
+        stimulus_deg: viewing.deg_from_px(f64::from(size_px)),
+        window_px: window.into(),
+        windowed: request.windowed,
+    })
 }
 
 /// Reports the characters of the participant's texts that no font has; `None` if every character has one. They would be

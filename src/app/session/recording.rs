@@ -28,7 +28,7 @@ use crate::{
         frames::FrameRow,
         image,
         session::SessionStore,
-        sitting::{Geometry, Pictures, PreflightNote, Sitting, UsedDisplay},
+        sitting::{Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
 };
@@ -64,9 +64,9 @@ impl Recording {
             started_at: now().to_string(),
             display: Some(used),
             monitor: Some(monitor.clone()),
-            viewing: Some(viewing(request, prepared)),
+            viewing: Some(prepared.geometry.clone()),
             preflight: notes,
-            pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
+            pictures: Some(Pictures::new(protocol, prepared.geometry.stimulus_px, &display.transfers, Some(hash))),
             ..Sitting::default()
         };
         let (mut store, course, resumed, elapsed_s, number, rows) = if request.resume {
@@ -189,20 +189,6 @@ impl Hasher {
     fn finish(self) -> BTreeMap<String, (Stimulus, String)> {
         drop(self.pictures);
         self.hashes.join().unwrap_or_default()
-    }
-}
-
-fn viewing(request: &Request, prepared: &Prepared) -> Geometry {
-    let screen = prepared.viewing.screen();
-    Geometry {
-        distance_cm: request.distance_cm,
-        screen_width_cm: screen.width_cm(),
-        screen_width_measured: request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
-        pixels_per_degree: prepared.viewing.px_per_degree(),
-        stimulus_px: prepared.size_px,
-        stimulus_deg: prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
-        window_px: [prepared.window.0, prepared.window.1],
-        windowed: request.windowed,
     }
 }
 

@@ -11,7 +11,7 @@ use super::{
     frames::ScreenRefresh,
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::Recording,
-    request::{Prepared, Request, has_slider, needed_px},
+    request::{Prepared, Request, has_slider, room},
     unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
@@ -96,7 +96,7 @@ impl Trials {
             offset,
             field: pixels::field(&quantizer, protocol.stimulus.field_light(protocol.recovery.level)),
             quantizer,
-            size_px: prepared.size_px,
+            size_px: prepared.geometry.stimulus_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
             screen,
@@ -316,13 +316,9 @@ impl Trials {
     }
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
-        let (width, height) = window_px(ctx);
-        let [wide, high] = needed_px(self.session.protocol(), self.size_px, ctx.pixels_per_point().into());
-        (width < wide || height < high).then(|| {
-            format!(
-                "The window has {width} × {height} pixels and the stimulus needs {wide} × {high}. Make the window larger."
-            )
-        })
+        let scale = ctx.pixels_per_point().into();
+        let room = room(self.session.protocol(), self.size_px, scale, "window", window_px(ctx).into());
+        room.err().map(|error| error + " Make the window larger.")
     }
 
     fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {

@@ -21,8 +21,6 @@ use crate::{
 
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
-/// In a place lower than this, in points, there is no card of the selected session.
-const ROOM_FOR_DETAIL: f32 = 160.0;
 
 impl Studies {
     /// Shows a newcomer what a Mach band is.
@@ -63,7 +61,6 @@ impl Studies {
         let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
-        let is_low = ui.available_height() < ROOM_FOR_DETAIL;
         panel.show(ui, |ui| {
             for error in self.sessions.errors() {
                 ui::show_error(ui, error.lines().next().unwrap_or_default());
@@ -74,10 +71,6 @@ impl Studies {
                 ui::show_error(ui, error);
             }
             let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-            // In a low window, the grid needs the room.
-            if is_low {
-                return;
-            }
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
             } else if self.sessions.errors().is_empty() {

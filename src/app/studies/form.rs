@@ -10,7 +10,7 @@ use eframe::egui::Ui;
 use super::grid::Cell;
 use crate::{
     app::{
-        session::{Request, needed_px, stimulus_side_px},
+        session::{Request, room, stimulus_side_px},
         ui::{Field, Monitor, ScreenFields, full, number},
     },
     display::{DisplayProfile, Screen, Viewing},
@@ -182,24 +182,17 @@ impl SessionForm {
             }
         }
         let viewing = self.viewing(monitor, &mut errors);
-        let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
-        let stimulus_px = viewing.zip(deg).zip(protocol.as_ref()).map(|((viewing, deg), protocol)| {
+        let seen = viewing.zip(protocol.as_ref());
+        let stimulus_px = seen.map(|(viewing, protocol)| {
             let side = stimulus_side_px(&viewing, protocol);
-            let needed = needed_px(protocol, side, monitor.scale);
             let screen = [monitor.width_px, monitor.height_px];
-            if let Some(axis) = (0..2).find(|axis| needed[*axis] > screen[*axis]) {
-                let error = format!(
-                    "The {deg}° stimulus needs {} pixels {}, but the screen has only {}. Enter a shorter distance, or \
-                        use a larger screen.",
-                    needed[axis],
-                    ["across", "down"][axis],
-                    screen[axis]
-                );
+            if let Err(error) = room(protocol, side, monitor.scale, "screen", screen) {
+                let error = error + " Enter a shorter distance, or use a larger screen.";
                 errors.insert(SessionField::Distance, error);
             }
             (side, viewing.px_per_degree())
         });
-        let coarse = viewing.zip(deg).and_then(|(viewing, deg)| viewing.coarseness(deg));
+        let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
         let request = match (&protocol, &display, identity) {
             (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
                 Some(self.request(monitor, protocol, identity, display, resume))

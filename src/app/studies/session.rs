@@ -87,16 +87,12 @@ impl Studies {
         self.width_field(ui, now);
         let measure = self.profile_field(ui, checked);
         checked.field(ui, SessionField::Results).show(ui, |ui, label| {
-            let line = ui.horizontal_wrapped(|ui| {
-                let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1)).show(ui);
-                let is_clipped = field.galley.size().x > field.response.rect.width();
-                egui::Response::clone(&field.response).labelled_by(label);
-                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
-                is_clipped
+            ui.horizontal_wrapped(|ui| {
+                let results = &mut self.form.results;
+                let field = ui.add(TextEdit::singleline(results).desired_width(room(ui, 1))).labelled_by(label);
+                field.on_hover_text(results.as_str());
+                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", results);
             });
-            if line.inner {
-                ui::hint(ui, self.form.results.trim());
-            }
         });
         self.monitor_field(ui, now);
         measure

@@ -42,7 +42,7 @@ pub fn open<P: Program + 'static>(
 ) -> Result<(), WindowError> {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
-        return Err(WindowError::NoDisplay);
+        return Err(WindowError::Refused("neither DISPLAY nor WAYLAND_DISPLAY is set".to_owned()));
     }
     let stamps = Stamps::default();
     let (program, input) = (Shared::default(), Input::stamped(stamps.clone()));

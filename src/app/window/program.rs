@@ -19,12 +19,7 @@ use crate::{
 /// Why no window could be opened, or why it was lost.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// There is no display on which to open a window.
-    #[error(
-        "display: no window can be opened, because neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
-    )]
-    NoDisplay,
-    /// The window system or the graphics driver refused to open a window.
+    /// There is no display, or the window system or the graphics driver refused to open a window.
     #[error(
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
