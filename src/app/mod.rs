@@ -226,12 +226,10 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
-            Step::Next(Destination::Editor(definition, sessions)) => {
-                match editor::Editor::of(&definition, sessions) {
-                    Ok(editor) => self.editor = Some(Box::new(editor)),
-                    Err(error) => ui::complain(ui.ctx(), error.to_string()),
-                }
-            }
+            Step::Next(Destination::Editor(definition, sessions)) => match editor::Editor::of(&definition, sessions) {
+                Ok(editor) => self.editor = Some(Box::new(editor)),
+                Err(error) => ui::complain(ui.ctx(), error.to_string()),
+            },
             Step::Next(Destination::Analysis(data_set)) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
                 self.place = Place::Analyze;

@@ -252,34 +252,23 @@ fn control(
                 form.edit(|draft| draft.set_flag(key, flag));
             }
         }
-        OptionValue::OneOf(names) => list(form, ui, option, [key, owner], names.to_vec(), &default),
-        OptionValue::Parameter(optional) => {
-            let free = form.free_parameters().map(|parameter| parameter.name);
-            let names = optional.then_some(NONE).into_iter().chain(free).collect();
-            list(form, ui, option, [key, owner], names, if optional { NONE } else { "" });
-        }
-        OptionValue::Factor => {
-            let factors = form.draft().factors();
-            let names = [NONE].into_iter().chain(factors.iter().map(String::as_str)).collect();
-            list(form, ui, option, [key, owner], names, NONE);
+        OptionValue::OneOf(_) | OptionValue::Parameter(_) | OptionValue::Factor => {
+            let none = matches!(value, OptionValue::Parameter(true) | OptionValue::Factor).then_some(NONE);
+            let (parameters, factors) = (form.parameters(), form.draft().factors());
+            let names: Vec<&str> = match value {
+                OptionValue::OneOf(names) => names.to_vec(),
+                OptionValue::Factor => factors.iter().map(String::as_str).collect(),
+                _ => form.free_parameters().map(|parameter| parameter.name).collect(),
+            };
+            let field = [label, key, none.unwrap_or(&default), about];
+            let title = |name: &str| parameter::label(parameters, name);
+            match form.choice(ui, field, none.into_iter().chain(names), title).as_deref() {
+                None => {}
+                Some(NONE) => form.rebuild(|draft| draft.remove(owner)),
+                Some(chosen) => form.type_value(key, chosen, Typed::Value),
+            }
         }
         OptionValue::Settings => settings(form, ui, option, key),
-    }
-}
-
-fn list(
-    form: &mut DefinitionForm,
-    ui: &mut Ui,
-    option: &TaskOption,
-    [key, owner]: [&str; 2],
-    names: Vec<&str>,
-    default: &str,
-) {
-    let (parameters, field) = (form.parameters(), [option.label, key, default, option.about]);
-    match form.choice(ui, field, names, |name| parameter::label(parameters, name)).as_deref() {
-        None => {}
-        Some(NONE) => form.rebuild(|draft| draft.remove(owner)),
-        Some(chosen) => form.type_value(key, chosen, Typed::Value),
     }
 }
 

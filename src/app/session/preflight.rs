@@ -14,7 +14,11 @@ use crate::{
     app::ui::{self, Monitor, Step, fonts::TextFonts, platform::Platform, theme, window_px},
     display::frames::FrameTimes,
     experiment::Answers,
-    store::{dataset::SessionPaths, sidecar::Sidecar, sitting::{PreflightNote, Sitting}},
+    store::{
+        dataset::SessionPaths,
+        sidecar::Sidecar,
+        sitting::{PreflightNote, Sitting},
+    },
 };
 
 /// Duration of the frame measurement after the window has settled, seconds.
@@ -129,12 +133,7 @@ impl Preflight {
     }
 
     /// Begins the session; stays on the page and says why if that is not possible.
-    fn begin(
-        &mut self,
-        ctx: &egui::Context,
-        monitor: &Monitor,
-        answers: Option<Answers>,
-    ) -> Step<Box<Trials>> {
+    fn begin(&mut self, ctx: &egui::Context, monitor: &Monitor, answers: Option<Answers>) -> Step<Box<Trials>> {
         let Some((prepared, notes)) = &self.ready else { return Step::Stay };
         match Trials::begin(ctx, &self.request, prepared, notes.clone(), monitor, answers) {
             Ok(trials) => Step::Next(Box::new(trials)),

@@ -104,7 +104,8 @@ impl Studies {
                 self.open_session(Cell::first(&self.suggested));
             }
             ui.add_enabled_ui(unfinished.is_some(), |ui| {
-                let title = unfinished.as_ref().map(|session| format!("Resume {}", Cell::of(&session.identity).title()));
+                let title =
+                    unfinished.as_ref().map(|session| format!("Resume {}", Cell::of(&session.identity).title()));
                 let title = title.as_deref().unwrap_or("Resume");
                 let resume = action(ui, Icon::Resume, "Resume").on_hover_text(title);
                 ui::text::name(ui, &resume, title);

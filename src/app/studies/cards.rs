@@ -16,7 +16,7 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
     stimulus::{MachBand, ParameterValue, Stimulus},
-    store::definition,
+    store::{definition, session::overview::SessionState},
 };
 
 /// Side of the example image, physical pixels.
@@ -94,7 +94,8 @@ impl Studies {
                     };
                     let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));
                     icon.show(ui, color);
-                    let day = if session.is_readable { format!(" (last used on {})", session.day()) } else { String::new() };
+                    let day =
+                        if session.is_readable { format!(" (last used on {})", session.day()) } else { String::new() };
                     ui.label(RichText::new(told + &day).small().color(color));
                     if !session.complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
@@ -114,8 +115,8 @@ impl Studies {
     /// Draws what is planned against what is there, the last check, and the stimuli.
     pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let people = self.sessions.participants(&protocol.name);
-        let finished =
-            self.sessions.of(&protocol.name).filter(|session| session.complete && !session.is_damaged()).count();
+        let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
+        let number = |of: &dyn Fn(&SessionState) -> bool| sessions.iter().filter(|session| of(session)).count();
         let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
             theme::card(ui).show(ui, |ui| {
                 ui.set_width(ui.available_width());
@@ -134,8 +135,8 @@ impl Studies {
                 ui.label(RichText::new(people.to_string()).strong().size(KEY));
                 ui.label(RichText::new(whose).weak());
             });
-            let begun = self.sessions.of(&protocol.name).count();
-            let all = planned.map_or(begun, |planned| (planned * protocol.plan.sessions) as usize);
+            let finished = number(&|session| session.complete && !session.is_damaged());
+            let all = planned.map_or(sessions.len(), |planned| (planned * protocol.plan.sessions) as usize);
             if planned.is_some() {
                 let share = finished as f32 / all.max(1) as f32;
                 let fill = if finished > 0 { ink(ui).dim } else { Color32::TRANSPARENT };
@@ -144,29 +145,16 @@ impl Studies {
             if all > 0 {
                 ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
             }
-            let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
-            if simulated > 0 {
-                ui::note(ui, format!("Simulated (a program answered): {}.", count(simulated as u64, "session")));
-            }
             let hash = definition::hash(protocol);
-            let others = self
-                .sessions
-                .of(&protocol.name)
-                .filter(|session| session.is_readable && session.definition_sha256 != hash)
-                .count();
-            if others > 0 {
-                let others = count(others as u64, "session");
-                ui::note(
-                    ui,
-                    format!(
-                        "Recorded with another definition of this name: {others}. Only one definition is analyzed at a time."
-                    ),
-                );
-            }
-            if planned.is_none() {
-                let find =
-                    if protocol.task.is_default() || protocol.adaptive.is_some() { "; Plan… finds one" } else { "" };
-                ui::hint(ui, format!("The definition does not plan a number of participants{find}."));
+            let simulated = number(&|session| session.simulated);
+            let others = number(&|session| session.is_readable && session.definition_sha256 != hash);
+            for (n, what, note) in [
+                (simulated, "Simulated (a program answered)", ""),
+                (others, "Recorded with another definition of this name", " Only one is analyzed at a time."),
+            ] {
+                if n > 0 {
+                    ui::note(ui, format!("{what}: {}.{note}", count(n as u64, "session")));
+                }
             }
         });
         let found = Some(self.found.clone()).filter(|found| found.folder == self.folder());

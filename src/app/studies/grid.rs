@@ -107,15 +107,14 @@ impl Cell {
     }
 }
 
-/// What the user did in the grid.
+/// What the user does with a cell of the grid, which is then selected.
 #[derive(Debug)]
-pub enum Chosen {
-    /// A cell was selected.
-    Selected(Cell),
-    /// The selected cell was entered: its session is resumed, begun or opened.
-    Entered(Cell),
-    /// The selected session is to be removed.
-    Removed(Cell),
+pub enum Action {
+    Select,
+    /// Resumes, begins or opens its session.
+    Enter,
+    /// Removes its session.
+    Remove,
 }
 
 /// The grid of a study.
@@ -157,14 +156,14 @@ impl<'a> Grid<'a> {
     }
 
     /// Returns what a key does in the grid.
-    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<Chosen> {
+    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<(Cell, Action)> {
         let presses = |key| ui.input(|input| input.num_presses(key));
         // A dialog that opens in this frame must not take Enter for its answer.
         if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
-            return Some(Chosen::Entered(selected.clone()));
+            return Some((selected.clone(), Action::Enter));
         }
         if presses(Key::Delete) > 0 {
-            return Some(Chosen::Removed(selected.clone()));
+            return Some((selected.clone(), Action::Remove));
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
@@ -185,11 +184,11 @@ impl<'a> Grid<'a> {
             memory.request_focus(cell.id());
             memory.move_focus(FocusDirection::None);
         });
-        Some(Chosen::Selected(cell))
+        Some((cell, Action::Select))
     }
 
     /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
-    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<Chosen> {
+    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<(Cell, Action)> {
         let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
         let columns = self.columns.len() as f32;
         let room = ui.available_width() - NAMES - GAP;
@@ -199,8 +198,7 @@ impl<'a> Grid<'a> {
         let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
         let has_keys = has_keys && selected.has_keys(ui);
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
-        let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
-        let selected = moved.as_ref().unwrap_or(selected);
+        let selected = &chosen.as_ref().map_or(selected, |(cell, _)| cell).clone();
         let row = self.subjects.iter().position(|id| *id == selected.subject).unwrap_or_default();
         let column = self.columns.iter().position(|id| *id == selected.session).unwrap_or_default();
         let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
@@ -254,18 +252,17 @@ impl<'a> Grid<'a> {
     }
 
     fn head(&self, ui: &mut Ui, answers: f32, width: f32) {
-        let dim = |text: String| RichText::new(text).small().color(ink(ui).dim);
-        let (participant, about) = (dim("Participants".to_owned()), dim("Answers".to_owned()));
-        let heads: Vec<_> = self.columns.iter().map(|session| dim(format!("Session {session}"))).collect();
-        text(ui, NAMES, participant);
+        let dim = ink(ui).dim;
+        let mut head = |width: f32, title: &str| text(ui, width, RichText::new(title).small().color(dim));
+        head(NAMES, "Participants");
         if answers > 0.0 {
-            text(ui, answers - GAP, about);
+            head(answers - GAP, "Answers");
         }
-        heads.into_iter().for_each(|head| text(ui, width, head));
+        self.columns.iter().for_each(|session| head(width, &format!("Session {session}")));
     }
 
     /// Draws a cell. The selected one, the only cell that Tab reaches, has a ring, which tells whether keys go to the grid.
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<Chosen> {
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<(Cell, Action)> {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
@@ -320,13 +317,13 @@ impl<'a> Grid<'a> {
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
         }
         if response.double_clicked() {
-            return Some(Chosen::Entered(cell.clone()));
+            return Some((cell.clone(), Action::Enter));
         }
         // Enter on the selected cell also counts as a click.
         let clicked = response.clicked_by(egui::PointerButton::Primary) && !is_selected;
         clicked.then(|| {
             response.request_focus();
-            Chosen::Selected(cell.clone())
+            (cell.clone(), Action::Select)
         })
     }
 }

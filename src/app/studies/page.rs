@@ -10,7 +10,7 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, RichText, Sc
 
 use super::{
     form::{Checked, SessionField, SessionForm},
-    grid::{Cell, Chosen, Grid, Sessions},
+    grid::{Action, Cell, Grid, Sessions},
     jobs::{Checked as FilesChecked, Job, Planned},
     list::StudyList,
     request_form::RequestForm,
@@ -272,17 +272,16 @@ impl Studies {
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());
-        match chosen {
-            Some(Chosen::Selected(cell)) => self.selected = Some(cell),
-            Some(Chosen::Entered(cell)) => {
-                next = self.enter(ui, &cell, now).or(next);
-                self.selected = Some(cell);
+        if let Some((cell, action)) = chosen {
+            match action {
+                Action::Select => {}
+                Action::Enter => next = self.enter(ui, &cell, now).or(next),
+                Action::Remove => {
+                    let empty = self.recorded(&cell).filter(SessionState::is_empty);
+                    self.open = empty.map(|session| Open::Removal(Box::new(session)));
+                }
             }
-            Some(Chosen::Removed(cell)) => {
-                self.open = self.recorded(&cell).filter(SessionState::is_empty).map(|f| Open::Removal(Box::new(f)));
-                self.selected = Some(cell);
-            }
-            None => {}
+            self.selected = Some(cell);
         }
         next
     }

@@ -23,7 +23,7 @@ use winit::{
 
 use super::{
     input::{Input, Pressed, Stamps},
-    program::{Failure, Program, Shared, WindowError},
+    program::{Program, Shared, WindowError},
 };
 use crate::{app::ui::logo, system::signals};
 
@@ -95,7 +95,7 @@ fn run(
     let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
     let failure = program.failure.clone();
     signals::watch();
-    Failure::catch_panics();
+    failure.report_panics();
     program.report_at_exit();
     let inner = eframe::create_native("machband", options, creator, &events);
     // After a failure, the handler is not dropped, because dropping it would call a window system or a graphics card
@@ -109,10 +109,10 @@ fn run(
         unseen_since: Instant::now(),
     });
     let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *handler)));
-    match &ran {
-        Err(_) => failure.report_panic(),
-        Ok(Err(error)) if handler.program.is_open() => failure.report(error.to_string()),
-        Ok(_) => {}
+    if let Ok(Err(error)) = &ran
+        && handler.program.is_open()
+    {
+        failure.report(error.to_string());
     }
     handler.program.forget_exit();
     if let Some(reason) = failure.reason() {
@@ -152,8 +152,9 @@ impl<'a> Handler<'a> {
     /// the session and ends the loop.
     fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
         let failure = &self.program.failure;
-        if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
-            failure.report_panic();
+        if failure.reason().is_none() {
+            // A panic is reported.
+            let _ = panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner)));
         }
         if failure.reason().is_some() || signals::received().is_some() {
             self.program.close();

@@ -2,11 +2,12 @@
 //! disk, the sitting is closed, and a message says how to resume.
 
 use std::{
-    cell::{Cell, RefCell},
+    cell::RefCell,
     mem, panic,
     path::{Path, PathBuf},
     rc::Rc,
     sync::{Arc, Mutex, PoisonError},
+    thread,
 };
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
@@ -78,9 +79,6 @@ pub trait Program: eframe::App {
 pub struct Failure(Arc<Mutex<Option<String>>>);
 
 thread_local! {
-    /// The message of the last panic of this thread. It is stored only if panics are caught.
-    static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
-    static CAUGHT: Cell<bool> = const { Cell::new(false) };
     /// Dropped at exit if a library ends the program itself, as Xlib does when its server is lost.
     static AT_EXIT: RefCell<Option<AtExit>> = const { RefCell::new(None) };
 }
@@ -96,24 +94,18 @@ impl Failure {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
-    /// From now on, keeps panics of this thread for [`Failure::report_panic`] instead of printing them. The libraries
-    /// of the window panic if the graphics or the window system are lost.
-    pub fn catch_panics() {
-        CAUGHT.set(true);
-        let before = panic::take_hook();
+    /// From now on, reports panics of this thread instead of printing them. The libraries of the window panic if the
+    /// graphics or the window system are lost.
+    pub fn report_panics(&self) {
+        let (failure, window, before) = (self.clone(), thread::current().id(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
-            if !CAUGHT.get() {
+            if thread::current().id() != window {
                 return before(info);
             }
             let message = info.payload_as_str().unwrap_or("no reason given").replace('\n', " ");
             let place = info.location().map(|place| format!(", {}:{}", file_name(place.file()), place.line()));
-            PANIC.set(Some(format!("{}{}", message.trim(), place.unwrap_or_default())));
+            failure.report(format!("{}{}", message.trim(), place.unwrap_or_default()));
         }));
-    }
-
-    /// Reports the caught panic. If the loss of the graphics card was reported before, that remains the reason.
-    pub fn report_panic(&self) {
-        self.report(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
     }
 
     /// Watches for the loss of the graphics card and for its other errors.
