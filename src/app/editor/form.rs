@@ -211,20 +211,17 @@ impl DefinitionForm {
 
     /// Returns the errors of a field, one a line, and counts them as shown.
     pub fn error(&mut self, key: &str) -> String {
-        let inside = |error: &FileError| error.key.strip_prefix(key).is_some_and(|rest| rest.starts_with('.'));
-        let here = |(i, error): (usize, &FileError)| (error.key == key || inside(error)).then_some(i);
-        let found: Vec<usize> = self.errors.iter().enumerate().filter_map(here).collect();
-        self.show(&found)
+        self.show(|error| error.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
     }
 
     /// Like [`DefinitionForm::error`], without the errors of the values in this table or list.
     pub fn own_error(&mut self, key: &str) -> String {
-        let found: Vec<usize> = (0..self.errors.len()).filter(|i| self.errors[*i].key == key).collect();
-        self.show(&found)
+        self.show(|error| error == key)
     }
 
-    fn show(&mut self, found: &[usize]) -> String {
-        self.shown.extend(found);
+    fn show(&mut self, is_here: impl Fn(&str) -> bool) -> String {
+        let found: Vec<usize> = (0..self.errors.len()).filter(|i| is_here(&self.errors[*i].key)).collect();
+        self.shown.extend(&found);
         let mut lines: Vec<String> = found.iter().take(MAX_SHOWN).map(|i| plain(&self.errors[*i])).collect();
         if found.len() > MAX_SHOWN {
             lines.push(format!("and {} more", found.len() - MAX_SHOWN));

@@ -348,7 +348,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         _ if task.answers().is_none() => format!("rating {answer}"),
         _ => format!("answer {}", answer + 1),
     };
-    let [mut labels_changed, mut keys_changed] = [false; 2];
+    let before = [labels.clone(), keys.clone()];
     let (mut removed, mut errors) = (None, String::new());
     for answer in 0..labels.len() {
         let shown = named(answer);
@@ -369,8 +369,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                     let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
                     let key = ui.add(key);
                     ui::text::name(ui, &key, &format!("Key for {shown}"));
-                    let key = key.on_hover_text("The key for this answer: a digit or a letter other than S.");
-                    keys_changed |= key.changed();
+                    key.on_hover_text("The key for this answer: a digit or a letter other than S.");
                 }
                 let width = (ui.available_width() - 100.0).clamp(120.0, 380.0);
                 let label = TextEdit::singleline(&mut labels[answer]).id_salt(("label", answer)).desired_width(width);
@@ -379,7 +378,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 if is_new {
                     label.request_focus();
                 }
-                labels_changed |= label.on_hover_text("What this answer means.").changed();
+                label.on_hover_text("What this answer means.");
                 if task.answers().is_none() {
                     ui.add_enabled_ui(labels.len() > *CATEGORIES.start(), |ui| {
                         if ui::quiet(ui, Icon::Close, "", &format!("Remove {shown}")).clicked() {
@@ -403,7 +402,6 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
             keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
             form.added = Some(labels.len());
             labels.push(String::new());
-            [labels_changed, keys_changed] = [true; 2];
         }
     } else {
         below.show(ui, |_, _| ());
@@ -411,10 +409,10 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     if let Some(answer) = removed {
         labels.remove(answer);
         keys.remove(answer);
-        [labels_changed, keys_changed] = [true; 2];
     }
-    for (changed, key, texts) in [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)] {
-        if changed {
+    let texts = [labels, keys].into_iter().zip(before);
+    for (key, (texts, before)) in ["response.labels", "response.keys"].into_iter().zip(texts) {
+        if texts != before {
             form.edit(|draft| draft.set_texts(key, &texts));
         }
         ui::text::errors(ui, &form.own_error(key));

@@ -310,7 +310,7 @@ impl Trials {
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }
-            Err(error) => page.show_error(error.to_string()),
+            Err(error) => page.what = error.to_string(),
         }
         ui.ctx().request_repaint();
     }

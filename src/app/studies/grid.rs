@@ -124,7 +124,7 @@ pub struct Grid<'a> {
     columns: Vec<String>,
     next: Cell,
     /// The data files in which a check found errors.
-    pub wrong: &'a BTreeSet<PathBuf>,
+    wrong: &'a BTreeSet<PathBuf>,
 }
 
 impl<'a> Grid<'a> {
@@ -138,19 +138,13 @@ impl<'a> Grid<'a> {
             list.sort_by(|a, b| natural(a, b));
             list.dedup();
         }
-        let mut number = 1;
-        let planned = plan.participants.unwrap_or_default() as usize;
         let before = subjects.len();
         if !subjects.contains(&next.subject) && !next.subject.is_empty() {
             subjects.push(next.subject.clone());
         }
-        while subjects.len() < planned.max(before) {
-            let id = format!("P{number:03}");
-            if !subjects.contains(&id) {
-                subjects.push(id);
-            }
-            number += 1;
-        }
+        let missing = (plan.participants.unwrap_or_default() as usize).saturating_sub(subjects.len());
+        let free = (1..).map(|number| format!("P{number:03}")).filter(|id| !subjects.contains(id));
+        subjects.extend(free.take(missing).collect::<Vec<_>>());
         subjects[before..].sort_by(|a, b| natural(a, b));
         Self { sessions, subjects, columns, next, wrong }
     }

@@ -144,11 +144,6 @@ impl Studies {
         self.list.read(&settings.recent.experiments);
     }
 
-    pub(super) fn close(&mut self) {
-        self.open = None;
-        self.error = None;
-    }
-
     /// Draws the page. `settings` are the remembered values of its fields, which it updates.
     pub fn show(
         &mut self,

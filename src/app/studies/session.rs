@@ -63,7 +63,7 @@ impl Studies {
         });
         let (next, cancelled) = next;
         if cancelled || closed && self.card.is_none() || next.is_some() {
-            self.close();
+            (self.open, self.error) = (None, None);
         }
         next
     }
