@@ -137,7 +137,7 @@ impl Studies {
         let has_sessions = self.sessions.of(&protocol.name).next().is_some();
         ui.add_enabled_ui(is_free, |ui| {
             if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                self.open = Some(Open::Request(self.pilot(protocol)));
+                self.open = Some(Open::Request(Box::new(self.pilot(protocol))));
             }
         });
         let clicked = |ui: &mut Ui, enabled: bool, icon: Icon, text: &str, name: &str| {
@@ -145,14 +145,14 @@ impl Studies {
         };
         let can_plan = protocol.task.is_default() || protocol.adaptive.is_some();
         if clicked(ui, is_free && can_plan, Icon::People, "Plan…", "Plan…") {
-            self.open = Some(Open::Request(self.plan(protocol)));
+            self.open = Some(Open::Request(Box::new(self.plan(protocol))));
         }
         if clicked(ui, has_sessions && is_free, Icon::Check, "Check", "Check") {
             self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
         }
         let analyzes = clicked(ui, has_sessions, Icon::Analyze, "Analyze", "Analyze this study");
         if clicked(ui, has_sessions && is_free, Icon::Out, "Export…", "Export…") {
-            self.open = Some(Open::Request(export(folder)));
+            self.open = Some(Open::Request(Box::new(export(folder))));
         }
         analyzes.then(|| Destination::Analysis(folder.to_owned()))
     }

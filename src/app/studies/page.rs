@@ -56,7 +56,7 @@ pub(super) enum Open {
     /// Asks for the path of a definition.
     Definition(String),
     /// Asks for the options of a plan, a pilot or an export.
-    Request(RequestForm),
+    Request(Box<RequestForm>),
     Planned(Planned),
     /// Asks whether to remove a session in which nothing was rated.
     Removal(Box<SessionState>),
