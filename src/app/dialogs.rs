@@ -3,7 +3,7 @@
 use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
 
 use super::{
-    session::Runner,
+    session::Trials,
     ui::{
         Field, Place, ask, hint,
         logo::logo,
@@ -138,7 +138,7 @@ impl Quit {
 
     /// Handles a request to close the window, and draws the question if there is one. Closing the window a second time
     /// answers it. While an answer is only in memory, the window cannot be closed, because it would be lost.
-    pub fn show(&mut self, ctx: &Context, session: Option<&mut Runner>) {
+    pub fn show(&mut self, ctx: &Context, trials: Option<&mut Trials>) {
         if self.measured {
             let text = "Readings and matches are saved; the intervals of a stopped timing are not.";
             let answer = ask(ctx, "Quit during the measurement?", text, ["Stay", "Quit"]);
@@ -148,21 +148,21 @@ impl Quit {
             }
         }
         let requested = ctx.input(|input| input.viewport().close_requested());
-        let Some(session) = session.filter(|session| session.is_running()) else {
+        let Some(trials) = trials else {
             self.asked = false;
             return;
         };
         let again = requested && self.asked;
-        if requested && (session.is_unsaved() || !(again || self.agreed)) {
+        if requested && (trials.is_unsaved() || !(again || self.agreed)) {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.asked = !session.is_unsaved();
-            session.pause(ctx);
+            self.asked = !trials.is_unsaved();
+            trials.pause(ctx);
         }
         if !self.asked {
             return;
         }
         let answers = ["Continue the session", "Quit"];
-        match ask(ctx, "Quit during the session?", &session.how_to_resume(), answers) {
+        match ask(ctx, "Quit during the session?", &trials.how_to_resume(), answers) {
             Some(false) => self.asked = false,
             Some(true) => {
                 self.agreed = true;

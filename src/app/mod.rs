@@ -139,14 +139,13 @@ impl App {
             }
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
-                let completed = matches!(&self.view, View::Session(session) if session.is_complete());
-                if let View::Session(session) = &self.view
-                    && let Some(path) = session.saved_in()
-                {
+                let finish = if let View::Session(session) = &self.view { session.finish() } else { None };
+                let completed = finish.is_some_and(|finish| finish.complete);
+                if let Some(finish) = finish {
                     let how = if completed { "finished" } else { "interrupted" };
                     // It may have been rescued, and is then not in the grid.
-                    let is_there = path.starts_with(self.studies.results());
-                    let place = if is_there { String::new() } else { format!(" in {}", path.display()) };
+                    let is_there = finish.path.starts_with(self.studies.results());
+                    let place = if is_there { String::new() } else { format!(" in {}", finish.path.display()) };
                     ui::say(ui.ctx(), format!("The session is {how}; every answer is saved{place}."));
                 }
                 self.view = View::Places;
@@ -227,10 +226,10 @@ impl App {
         match step {
             Step::Stay => return,
             Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
-            Step::Next(Destination::Editor(definition, sessions)) => {
-                self.editor =
-                    Some(Box::new(editor::Editor::of(&definition, sessions.is_none(), sessions.unwrap_or_default())));
-            }
+            Step::Next(Destination::Editor(definition, sessions)) => match editor::Editor::of(&definition, sessions) {
+                Ok(editor) => self.editor = Some(Box::new(editor)),
+                Err(error) => ui::complain(ui.ctx(), error.to_string()),
+            },
             Step::Next(Destination::Analysis(data_set)) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
                 self.place = Place::Analyze;
@@ -322,8 +321,8 @@ impl App {
             display.pause(ctx);
             self.quit.ask(ctx);
         }
-        let session = if let View::Session(session) = &mut self.view { Some(&mut **session) } else { None };
-        self.quit.show(ctx, session);
+        let trials = if let View::Session(session) = &mut self.view { session.trials() } else { None };
+        self.quit.show(ctx, trials);
         if closes && self.editor.as_mut().is_some_and(|editor| editor.asks_before_closing()) {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.place = Place::Studies;
@@ -365,6 +364,8 @@ impl Program for App {
     fn close(&mut self) -> Option<PathBuf> {
         self.memory.save_now();
         let View::Session(session) = &mut self.view else { return None };
-        session.close().map(ToOwned::to_owned)
+        let trials = session.trials()?;
+        trials.close();
+        Some(trials.recording.store.csv().to_owned())
     }
 }

@@ -126,25 +126,28 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
-/// Writes a definition that was edited. It was opened from `of` with the text `opened`; if `to` is another path, the file
-/// is renamed.
+/// Writes a definition. `edited` is the path of the file that was edited and its text when it was opened, and `None` for
+/// a new file; if `to` is another path than that one, the file is renamed.
 ///
 /// # Errors
 /// Another program changed the file meanwhile, there is a file under the new name, or the file cannot be written. Then
 /// no file is lost.
-pub fn save(of: &Path, opened: &str, to: &Path, written: &str) -> Result<(), StoreError> {
-    if text(of)? != opened {
+pub fn save(edited: Option<(&Path, &str)>, to: &Path, written: &str) -> Result<(), StoreError> {
+    if let Some((of, opened)) = edited
+        && text(of)? != opened
+    {
         let what = "was changed by another program; expected it as it was opened. Leave the form and open it again";
         return Err(StoreError::protected(of, what));
     }
-    // Only the file that was edited is replaced.
-    Writer::new(Vec::new(), to == of).write(to, written.as_bytes()).map_err(|error| match error {
+    // Only the file that was edited is replaced: another may be the definition of a study with sessions.
+    let of = edited.map(|(of, _)| of);
+    Writer::new(Vec::new(), of == Some(to)).write(to, written.as_bytes()).map_err(|error| match error {
         StoreError::Occupied(path) => {
             StoreError::protected(&path, "already exists; expected a name that no file in the folder has")
         }
         error => error,
     })?;
-    if to == of { Ok(()) } else { fs::remove_file(of).map_err(io(of, "remove")) }
+    of.filter(|of| *of != to).map_or(Ok(()), |of| fs::remove_file(of).map_err(io(of, "remove")))
 }
 
 /// Returns the SHA-256 of what a definition says, in lowercase hexadecimal. Comments, layout, the order of keys, and

@@ -15,7 +15,7 @@ use crate::{
 
 /// The text of a definition while it is edited. Values are addressed by their keys: `name`, `design.repetitions`,
 /// `participant.age.required`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Draft {
     /// The folder from which pictures are named.
     pub folder: PathBuf,

@@ -75,7 +75,7 @@ fn a_copy_is_edited_and_saved() {
     let path = folder.path().join("my-study.toml");
     std::fs::write(&path, "precious").unwrap();
     click(&mut window, "Save");
-    window.get_by_label_contains("my-study.toml: already exists; expected another name");
+    window.get_by_label_contains("my-study.toml: already exists; expected a name that no file");
     assert_eq!(std::fs::read(&path).unwrap(), b"precious");
     std::fs::remove_file(&path).unwrap();
     click(&mut window, "Save");

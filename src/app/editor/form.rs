@@ -24,6 +24,8 @@ pub const LABELS: f32 = 150.0;
 const NUMBER: f32 = 90.0;
 /// Width of a field for a number that can be absent, points.
 const OPTIONAL: f32 = 140.0;
+/// Width of a list of values to choose from, points.
+pub const LIST: f32 = 240.0;
 /// The whole numbers that cannot be 0.
 const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
 /// What is said of an answer without a label.
@@ -31,6 +33,7 @@ const EMPTY_LABEL: &str = "the label is empty";
 /// Maximum number of errors shown for one field.
 const MAX_SHOWN: usize = 3;
 
+#[derive(Default)]
 pub struct DefinitionForm {
     draft: Draft,
     /// The drafts with other kinds of stimuli, as they were left, by the kind.
@@ -39,7 +42,6 @@ pub struct DefinitionForm {
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
     original: String,
-    changed: bool,
     /// The hash of what the definition said when it was opened.
     hash: Option<String>,
     /// The definition as it was when it last had no errors.
@@ -82,21 +84,7 @@ impl DefinitionForm {
                 draft.set_flag("session.own_means", false);
             }
         }
-        let mut form = Self {
-            original: draft.text(),
-            draft,
-            kinds: BTreeMap::new(),
-            typed: BTreeMap::new(),
-            changed: false,
-            hash: None,
-            protocol: None,
-            revision: 0,
-            errors: Vec::new(),
-            shown: BTreeSet::new(),
-            labels: BTreeMap::new(),
-            pictures: Dialog::default(),
-            added: None,
-        };
+        let mut form = Self { original: draft.text(), draft, ..Self::default() };
         form.check();
         form.hash = form.protocol.as_ref().map(definition::hash);
         Ok(form)
@@ -113,7 +101,7 @@ impl DefinitionForm {
 
     /// Returns whether anything was changed since the definition was opened.
     pub fn is_changed(&self) -> bool {
-        self.changed
+        self.draft.text() != self.original
     }
 
     /// Returns whether the definition now says something else than when it was opened, apart from the plan.
@@ -144,14 +132,15 @@ impl DefinitionForm {
         Stimulus::default_of(&kind).map_or(&[], |stimulus| stimulus.parameters())
     }
 
+    /// Returns the parameters that no factor varies.
+    pub fn free_parameters(&self) -> impl Iterator<Item = &'static Parameter> + use<> {
+        let factors = self.draft.factors();
+        self.parameters().iter().filter(move |parameter| factors.iter().all(|factor| factor != parameter.name))
+    }
+
     /// Returns the label of a factor.
     pub fn factor(&self, name: &str) -> String {
         parameter::label(self.parameters(), name)
-    }
-
-    /// Returns whether the stimulus is to be pictures, which are not chosen yet.
-    pub fn lacks_pictures(&self) -> bool {
-        self.value("stimulus.kind", "") == Picture::KIND && self.value("stimulus.files", "").trim().is_empty()
     }
 
     /// Returns the errors that this frame has not shown next to a field.
@@ -193,7 +182,6 @@ impl DefinitionForm {
 
     fn check(&mut self) {
         self.revision += 1;
-        self.changed = self.draft.text() != self.original;
         match self.draft.check(self.protocol.as_ref()) {
             Ok(protocol) => (self.protocol, self.errors) = (Some(protocol), Vec::new()),
             Err(FileErrors(errors)) => self.errors = errors,
@@ -223,20 +211,17 @@ impl DefinitionForm {
 
     /// Returns the errors of a field, one a line, and counts them as shown.
     pub fn error(&mut self, key: &str) -> String {
-        let inside = |error: &FileError| error.key.strip_prefix(key).is_some_and(|rest| rest.starts_with('.'));
-        let here = |(i, error): (usize, &FileError)| (error.key == key || inside(error)).then_some(i);
-        let found: Vec<usize> = self.errors.iter().enumerate().filter_map(here).collect();
-        self.show(&found)
+        self.show(|error| error.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.')))
     }
 
     /// Like [`DefinitionForm::error`], without the errors of the values in this table or list.
     pub fn own_error(&mut self, key: &str) -> String {
-        let found: Vec<usize> = (0..self.errors.len()).filter(|i| self.errors[*i].key == key).collect();
-        self.show(&found)
+        self.show(|error| error == key)
     }
 
-    fn show(&mut self, found: &[usize]) -> String {
-        self.shown.extend(found);
+    fn show(&mut self, is_here: impl Fn(&str) -> bool) -> String {
+        let found: Vec<usize> = (0..self.errors.len()).filter(|i| is_here(&self.errors[*i].key)).collect();
+        self.shown.extend(&found);
         let mut lines: Vec<String> = found.iter().take(MAX_SHOWN).map(|i| plain(&self.errors[*i])).collect();
         if found.len() > MAX_SHOWN {
             lines.push(format!("and {} more", found.len() - MAX_SHOWN));
@@ -262,11 +247,11 @@ impl DefinitionForm {
         self.field(label, key, default, Typed::Text, about, |field, text| field.width(width).text(ui, text));
     }
 
-    /// Draws a field for text of several lines, with its errors.
+    /// Draws a field for text that may have several lines, with its errors.
     pub fn lines(&mut self, ui: &mut Ui, label: &str, key: &str, default: &str, about: &str) {
         let width = (ui.available_width() - LABELS - 40.0).max(120.0);
         self.field(label, key, default, Typed::Text, about, |field, text| {
-            field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(2).desired_width(width))
+            field.add(ui, TextEdit::multiline(text).id_salt(("field", label)).desired_rows(1).desired_width(width))
         });
     }
 
@@ -274,6 +259,24 @@ impl DefinitionForm {
     pub fn number(&mut self, ui: &mut Ui, label: &str, key: &str, default: impl ToString, about: &str) {
         let default = default.to_string();
         self.field(label, key, &default, Typed::Value, about, |field, text| field.width(NUMBER).text(ui, text));
+    }
+
+    /// Draws a list of values to choose from, with the errors of the chosen one; returns a value that was just chosen.
+    /// `title` is what the list shows of a value.
+    pub fn choice<'n>(
+        &mut self,
+        ui: &mut Ui,
+        [label, key, default, about]: [&str; 4],
+        names: impl IntoIterator<Item = &'n str>,
+        title: impl Fn(&str) -> String,
+    ) -> Option<String> {
+        self.name(key, label);
+        let (before, error) = (self.value(key, default), self.error(key));
+        let mut chosen = before.clone();
+        let names: Vec<String> = names.into_iter().map(ToOwned::to_owned).collect();
+        let field = Field::new(label).column(LABELS).error(&error).width(LIST);
+        field.choice(ui, &mut chosen, &names, |name| title(name)).on_hover_text(about);
+        (chosen != before).then_some(chosen)
     }
 
     /// Draws a field for a list of numbers, with its errors; a long list wraps. An empty one is removed; `absent` says

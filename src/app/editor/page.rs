@@ -1,14 +1,14 @@
 //! The page: leaving it, saving, and the summary next to the form.
 
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
 use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Saving, Step, fonts::TextFonts, theme},
+    app::ui::{self, Dialog, Field, FileKind, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
-    store::{StoreError, Writer, definition},
+    store::{FileErrors, definition},
 };
 
 /// In a window narrower than this, in points, the summary is below the form.
@@ -31,68 +31,55 @@ pub struct Saved {
 }
 
 /// A definition, or a copy of one, while it is edited.
+#[derive(Default)]
 pub struct Editor {
     /// The definition that is edited or copied, as it was named.
     of: String,
-    /// Whether a copy is edited.
-    copy: bool,
-    /// Number of sessions that were recorded with the definition that is edited.
-    sessions: usize,
+    /// Number of sessions that were recorded with the definition that is edited; `None` if a copy is edited.
+    sessions: Option<usize>,
     /// The text of the file when it was opened, and the name in it; they are compared when the file itself is saved.
     before: (String, Option<String>),
-    /// The form, or why the definition cannot be edited.
-    form: Result<DefinitionForm, String>,
+    form: DefinitionForm,
     /// The folder for the new file.
     folder: String,
     dialog: Dialog,
-    saving: Saving,
+    /// Why the definition could not be saved; empty if it could.
+    error: String,
     preview: Preview,
     thumbnails: Thumbnails,
     fonts: TextFonts,
     /// The part of the form to scroll to.
     wanted: Option<usize>,
-    /// Whether no frame was drawn yet, so that the form begins at its top.
-    is_new: bool,
     /// Whether the user is being asked to discard the changes.
     leaving: bool,
 }
 
 impl Editor {
-    /// Opens a copy of a built-in definition or of a file; or, unless `copy` is true, the file itself. `sessions` is how
-    /// many were recorded with it.
-    pub fn of(name_or_path: &str, copy: bool, sessions: usize) -> Self {
+    /// Opens a copy of a built-in definition or of a file or, if `sessions` says how many were recorded with it, the file
+    /// itself.
+    ///
+    /// # Errors
+    /// The definition cannot be read, or is not TOML.
+    pub fn of(name_or_path: &str, sessions: Option<usize>) -> Result<Self, FileErrors> {
         let path = Path::new(name_or_path);
         let beside = definition::built_in(path).map_or(path.parent(), |_| None);
         let folder = beside.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = absolute(folder).unwrap_or_default();
-        let form = DefinitionForm::open(name_or_path, copy.then_some(&folder)).map_err(|error| error.to_string());
-        let name = form.as_ref().ok().and_then(|form| form.draft().get("name"));
-        Self {
+        let folder = ui::full(folder);
+        let form = DefinitionForm::open(name_or_path, sessions.is_none().then_some(&*folder))?;
+        Ok(Self {
             of: name_or_path.to_owned(),
-            copy,
-            before: (definition::text(path).unwrap_or_default().into_owned(), name),
-            sessions: if copy { 0 } else { sessions },
+            sessions,
+            before: (definition::text(path)?.into_owned(), form.draft().get("name")),
             form,
             folder: folder.display().to_string(),
-            dialog: Dialog::default(),
-            saving: Saving::default(),
-            preview: Preview::default(),
-            thumbnails: Thumbnails::default(),
-            fonts: TextFonts::default(),
-            wanted: None,
-            is_new: true,
-            leaving: false,
-        }
-    }
-
-    fn is_changed(&self) -> bool {
-        self.form.as_ref().is_ok_and(DefinitionForm::is_changed)
+            ..Self::default()
+        })
     }
 
     /// Returns whether the page asks before changes are lost by closing the window. Closing it a second time answers
     /// the question.
     pub fn asks_before_closing(&mut self) -> bool {
-        let asks = self.is_changed() && !self.leaving;
+        let asks = self.form.is_changed() && !self.leaving;
         self.leaving |= asks;
         asks
     }
@@ -100,15 +87,9 @@ impl Editor {
     /// Draws the page. The step to the next page has the saved definition.
     pub fn show(&mut self, ui: &mut Ui) -> Step<Saved> {
         let escaped = ui::escaped(ui);
-        let action = if self.copy { "Duplicate" } else { "Edit" };
+        let action = if self.sessions.is_none() { "Duplicate" } else { "Edit" };
         let heading = format!("{action} {}", Path::new(&self.of).file_stem().unwrap_or_default().display());
-        match &self.form {
-            Ok(form) => _ = self.fonts.find(ui.ctx(), [form.draft().text().as_str()]),
-            Err(error) => {
-                let (back, ()) = ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error));
-                return Step::back_if(back);
-            }
-        }
+        self.fonts.find(ui.ctx(), [self.form.draft().text().as_str()]);
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);
         let (mut back, mut saved) = (false, None);
         if ui.available_width() < NARROW {
@@ -151,23 +132,20 @@ impl Editor {
             return Step::Next(path);
         }
         if back || escaped {
-            self.leaving = self.is_changed();
+            self.leaving = self.form.is_changed();
             return Step::back_if(!self.leaving);
         }
         Step::back_if(self.leaving && self.discards(ui.ctx()))
     }
 
-    /// Returns the scrolling room of the form, which begins at its top for each definition.
-    fn scrolled(&mut self) -> ScrollArea {
-        let area = ScrollArea::vertical().auto_shrink(false);
-        if std::mem::take(&mut self.is_new) { area.vertical_scroll_offset(0.0) } else { area }
+    /// Returns the scrolling room of the form. It begins at its top for each definition.
+    fn scrolled(&self) -> ScrollArea {
+        ScrollArea::vertical().id_salt(&self.of).auto_shrink(false)
     }
 
     fn fields(&mut self, ui: &mut Ui) {
-        let Ok(form) = &mut self.form else { return };
-        form.begin_frame();
-        if self.sessions > 0 {
-            let n = self.sessions;
+        self.form.begin_frame();
+        if let Some(n) = self.sessions.filter(|n| *n > 0) {
             let sessions = if n == 1 { "1 session was".to_owned() } else { format!("{n} sessions were") };
             ui::note(
                 ui,
@@ -177,15 +155,14 @@ impl Editor {
                 ),
             );
         }
-        sections::show(form, ui, self.wanted.take());
+        sections::show(&mut self.form, ui, self.wanted.take());
     }
 
     /// Draws the number of trials, the errors that no field shows, and the button that saves; returns the saved
     /// file.
     fn summary(&mut self, ui: &mut Ui) -> Option<Saved> {
-        let Ok(form) = &mut self.form else { return None };
-        let is_stale = !form.errors().is_empty();
-        if let Some(protocol) = form.protocol() {
+        let is_stale = !self.form.errors().is_empty();
+        if let Some(protocol) = self.form.protocol() {
             ui.scope(|ui| {
                 if is_stale {
                     ui.multiply_opacity(theme::STALE);
@@ -193,24 +170,19 @@ impl Editor {
                 ui::section(ui, ui::extent(protocol));
             });
         }
-        if self.copy {
-            Self::folder_field(ui, &mut self.folder, &mut self.dialog);
-            form.set_folder(&absolute(self.folder.trim()).unwrap_or_else(|_| self.folder.trim().into()));
+        if self.sessions.is_none() {
+            self.folder_field(ui);
+            self.form.set_folder(&ui::full(Path::new(self.folder.trim())));
         }
-        let path = if self.copy {
-            form.draft().folder.join(format!("{}.toml", form.draft().get("name").unwrap_or_default()))
-        } else {
-            self.place()
-        };
-        let Ok(form) = &mut self.form else { return None };
-        let is_frozen = self.sessions > 0 && form.is_another_experiment();
+        let path = self.place();
+        let form = &mut self.form;
+        let is_frozen = self.sessions.is_some_and(|n| n > 0) && form.is_another_experiment();
         let valid = form.errors().is_empty() && !is_frozen;
         let clicked = ui.horizontal(|ui| {
-            let clicked = ui::neutral_primary(ui, self.saving.caption("Save", &path), valid, "");
+            let clicked = ui::neutral_primary(ui, "Save", valid, "");
             match form.errors() {
                 [] if is_frozen => ui::note(ui, "Only the plan may change while there are sessions."),
                 [] => ui::hint(ui, format!("as {}", path.display())),
-                _ if form.lacks_pictures() => ui::hint(ui, "Choose the pictures first."),
                 [first, ..] => {
                     let count = count(form.errors().len() as u64, "error");
                     ui::show_error(ui, format!("{count}, first in {}.", form.label(first)));
@@ -218,32 +190,17 @@ impl Editor {
             }
             clicked
         });
-        let clicked = clicked.inner;
-        let saves = clicked || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
-        let written = saves.then(|| {
-            let text = form.draft().text();
-            if self.copy {
-                // What would be replaced may be the definition of a study with sessions.
-                let written = Writer::new(Vec::new(), false).write(&path, text.as_bytes());
-                return written.map_err(|error| match error {
-                    StoreError::Occupied(path) => {
-                        StoreError::Protected { path, what: "already exists; expected another name".to_owned() }
-                    }
-                    error => error,
-                });
-            }
-            definition::save(Path::new(&self.of), &self.before.0, &path, &text)
-        });
-        match written {
+        let saves = clicked.inner || valid && ui.input_mut(|input| input.consume_shortcut(&SAVE));
+        let edited = self.sessions.map(|_| (Path::new(&self.of), self.before.0.as_str()));
+        match saves.then(|| definition::save(edited, &path, &form.draft().text())) {
             Some(Ok(())) => {
-                let is_renamed = !self.copy && path != Path::new(&self.of);
+                let is_renamed = edited.is_some_and(|(of, _)| of != path);
                 return Some(Saved { path, renamed: is_renamed.then(|| self.of.clone()) });
             }
-            Some(Err(error)) => self.saving.finish(&path, Err(error)),
+            Some(Err(error)) => self.error = error.to_string(),
             None => {}
         }
-        self.saving.show(ui);
-        let Ok(form) = &mut self.form else { return None };
+        ui::text::errors(ui, &self.error);
         for error in form.unshown() {
             ui.horizontal_wrapped(|ui| {
                 ui::show_error(ui, &error.message);
@@ -255,18 +212,19 @@ impl Editor {
         None
     }
 
-    /// Returns where the edited file is saved. A file that has the name of its experiment is renamed with it.
+    /// Returns where the definition is saved. A file that has the name of its experiment is renamed with it.
     fn place(&self) -> PathBuf {
-        let of = Path::new(&self.of);
-        let name = self.form.as_ref().ok().and_then(|form| form.draft().get("name"));
-        let was_named = of.file_stem().and_then(|stem| stem.to_str()) == self.before.1.as_deref();
-        match name {
-            Some(name) if was_named => of.with_file_name(format!("{name}.toml")),
-            _ => of.to_owned(),
+        let (of, draft) = (Path::new(&self.of), self.form.draft());
+        let name = draft.get("name").unwrap_or_default();
+        if self.sessions.is_none() {
+            return draft.folder.join(format!("{name}.toml"));
         }
+        let was_named = of.file_stem().and_then(|stem| stem.to_str()) == self.before.1.as_deref();
+        if was_named && !name.is_empty() { of.with_file_name(format!("{name}.toml")) } else { of.to_owned() }
     }
 
-    fn folder_field(ui: &mut Ui, folder: &mut String, dialog: &mut Dialog) {
+    fn folder_field(&mut self, ui: &mut Ui) {
+        let Self { folder, dialog, .. } = self;
         Field::new("Folder").column(FOLDER).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = (ui.available_width() - 120.0).clamp(120.0, 420.0);
@@ -279,7 +237,7 @@ impl Editor {
     }
 
     fn conditions(&mut self, ui: &mut Ui) {
-        let Ok(form) = &self.form else { return };
+        let form = &self.form;
         let Some(protocol) = form.protocol() else { return };
         let is_stale = !form.errors().is_empty();
         if is_stale {

@@ -11,10 +11,11 @@ use crate::{
         work::{BackgroundTask, Progress},
     },
     experiment::{
-        Course, Definition, Identity, Phase, Protocol, Schedule,
+        Course, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
+    stimulus::Stimulus,
     work,
 };
 
@@ -32,22 +33,18 @@ const MAX_TRIALS: usize = 2000;
 
 #[derive(Default)]
 pub struct Preview {
-    /// The revision of the form, and the side of a stimulus in pixels.
-    of: Option<(u64, u32)>,
+    /// The revision of the form to which the trial belongs.
+    of: Option<u64>,
     trial: Option<Presentation>,
-    /// The first revision with these stimuli, and their side in pixels.
-    pictured: (u64, u32),
-    drawn: Drawn<(u64, u32)>,
+    drawn: Drawn<(Vec<Stimulus>, u32)>,
     pilot: Pilot,
 }
 
 /// The answers of a simulated observer.
 #[derive(Default)]
 struct Pilot {
-    /// The revision of the form.
-    revision: u64,
-    /// The definition without its title, and when it appeared, seconds.
-    of: Option<(Definition, f64)>,
+    /// The definition, and when it appeared, seconds.
+    of: Option<(Protocol, f64)>,
     running: Option<BackgroundTask<Result<Option<OwnPlot>, String>>>,
     /// The last result, and whether it belongs to this definition.
     plot: Option<Result<Option<OwnPlot>, String>>,
@@ -63,7 +60,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot.show(ui, protocol, revision, when);
+            self.pilot.show(ui, protocol, when);
         }
     }
 
@@ -73,17 +70,12 @@ impl Preview {
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
         let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
         let side = side.clamp(16.0, SIDE);
-        let key = (revision, (side * ui.ctx().pixels_per_point()).round() as u32);
-        if self.of != Some(key) {
-            let trial = first_trial(protocol);
-            let is_drawn = self.trial.iter().zip(&trial).any(|(old, new)| old.stimuli == new.stimuli);
-            if !is_drawn || self.pictured.1 != key.1 {
-                self.pictured = key;
-            }
-            (self.of, self.trial) = (Some(key), trial);
+        if self.of != Some(revision) {
+            (self.of, self.trial) = (Some(revision), first_trial(protocol));
         }
         let Some(trial) = &self.trial else { return };
-        let drawn = self.drawn.get(ui.ctx(), self.pictured, self.pictured.1, || trial.stimuli.clone());
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        let drawn = self.drawn.get(ui.ctx(), (trial.stimuli.clone(), px), px, || trial.stimuli.clone());
         ui::section(ui, format!("One trial{when}"));
         let light = protocol.stimulus.field_light(protocol.recovery.level);
         let field = pixels::field(&Quantizer::new(&Transfer::Srgb, Bits::Eight), light);
@@ -124,14 +116,11 @@ impl Preview {
 
 impl Pilot {
     /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
-    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
+    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
         let now = ui.input(|input| input.time);
-        if std::mem::replace(&mut self.revision, revision) != revision {
-            let definition = Definition { title: String::new(), ..Definition::clone(protocol) };
-            if self.of.as_ref().is_none_or(|(of, _)| *of != definition) {
-                // The former observer stops.
-                (self.of, self.running, self.is_done) = (Some((definition, now)), None, false);
-            }
+        if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
+            // The former observer stops.
+            (self.of, self.running, self.is_done) = (Some((protocol.clone(), now)), None, false);
         }
         let since = self.of.as_ref().map_or(now, |(_, since)| *since);
         if let Some(running) = &self.running {

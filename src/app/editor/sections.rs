@@ -13,14 +13,11 @@ use crate::{
     experiment::{Design, FieldSpec, ParticipantField, ParticipantFields, Recovery, Texts, ViewingPlan},
     report::names::{self, capitalized},
     stimulus::{
-        KINDS, Parameter, Stimulus, catalog,
+        KINDS, Stimulus, catalog,
         picture::{Picture, PictureSize, ShownAs},
     },
     store::draft::Typed,
 };
-
-/// A default text longer than this gets a field of several lines, bytes.
-const LONG: usize = 70;
 
 /// Draws a part of the form.
 type Part = fn(&mut DefinitionForm, &mut Ui);
@@ -57,24 +54,21 @@ fn study(form: &mut DefinitionForm, ui: &mut Ui) {
 
 fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Stimulus");
-    let kind = form.value("stimulus.kind", "");
-    let mut chosen = kind.clone();
-    let error = form.error("stimulus.kind");
-    let kinds: Vec<String> = KINDS.iter().chain(&[Picture::KIND]).map(|kind| (*kind).to_owned()).collect();
-    let title = |kind: &String| match catalog::entry(kind) {
+    let title = |kind: &str| match catalog::entry(kind) {
         Some(entry) => entry.title.to_owned(),
         None if kind == Picture::KIND => "Pictures of your own".to_owned(),
-        None => kind.clone(),
+        None => kind.to_owned(),
     };
-    Field::new("Kind").column(LABELS).error(&error).width(260.0).choice(ui, &mut chosen, &kinds, title);
-    if chosen != kind {
-        form.set_kind(&chosen);
+    let kinds = KINDS.iter().copied().chain([Picture::KIND]);
+    if let Some(kind) = form.choice(ui, ["Kind", "stimulus.kind", "", "What participants see."], kinds, title) {
+        form.set_kind(&kind);
     }
-    if chosen == Picture::KIND {
+    let kind = form.value("stimulus.kind", "");
+    if kind == Picture::KIND {
         return pictures(form, ui);
     }
-    let Some(default) = Stimulus::default_of(&chosen) else { return };
-    if let Some(entry) = catalog::entry(&chosen) {
+    let Some(default) = Stimulus::default_of(&kind) else { return };
+    if let Some(entry) = catalog::entry(&kind) {
         ui::hint(ui, entry.about);
     }
     ui::text::errors(ui, &form.own_error("stimulus"));
@@ -100,18 +94,8 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
-    let about = "A folder beside the definition, a slash, and a name in which * stands for any letters.";
-    if form.lacks_pictures() {
-        // Nothing was chosen yet, so nothing is wrong.
-        form.error("stimulus");
-        let mut files = String::new();
-        let field = Field::new("Files").column(LABELS).slot().hint("pictures/*.png").text(ui, &mut files);
-        if field.on_hover_text(about).changed() {
-            form.type_value("stimulus.files", &files, Typed::Text);
-        }
-    } else {
-        form.text(ui, "Files", "stimulus.files", "", about);
-    }
+    let about = "A folder beside the definition, a slash, and a name in which * stands for any letters: pictures/*.png";
+    form.text(ui, "Files", "stimulus.files", "", about);
     Field::new("").column(LABELS).show(ui, |ui, _| {
         let mut folder = String::new();
         if form.pictures.browse(ui, FileKind::Folder, "Choose a folder of pictures…", &mut folder) {
@@ -132,49 +116,33 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
             "Choose PNG files: opaque, with 8 or 16 bits. A table pictures.csv beside them gives them levels of factors.",
         );
     }
-    if !form.lacks_pictures() {
-        ui::text::errors(ui, &form.own_error("stimulus"));
-    }
-    for (label, key, names, about) in [
-        (
-            "Shown",
-            "stimulus.show",
-            ShownAs::NAMES,
-            "Display: the file's light. Codes: the file's codes, whatever the display.",
-        ),
-        (
-            "Size",
-            "stimulus.size",
-            PictureSize::NAMES,
-            "Pixels: one for one. Degrees: the longer side fills the stimulus window.",
-        ),
-    ] {
-        let (before, error) = (form.value(key, names[names.len() - 1]), form.error(key));
-        let mut chosen = before.as_str();
-        let field = Field::new(label).column(LABELS).error(&error).width(200.0);
-        field.choice(ui, &mut chosen, names, |name| (*name).to_owned()).on_hover_text(about);
-        if chosen != before {
-            let chosen = chosen.to_owned();
+    ui::text::errors(ui, &form.own_error("stimulus"));
+    let shown = "Display: the file's light. Codes: the file's codes, whatever the display.";
+    let size = "Pixels: one for one. Degrees: the longer side fills the stimulus window.";
+    for (label, key, names, about) in
+        [("Shown", "stimulus.show", ShownAs::NAMES, shown), ("Size", "stimulus.size", PictureSize::NAMES, size)]
+    {
+        let field = [label, key, names[names.len() - 1], about];
+        if let Some(chosen) = form.choice(ui, field, names.iter().copied(), ToOwned::to_owned) {
             form.type_value(key, &chosen, Typed::Text);
         }
     }
 }
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
-    if form.value("stimulus.kind", "") == Picture::KIND && form.draft().factors().is_empty() {
+    let names = form.draft().factors();
+    let has_pictures = form.value("stimulus.kind", "") == Picture::KIND;
+    if has_pictures && names.is_empty() {
         return;
     }
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
-    let names = form.draft().factors();
-    let kind = Stimulus::default_of(&form.value("stimulus.kind", ""));
-    let parameters = kind.map_or(&[][..], |stimulus| stimulus.parameters());
     for (i, name) in names.iter().enumerate() {
-        let parameter = parameters.iter().find(|parameter| parameter.name == name);
-        factor(form, ui, name, parameter, [i, names.len()]);
+        factor(form, ui, name, [i, names.len()]);
     }
-    let free = parameters.iter().filter(|parameter| !names.iter().any(|name| name == parameter.name));
+    // Pictures bring their factors.
+    let free = form.free_parameters().filter(|_| !has_pictures);
     let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
     let list = list.show_ui(ui, |ui| {
         for parameter in free {
@@ -189,14 +157,9 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 /// Draws a factor. `place` is its index and the number of factors.
-fn factor(
-    form: &mut DefinitionForm,
-    ui: &mut Ui,
-    name: &str,
-    parameter: Option<&'static Parameter>,
-    place: [usize; 2],
-) {
+fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str, place: [usize; 2]) {
     let key = format!("factors.{name}");
+    let parameter = form.parameters().iter().find(|parameter| parameter.name == name);
     let mut levels = form.value(&key, "");
     let (error, label) = (form.error(&key), form.factor(name));
     let words = names::factor(Some(form.parameters()), name);
@@ -458,11 +421,7 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
         for [name, about, default] in Texts::ALL {
             let label = capitalized(&name.replace('_', " "));
             let key = format!("instructions.{name}");
-            if default.len() > LONG {
-                form.lines(ui, &label, &key, default, about.trim());
-            } else {
-                form.text(ui, &label, &key, default, about.trim());
-            }
+            form.lines(ui, &label, &key, default, about.trim());
         }
     });
 }

@@ -2,7 +2,7 @@
 
 use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
 
-use super::form::{DefinitionForm, LABELS};
+use super::form::{DefinitionForm, LABELS, LIST};
 use crate::{
     app::ui::{
         self, Field, parameter,
@@ -21,8 +21,6 @@ use crate::{
 /// Smallest size of the card of a task, and the side of its icon, points.
 const CARD: Vec2 = vec2(112.0, 104.0);
 const PICTOGRAM: f32 = 28.0;
-/// Width of a list, and of the fields of a reference, points.
-const LIST: f32 = 200.0;
 /// What a list shows if there is no value.
 const NONE: &str = "none";
 /// Side of a picture that shows whether a parameter changes anything, pixels.
@@ -121,21 +119,16 @@ fn card(ui: &mut Ui, width: f32, name: &str, about: &str, selected: bool) -> Res
 /// Draws how levels are chosen.
 fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Method");
-    let before = if form.draft().keys("adaptive").is_empty() {
-        NONE.to_owned()
-    } else {
-        form.value("adaptive.method", Method::default().name())
-    };
-    let mut chosen = before.clone();
-    let all: Vec<String> = [NONE].iter().chain(Method::NAMES).map(|name| (*name).to_owned()).collect();
-    let error = form.error("adaptive.method");
-    let field = Field::new("Levels chosen by").column(LABELS).error(&error).width(LIST);
-    let title = |name: &String| match name.as_str() {
+    let title = |name: &str| match name {
         NONE => "The factors alone".to_owned(),
         name => capitalized(&parameter::method(name)),
     };
-    field.choice(ui, &mut chosen, &all, title);
-    if chosen != before {
+    let default = |form: &DefinitionForm| match form.draft().keys("adaptive").as_slice() {
+        [] => NONE,
+        _ => Method::default().name(),
+    };
+    let field = ["Levels chosen by", "adaptive.method", default(form), "How the level of each trial is found."];
+    if let Some(chosen) = form.choice(ui, field, [NONE].into_iter().chain(Method::NAMES.iter().copied()), title) {
         let method = (chosen != NONE).then_some(chosen.as_str());
         let found = varied(form).filter(|_| form.draft().get("adaptive.parameter").is_none());
         form.rebuild(|draft| {
@@ -146,6 +139,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
             }
         });
     }
+    let chosen = form.value("adaptive.method", default(form));
     let about = Method::NAMES.iter().position(|name| *name == chosen).map(|index| Method::ABOUT[index].trim());
     ui::hint(ui, about.unwrap_or("Every combination of the factors' levels is shown equally often."));
     if chosen == NONE {
@@ -161,15 +155,13 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
 
 /// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.
 fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
-    let factors = form.draft().factors();
     let numbers = |parameter: &Parameter| {
         let mut numbers: Vec<f64> = parameter.levels_hint.iter().filter_map(|level| level.parse().ok()).collect();
         numbers.retain(|number| *number > 0.0);
         numbers.sort_by(f64::total_cmp);
         numbers
     };
-    let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|factor| factor == parameter.name));
-    let found: Vec<_> = free.map(|parameter| (parameter.name, numbers(parameter))).collect();
+    let found: Vec<_> = form.free_parameters().map(|parameter| (parameter.name, numbers(parameter))).collect();
     let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
     let with =
@@ -260,42 +252,23 @@ fn control(
                 form.edit(|draft| draft.set_flag(key, flag));
             }
         }
-        OptionValue::OneOf(names) => {
-            let names = names.iter().map(|name| (*name).to_owned()).collect();
-            list(form, ui, option, [key, owner], names, &default);
-        }
-        OptionValue::Parameter(optional) => {
-            let factors = form.draft().factors();
-            let free = form.parameters().iter().filter(|parameter| !factors.iter().any(|name| name == parameter.name));
-            let none = optional.then(|| NONE.to_owned());
-            let names = none.into_iter().chain(free.map(|parameter| parameter.name.to_owned())).collect();
-            list(form, ui, option, [key, owner], names, if optional { NONE } else { "" });
-        }
-        OptionValue::Factor => {
-            let names = std::iter::once(NONE.to_owned()).chain(form.draft().factors()).collect();
-            list(form, ui, option, [key, owner], names, NONE);
+        OptionValue::OneOf(_) | OptionValue::Parameter(_) | OptionValue::Factor => {
+            let none = matches!(value, OptionValue::Parameter(true) | OptionValue::Factor).then_some(NONE);
+            let (parameters, factors) = (form.parameters(), form.draft().factors());
+            let names: Vec<&str> = match value {
+                OptionValue::OneOf(names) => names.to_vec(),
+                OptionValue::Factor => factors.iter().map(String::as_str).collect(),
+                _ => form.free_parameters().map(|parameter| parameter.name).collect(),
+            };
+            let field = [label, key, none.unwrap_or(&default), about];
+            let title = |name: &str| parameter::label(parameters, name);
+            match form.choice(ui, field, none.into_iter().chain(names), title).as_deref() {
+                None => {}
+                Some(NONE) => form.rebuild(|draft| draft.remove(owner)),
+                Some(chosen) => form.type_value(key, chosen, Typed::Value),
+            }
         }
         OptionValue::Settings => settings(form, ui, option, key),
-    }
-}
-
-fn list(
-    form: &mut DefinitionForm,
-    ui: &mut Ui,
-    option: &TaskOption,
-    [key, owner]: [&str; 2],
-    names: Vec<String>,
-    default: &str,
-) {
-    let before = form.value(key, default);
-    let (mut chosen, error) = (before.clone(), form.error(key));
-    let field = Field::new(option.label).column(LABELS).error(&error).width(LIST);
-    field.choice(ui, &mut chosen, &names, |name| form.factor(name)).on_hover_text(option.about);
-    if chosen == before {
-    } else if chosen == NONE {
-        form.rebuild(|draft| draft.remove(owner));
-    } else {
-        form.type_value(key, &chosen, Typed::Value);
     }
 }
 
@@ -325,8 +298,8 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
             form.type_value(&inner, &text, Typed::Value);
         }
     }
-    let free: Vec<String> = form.parameters().iter().map(|parameter| parameter.name.to_owned()).collect();
-    let free: Vec<String> = free.into_iter().filter(|name| !names.contains(name)).collect();
+    let free = form.parameters().iter().map(|parameter| parameter.name.to_owned());
+    let free: Vec<String> = free.filter(|name| !names.contains(name)).collect();
     let (mut chosen, mut error) = (String::new(), form.own_error(key));
     if names.is_empty() && !error.is_empty() {
         error = "Choose a parameter in which it differs from the target.".to_owned();
@@ -374,7 +347,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         _ if task.answers().is_none() => format!("rating {answer}"),
         _ => format!("answer {}", answer + 1),
     };
-    let [mut labels_changed, mut keys_changed] = [false; 2];
+    let before = [labels.clone(), keys.clone()];
     let (mut removed, mut errors) = (None, String::new());
     for answer in 0..labels.len() {
         let shown = named(answer);
@@ -395,8 +368,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                     let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
                     let key = ui.add(key);
                     ui::text::name(ui, &key, &format!("Key for {shown}"));
-                    let key = key.on_hover_text("The key for this answer: a digit or a letter other than S.");
-                    keys_changed |= key.changed();
+                    key.on_hover_text("The key for this answer: a digit or a letter other than S.");
                 }
                 let width = (ui.available_width() - 100.0).clamp(120.0, 380.0);
                 let label = TextEdit::singleline(&mut labels[answer]).id_salt(("label", answer)).desired_width(width);
@@ -405,7 +377,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 if is_new {
                     label.request_focus();
                 }
-                labels_changed |= label.on_hover_text("What this answer means.").changed();
+                label.on_hover_text("What this answer means.");
                 if task.answers().is_none() {
                     ui.add_enabled_ui(labels.len() > *CATEGORIES.start(), |ui| {
                         if ui::quiet(ui, Icon::Close, "", &format!("Remove {shown}")).clicked() {
@@ -429,7 +401,6 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
             keys.push(free.filter(|key| key != "s").find(|key| !keys.contains(key)).unwrap_or_default());
             form.added = Some(labels.len());
             labels.push(String::new());
-            [labels_changed, keys_changed] = [true; 2];
         }
     } else {
         below.show(ui, |_, _| ());
@@ -437,10 +408,10 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     if let Some(answer) = removed {
         labels.remove(answer);
         keys.remove(answer);
-        [labels_changed, keys_changed] = [true; 2];
     }
-    for (changed, key, texts) in [(labels_changed, "response.labels", labels), (keys_changed, "response.keys", keys)] {
-        if changed {
+    let texts = [labels, keys].into_iter().zip(before);
+    for (key, (texts, before)) in ["response.labels", "response.keys"].into_iter().zip(texts) {
+        if texts != before {
             form.edit(|draft| draft.set_texts(key, &texts));
         }
         ui::text::errors(ui, &form.own_error(key));

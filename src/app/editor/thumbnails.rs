@@ -43,12 +43,7 @@ struct Thumbnail {
 impl Thumbnails {
     /// Draws the number of conditions, followed by `when`, and their stimuli.
     pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
-        let side = (SIDE * ui.ctx().pixels_per_point()).round() as u32;
-        if self.of != Some((revision, side)) {
-            self.refresh(protocol, self.of.is_some_and(|(_, old)| old == side));
-            self.of = Some((revision, side));
-        }
-        self.draw_next(ui.ctx(), side);
+        self.update(ui.ctx(), protocol, revision, SIDE, MAX_THUMBNAILS);
         let n = self.conditions;
         ui::section(ui, count(n as u64, "condition") + when);
         let mut hint = Vec::new();
@@ -56,7 +51,7 @@ impl Thumbnails {
             hint.push(format!("Captions: {}.", self.factors));
         }
         if n > self.all.len() {
-            hint.push(format!("The first {} are shown, {} are not.", self.all.len(), n - self.all.len()));
+            hint.push(format!("{} of them are shown, from all parts of the design.", self.all.len()));
         }
         ui::hint(ui, hint.join(" "));
         let gap = ui.spacing().item_spacing.x;
@@ -68,23 +63,25 @@ impl Thumbnails {
 
     /// Draws one line of stimuli, from all parts of the design.
     pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
-        let side = (STRIP * ui.ctx().pixels_per_point()).round() as u32;
         let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
         let revision = egui::Id::unique(format!("{key:?}")).value();
-        if self.of != Some((revision, side)) {
-            self.refresh(protocol, false);
-            let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
-            let all = std::mem::take(&mut self.all);
-            let step = all.len().div_ceil(shown).max(1);
-            self.all = all.into_iter().step_by(step).collect();
-            self.of = Some((revision, side));
-        }
-        self.draw_next(ui.ctx(), side);
+        let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
+        self.update(ui.ctx(), protocol, revision, STRIP, shown);
         ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
     }
 
-    /// Lists the conditions. Those that were already listed keep their pictures if `keep` is true.
-    fn refresh(&mut self, protocol: &Protocol, keep: bool) {
+    /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
+    /// pictures with this side, points. Those that were already listed keep theirs.
+    fn update(&mut self, ctx: &Context, protocol: &Protocol, revision: u64, side: f32, most: usize) {
+        let px = (side * ctx.pixels_per_point()).round() as u32;
+        let before = self.of.replace((revision, px));
+        if before != self.of {
+            self.list(protocol, most, before.is_some_and(|(_, before)| before == px));
+        }
+        self.draw_next(ctx, px);
+    }
+
+    fn list(&mut self, protocol: &Protocol, most: usize, keep: bool) {
         let conditions = protocol.conditions();
         self.conditions = conditions.len();
         let known = Some(protocol.stimulus.parameters());
@@ -106,7 +103,8 @@ impl Thumbnails {
                 stimulus: condition.stimulus.clone(),
             }
         };
-        self.all = conditions.iter().take(MAX_THUMBNAILS).map(thumbnail).collect();
+        let step = conditions.len().div_ceil(most).max(1);
+        self.all = conditions.iter().step_by(step).map(thumbnail).collect();
     }
 
     /// Draws the next stimuli that have no picture yet on another thread.

@@ -5,78 +5,55 @@ use std::collections::BTreeSet;
 
 use eframe::egui;
 
-use super::request::{Prepared, Request, has_slider, needed_px, stimulus_side_px};
+use super::request::{Prepared, Request, room, stimulus_side_px};
 use crate::{
     app::ui::{Monitor, platform::Platform, today},
     display::{
         DisplayProfile, Screen, Viewing,
         frames::{FrameTimes, Refresh},
     },
-    experiment::{Protocol, task::Layout},
-    store::{check::missing_fonts, dataset::SessionPaths, profile, sidecar::Sidecar, sitting::PreflightNote},
+    experiment::Protocol,
+    store::{
+        check::missing_fonts,
+        profile,
+        sitting::{Geometry, PreflightNote, Sitting},
+    },
 };
 
 /// Number of positions across an image at which its light is compared with the light of the field.
 const SAMPLES: u32 = 64;
 
-pub struct Findings {
-    pub notes: Vec<PreflightNote>,
-    /// The values that the session needs, or why it cannot run.
-    pub prepared: Result<Prepared, String>,
-}
-
-/// The screen of the previous sitting.
-pub struct PreviousSitting {
-    /// Name and transfer function of the display profile.
-    profile: String,
-    /// Whether this is still the current profile.
-    same_profile: bool,
-    size_px: u32,
-}
-
-impl PreviousSitting {
-    /// Reads the last sitting from the sidecar of the session to resume; `None` if it is not known. A sidecar that cannot
-    /// be read is reported when the session begins.
-    pub fn read(request: &Request) -> Option<Self> {
-        let paths = SessionPaths::new(&request.results, &request.protocol, &request.identity);
-        let sidecar = Sidecar::read(&paths.sidecar).ok()??;
-        let sitting = sidecar.sittings.last()?;
-        let display = sitting.display.as_ref()?;
-        Some(Self {
-            profile: format!("{} ({})", display.name, display.transfer),
-            same_profile: display.sha256 == profile::hash(&request.display),
-            size_px: sitting.viewing.as_ref()?.stimulus_px,
-        })
-    }
-
-    fn note(&self, now_px: u32) -> PreflightNote {
-        let Self { profile, same_profile, size_px } = self;
-        let same = *same_profile && *size_px == now_px;
-        let sentence = match same {
-            true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
-            false => format!(
-                "The previous sitting used the display profile {profile} and a stimulus of {size_px} pixels. Go back \
-                    and restore them, unless you intend to change them."
-            ),
-        };
-        note("same_as_before", same, sentence)
-    }
+/// Compares the display profile and the size of the stimulus with those of the previous sitting; `None` if that is not
+/// known.
+fn same_as_before(before: &Sitting, display: &DisplayProfile, now_px: u32) -> Option<PreflightNote> {
+    let (used, size_px) = (before.display.as_ref()?, before.viewing.as_ref()?.stimulus_px);
+    let same = used.sha256 == profile::hash(display) && size_px == now_px;
+    let sentence = match same {
+        true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
+        false => format!(
+            "The previous sitting used the display profile {} ({}) and a stimulus of {size_px} pixels. Go back and \
+                restore them, unless you intend to change them.",
+            used.name, used.transfer
+        ),
+    };
+    Some(note("same_as_before", same, sentence))
 }
 
 fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
 }
 
-/// Returns all findings except the steps of light, which do not change. `scale` is in physical pixels per point.
+/// Returns all findings except the steps of light, which do not change, and the values that the session needs, or why it
+/// cannot run. `before` is the previous sitting, if there was one. `scale` is in physical pixels per point.
 pub fn all(
     request: &Request,
-    before: Option<&PreviousSitting>,
+    before: Option<&Sitting>,
     monitor: &Monitor,
     platform: &Platform,
     frames: &FrameTimes,
     window: (u32, u32),
     scale: f64,
-) -> Findings {
+) -> (Vec<PreflightNote>, Result<Prepared, String>) {
     let name = monitor.name.as_ref().map_or_else(|| "(no name)".to_owned(), |name| format!("{name:?}"));
     let [width, height] = [monitor.width_px, monitor.height_px];
     let told_scale = format!("The system's scale is {scale}. Stimuli are still drawn in physical pixels.");
@@ -99,11 +76,11 @@ pub fn all(
     notes.extend(path_to_the_screen(platform));
     notes.extend(display_profile(&request.display, monitor, platform));
     let geometry = geometry(request, monitor, window, scale, &mut notes);
-    let prepared = geometry.map(|(viewing, size_px)| Prepared { viewing, size_px, refresh: refresh_found, window });
+    let prepared = geometry.map(|geometry| Prepared { geometry, refresh: refresh_found });
     if let (Some(before), Ok(now)) = (before, &prepared) {
-        notes.push(before.note(now.size_px));
+        notes.extend(same_as_before(before, &request.display, now.geometry.stimulus_px));
     }
-    Findings { notes, prepared }
+    (notes, prepared)
 }
 
 fn full_screen(windowed: bool, (width, height): (u32, u32), whole: bool) -> PreflightNote {
@@ -203,14 +180,14 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes
 }
 
-/// Returns the viewing geometry, and the side of the stimulus in physical pixels, or why the stimulus cannot be shown.
+/// Returns the viewing geometry, or why the stimulus cannot be shown.
 fn geometry(
     request: &Request,
     monitor: &Monitor,
-    (width, height): (u32, u32),
+    window: (u32, u32),
     px_per_point: f64,
     notes: &mut Vec<PreflightNote>,
-) -> Result<(Viewing, u32), String> {
+) -> Result<Geometry, String> {
     let known_cm = request.screen_width_cm.or(request.display.screen_width_cm);
     let width_cm = known_cm.unwrap_or_else(|| monitor.assumed_width_cm());
     let viewing = Screen::new(monitor.width_px, monitor.height_px, width_cm)
@@ -236,24 +213,19 @@ fn geometry(
     let deg = request.protocol.viewing.window_deg;
     let size_px = stimulus_side_px(&viewing, &request.protocol);
     notes.extend(viewing.coarseness(deg).map(|sentence| note("coarse", false, sentence)));
-    let layout = request.protocol.task.layout();
-    let [wide, high] = needed_px(&request.protocol, size_px, px_per_point);
-    let fits = wide <= width && high <= height;
-    let stimuli = match layout {
-        Layout::Places(count) => format!("The {count} stimuli of {deg}° side by side"),
-        _ if has_slider(&request.protocol) => format!("The {deg}° stimulus with its slider"),
-        Layout::Single | Layout::Intervals { .. } => format!("The {deg}° stimulus"),
-    };
-    let verb = |one: &str, several: &str| if layout.grid() == [1, 1] { one.to_owned() } else { several.to_owned() };
-    let sentence = match fits {
-        true => format!("{stimuli} {} {wide} × {high} pixels and {}.", verb("is", "are"), verb("fits", "fit")),
-        false => format!(
-            "{stimuli} {} {wide} × {high} pixels; the window has {width} × {height}. Sit closer, or use a larger screen.",
-            verb("needs", "need")
-        ),
-    };
-    notes.push(note("stimulus_fits", fits, &sentence));
-    if fits { Ok((viewing, size_px)) } else { Err(sentence) }
+    let room = room(&request.protocol, size_px, px_per_point, "window", window.into());
+    let room = room.map_err(|error| error + " Sit closer, or use a larger screen.");
+    notes.push(note("stimulus_fits", room.is_ok(), room.as_ref().unwrap_or_else(|error| error)));
+    room.map(|_| Geometry {
+        distance_cm: distance,
+        screen_width_cm: width_cm,
+        screen_width_measured: known_cm.is_some(),
+        pixels_per_degree: per_degree,
+        stimulus_px: size_px,
+        stimulus_deg: viewing.deg_from_px(f64::from(size_px)),
+        window_px: window.into(),
+        windowed: request.windowed,
+    })
 }
 
 /// Reports the characters of the participant's texts that no font has; `None` if every character has one. They would be

@@ -1,7 +1,7 @@
 //! The last page: thanks the participant and plots their ratings. A closed section tells the experimenter where the data
 //! are and how the frames were.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use eframe::egui::{self, Key};
 
@@ -12,9 +12,10 @@ use crate::{
 
 pub struct Finish {
     protocol: Protocol,
-    path: PathBuf,
+    /// Path of the data file.
+    pub path: PathBuf,
     /// Whether every planned trial is rated.
-    complete: bool,
+    pub complete: bool,
     plot: Option<OwnPlot>,
     opened: Option<String>,
     /// Whether no frame was drawn yet, so that the experimenter's section begins closed.
@@ -37,16 +38,6 @@ impl Finish {
     ) -> Self {
         let plot = OwnPlot::new(&protocol, rows);
         Self { protocol, path, complete, plot, opened: None, is_new: true, frames, error }
-    }
-
-    /// Returns the path of the data file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Returns whether every planned trial is rated.
-    pub fn is_complete(&self) -> bool {
-        self.complete
     }
 
     /// Draws the page. `direct`: leaving it closes the window.
@@ -78,8 +69,9 @@ impl Finish {
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());
         let entered = !focused && ui.input(|input| input.key_pressed(Key::Enter));
-        if let Some(data_set) = self.data_set().filter(|_| analyze) {
-            return Step::Next(data_set);
+        // The folder with all sessions of the experiment.
+        if let Some(data_set) = self.path.ancestors().nth(2).filter(|_| analyze) {
+            return Step::Next(data_set.to_owned());
         }
         Step::back_if(leave || entered)
     }
@@ -104,10 +96,5 @@ impl Finish {
             ui::show_error(ui, error);
         }
         analyze.inner
-    }
-
-    /// Returns the folder with all sessions of the experiment.
-    fn data_set(&self) -> Option<PathBuf> {
-        Some(self.path.parent()?.parent()?.to_owned())
     }
 }

@@ -14,5 +14,6 @@ mod runner;
 mod trials;
 mod unsaved_answer;
 
-pub use request::{Request, needed_px, stimulus_side_px};
+pub use request::{Request, room, stimulus_side_px};
 pub use runner::Runner;
+pub use trials::Trials;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
-    findings::{self, Findings, PreviousSitting, Questions},
+    findings::{self, Questions},
     participant::ParticipantPage,
     request::{Prepared, Request},
     trials::Trials,
@@ -14,7 +14,11 @@ use crate::{
     app::ui::{self, Monitor, Step, fonts::TextFonts, platform::Platform, theme, window_px},
     display::frames::FrameTimes,
     experiment::Answers,
-    store::{dataset::SessionPaths, sidecar::Sidecar, sitting::PreflightNote},
+    store::{
+        dataset::SessionPaths,
+        sidecar::Sidecar,
+        sitting::{PreflightNote, Sitting},
+    },
 };
 
 /// Duration of the frame measurement after the window has settled, seconds.
@@ -26,8 +30,8 @@ const SETTLE_S: f64 = 0.7;
 
 pub struct Preflight {
     request: Request,
-    /// The screen of the previous sitting, if the session is resumed.
-    before: Option<PreviousSitting>,
+    /// The previous sitting, if the session is resumed.
+    before: Option<Sitting>,
     since: Option<f64>,
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
@@ -36,9 +40,10 @@ pub struct Preflight {
     fonts: TextFonts,
     /// The finding about the change in light between field and stimulus.
     light_steps: PreflightNote,
-    /// The page that asks about the participant, if the definition has questions that are not answered yet.
+    /// The page that asks about the participant, if the definition has questions that are not answered yet. A resumed
+    /// session asks only what it did not record.
     participant: Option<ParticipantPage>,
-    /// What the preflight found, while that page is shown.
+    /// What the preflight found, once the user has continued from it.
     ready: Option<(Prepared, Vec<PreflightNote>)>,
     /// Why the session could not begin, if it could not.
     refused: Option<String>,
@@ -47,10 +52,15 @@ pub struct Preflight {
 impl Preflight {
     /// Starts the preflight of a session while the window becomes full screen.
     pub fn new(request: Request) -> Self {
-        let before = if request.resume { PreviousSitting::read(&request) } else { None };
         let light_steps = findings::light_steps(&request.protocol);
-        let participant =
-            asks(&request).then(|| ParticipantPage::new(&request.protocol.participant, &request.protocol.instructions));
+        let Request { protocol, results, identity, resume, .. } = &request;
+        let paths = SessionPaths::new(results, protocol, identity);
+        // A sidecar that cannot be read is reported when the session begins.
+        let recorded = if *resume { Sidecar::read(&paths.sidecar).ok().flatten() } else { None };
+        let is_answered = recorded.as_ref().is_some_and(|recorded| recorded.participant.is_some());
+        let before = recorded.and_then(|mut recorded| recorded.sittings.pop());
+        let asks = !protocol.participant.is_empty() && !is_answered;
+        let participant = asks.then(|| ParticipantPage::new(&protocol.participant, &protocol.instructions));
         Self {
             request,
             before,
@@ -66,13 +76,11 @@ impl Preflight {
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step<Box<Trials>> {
-        if let (Some(page), Some((prepared, notes))) = (&mut self.participant, self.ready.take()) {
-            let step = page.show(ui, self.refused.as_deref());
-            if let Step::Next(answers) = step {
-                return self.begin(ui.ctx(), prepared, notes, monitor, Some(answers));
-            }
-            if step == Step::Stay {
-                self.ready = Some((prepared, notes));
+        if let (Some(page), true) = (&mut self.participant, self.ready.is_some()) {
+            match page.show(ui, self.refused.as_deref()) {
+                Step::Stay => {}
+                Step::Back => self.ready = None,
+                Step::Next(answers) => return self.begin(ui.ctx(), monitor, Some(answers)),
             }
             return Step::Stay;
         }
@@ -103,7 +111,7 @@ impl Preflight {
         });
         let window = window_px(ui.ctx());
         let scale = f64::from(ui.ctx().pixels_per_point());
-        let Findings { mut notes, prepared } =
+        let (mut notes, prepared) =
             findings::all(&self.request, self.before.as_ref(), monitor, &platform, &self.frames, window, scale);
         notes.push(self.light_steps.clone());
         let prepared = missing.as_ref().map_or(prepared, |missing| Err(missing.sentence.clone()));
@@ -116,29 +124,21 @@ impl Preflight {
             return self.back(ui.ctx());
         }
         let Some(prepared) = prepared.ok().filter(|_| begin) else { return Step::Stay };
-        self.refused = None;
+        (self.refused, self.ready) = (None, Some((prepared, notes)));
         if self.participant.is_some() {
-            self.ready = Some((prepared, notes));
             ui.ctx().request_repaint();
             return Step::Stay;
         }
-        self.begin(ui.ctx(), prepared, notes, monitor, None)
+        self.begin(ui.ctx(), monitor, None)
     }
 
     /// Begins the session; stays on the page and says why if that is not possible.
-    fn begin(
-        &mut self,
-        ctx: &egui::Context,
-        prepared: Prepared,
-        notes: Vec<PreflightNote>,
-        monitor: &Monitor,
-        answers: Option<Answers>,
-    ) -> Step<Box<Trials>> {
-        match Trials::begin(ctx, &self.request, &prepared, notes.clone(), monitor, answers) {
+    fn begin(&mut self, ctx: &egui::Context, monitor: &Monitor, answers: Option<Answers>) -> Step<Box<Trials>> {
+        let Some((prepared, notes)) = &self.ready else { return Step::Stay };
+        match Trials::begin(ctx, &self.request, prepared, notes.clone(), monitor, answers) {
             Ok(trials) => Step::Next(Box::new(trials)),
             Err(error) => {
                 self.refused = Some(error.to_string());
-                self.ready = self.participant.is_some().then_some((prepared, notes));
                 Step::Stay
             }
         }
@@ -194,16 +194,4 @@ impl Preflight {
         });
         (begin || proceed, back || escaped)
     }
-}
-
-/// Returns whether the session asks about the participant. A resumed session asks only what it did not record. A sidecar
-/// that cannot be read is reported when the session begins.
-fn asks(request: &Request) -> bool {
-    let Request { protocol, results, identity, resume, .. } = request;
-    let recorded = || {
-        let paths = SessionPaths::new(results, protocol, identity);
-        Sidecar::read(&paths.sidecar).ok().flatten().is_some_and(|sidecar| sidecar.participant.is_some())
-    };
-    let is_recorded = *resume && recorded();
-    !protocol.participant.is_empty() && !is_recorded
 }

@@ -2,7 +2,6 @@
 
 use std::{
     collections::BTreeMap,
-    path::Path,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
     time::{Duration, SystemTime, UNIX_EPOCH},
@@ -29,7 +28,7 @@ use crate::{
         frames::FrameRow,
         image,
         session::SessionStore,
-        sitting::{Geometry, Pictures, PreflightNote, Sitting, UsedDisplay},
+        sitting::{Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
 };
@@ -65,9 +64,9 @@ impl Recording {
             started_at: now().to_string(),
             display: Some(used),
             monitor: Some(monitor.clone()),
-            viewing: Some(viewing(request, prepared)),
+            viewing: Some(prepared.geometry.clone()),
             preflight: notes,
-            pictures: Some(Pictures::new(protocol, prepared.size_px, &display.transfers, Some(hash))),
+            pictures: Some(Pictures::new(protocol, prepared.geometry.stimulus_px, &display.transfers, Some(hash))),
             ..Sitting::default()
         };
         let (mut store, course, resumed, elapsed_s, number, rows) = if request.resume {
@@ -139,11 +138,6 @@ impl Recording {
         }
     }
 
-    /// Returns the path of the file with the rows.
-    pub fn csv(&self) -> &Path {
-        self.store.csv()
-    }
-
     /// Records the end of the sitting in the sidecar; does so only once. Returns the write error, which is also printed
     /// to stderr. If the sidecar cannot be written now, it lacks these details, but no other data are lost.
     pub fn close(&mut self, session: &mut Session, screen: &ScreenRefresh) -> Option<String> {
@@ -162,7 +156,7 @@ impl Recording {
         let errors: Vec<String> = [saved, ended].into_iter().filter_map(Result::err).map(|e| e.to_string()).collect();
         // The last resort for an answer that no disk accepts.
         for row in self.store.unsaved() {
-            let place = self.csv().display();
+            let place = self.store.csv().display();
             message("error", &format!("{place}: this row is not on disk; expected it at the end of the file: {row}"));
         }
         errors.iter().for_each(|error| message("error", error));
@@ -195,20 +189,6 @@ impl Hasher {
     fn finish(self) -> BTreeMap<String, (Stimulus, String)> {
         drop(self.pictures);
         self.hashes.join().unwrap_or_default()
-    }
-}
-
-fn viewing(request: &Request, prepared: &Prepared) -> Geometry {
-    let screen = prepared.viewing.screen();
-    Geometry {
-        distance_cm: request.distance_cm,
-        screen_width_cm: screen.width_cm(),
-        screen_width_measured: request.screen_width_cm.or(request.display.screen_width_cm).is_some(),
-        pixels_per_degree: prepared.viewing.px_per_degree(),
-        stimulus_px: prepared.size_px,
-        stimulus_deg: prepared.viewing.deg_from_px(f64::from(prepared.size_px)),
-        window_px: [prepared.window.0, prepared.window.1],
-        windowed: request.windowed,
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use crate::{
     display::{DisplayProfile, Viewing, frames::KnownRefresh},
-    experiment::{Identity, Protocol},
-    store::session::Changes,
+    experiment::{Identity, Protocol, task::Layout},
+    store::{session::Changes, sitting::Geometry},
 };
 
 /// Height of the slider with its distance from the lower edge of the window, points.
@@ -43,22 +43,36 @@ pub fn stimulus_side_px(viewing: &Viewing, protocol: &Protocol) -> u32 {
 
 /// The values determined by the preflight.
 pub struct Prepared {
-    /// The viewing geometry: screen and distance.
-    pub viewing: Viewing,
-    /// Side of the stimulus in physical pixels.
-    pub size_px: u32,
+    /// The screen, the distance, and the sizes of the stimulus and of the window.
+    pub geometry: Geometry,
     /// The refresh against which frames are judged.
     pub refresh: KnownRefresh,
-    /// Width and height of the window in physical pixels.
-    pub window: (u32, u32),
 }
 
-/// Returns the width and height that all stimuli of `side` physical pixels need at the center of the window. A slider is
-/// always shown, and it lies below them.
-pub fn needed_px(protocol: &Protocol, side: u32, px_per_point: f64) -> [u32; 2] {
-    let [wide, high] = protocol.task.layout().size_px(side);
-    let strip = if has_slider(protocol) { (2.0 * f64::from(SLIDER_ROOM) * px_per_point).ceil() as u32 } else { 0 };
-    [wide, high + strip]
+/// Says how much room all stimuli of `side` physical pixels need at the center of `place`, which is the window or the
+/// screen and has `size` pixels. A slider is always shown, and it lies below them.
+///
+/// # Errors
+/// The same sentence, if there is not enough room.
+pub fn room(
+    protocol: &Protocol,
+    side: u32,
+    px_per_point: f64,
+    place: &str,
+    [width, height]: [u32; 2],
+) -> Result<String, String> {
+    let (deg, layout) = (protocol.viewing.window_deg, protocol.task.layout());
+    let [wide, mut high] = layout.size_px(side);
+    let stimuli = match layout {
+        Layout::Places(count) => format!("The {count} stimuli of {deg}° side by side need"),
+        _ if has_slider(protocol) => {
+            high += (2.0 * f64::from(SLIDER_ROOM) * px_per_point).ceil() as u32;
+            format!("The {deg}° stimulus with its slider needs")
+        }
+        Layout::Single | Layout::Intervals { .. } => format!("The {deg}° stimulus needs"),
+    };
+    let sentence = format!("{stimuli} {wide} × {high} pixels, and the {place} has {width} × {height}.");
+    if wide <= width && high <= height { Ok(sentence) } else { Err(sentence) }
 }
 
 /// Returns whether answers are given on a slider.

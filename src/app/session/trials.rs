@@ -11,7 +11,7 @@ use super::{
     frames::ScreenRefresh,
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::Recording,
-    request::{Prepared, Request, has_slider, needed_px},
+    request::{Prepared, Request, has_slider, room},
     unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
@@ -96,7 +96,7 @@ impl Trials {
             offset,
             field: pixels::field(&quantizer, protocol.stimulus.field_light(protocol.recovery.level)),
             quantizer,
-            size_px: prepared.size_px,
+            size_px: prepared.geometry.stimulus_px,
             textures: Vec::new(),
             categories: CategoryPictures::default(),
             screen,
@@ -230,7 +230,7 @@ impl Trials {
 
     /// Changes the value that participants set: by the arrow keys, which may be held, or the wheel.
     fn turn_dial(&mut self, ui: &egui::Ui, now: Duration) {
-        let Some(dial) = self.dial().filter(|_| self.awaits_rating()) else { return };
+        let Some(dial) = self.dial().filter(|_| self.session.can_answer()) else { return };
         for event in ui.input(|input| input.events.clone()) {
             let (steps, fine) = match event {
                 egui::Event::Key { key, pressed: true, modifiers, .. } => {
@@ -268,16 +268,14 @@ impl Trials {
     }
 
     fn is_trial(&self) -> bool {
-        let state = self.session.state();
-        self.awaits_rating()
-            || matches!(
-                state,
-                State::Recovery { .. } | State::Stimulus { .. } | State::Gap { .. } | State::Closing { .. }
-            )
-    }
-
-    fn awaits_rating(&self) -> bool {
-        self.session.can_answer()
+        matches!(
+            self.session.state(),
+            State::Recovery { .. }
+                | State::Stimulus { .. }
+                | State::Gap { .. }
+                | State::Response { .. }
+                | State::Closing { .. }
+        )
     }
 
     fn step(&mut self, event: Event, now: Duration) {
@@ -312,19 +310,15 @@ impl Trials {
                 self.session.step(Event::Pause, now);
                 self.session.step(Event::Resume, now);
             }
-            Err(error) => page.show_error(error.to_string()),
+            Err(error) => page.what = error.to_string(),
         }
         ui.ctx().request_repaint();
     }
 
     fn too_small(&self, ctx: &egui::Context) -> Option<String> {
-        let (width, height) = window_px(ctx);
-        let [wide, high] = needed_px(self.session.protocol(), self.size_px, ctx.pixels_per_point().into());
-        (width < wide || height < high).then(|| {
-            format!(
-                "The window has {width} × {height} pixels and the stimulus needs {wide} × {high}. Make the window larger."
-            )
-        })
+        let scale = ctx.pixels_per_point().into();
+        let room = room(self.session.protocol(), self.size_px, scale, "window", window_px(ctx).into());
+        room.err().map(|error| error + " Make the window larger.")
     }
 
     fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
@@ -338,7 +332,7 @@ impl Trials {
         let Some(shown) = self.session.shown() else { return Vec::new() };
         let mut stimuli = shown.stimuli.clone();
         if let (Some(Dial { parameter: Some(name), .. }), Some(value)) = (self.dial(), self.session.value())
-            && self.awaits_rating()
+            && self.session.can_answer()
         {
             // The definition was checked at both ends of the dial.
             stimuli.iter_mut().for_each(|stimulus| _ = stimulus.set(&name, &value.into()));
@@ -369,14 +363,6 @@ impl Trials {
         let back = self.session.can_go_back();
         let protocol = self.session.protocol();
         let answer = match self.session.state() {
-            State::Recovery { .. }
-            | State::Stimulus { .. }
-            | State::Gap { .. }
-            | State::Response { .. }
-            | State::Closing { .. } => {
-                self.draw_trial(ui, now, window_s, input);
-                Step::Stay
-            }
             State::Instructions(page) => {
                 let resumed = self.resumed.then(|| self.session.progress());
                 let pictures = &mut self.categories;
@@ -389,6 +375,11 @@ impl Trials {
                 Step::Stay
             }
             State::Done | State::Left => return self.finish(ui.ctx()),
+            // The field or a stimulus.
+            _ => {
+                self.draw_trial(ui, now, window_s, input);
+                Step::Stay
+            }
         };
         match answer {
             Step::Stay => return Step::Stay,
@@ -432,7 +423,7 @@ impl Trials {
     }
 
     fn draw_trial(&mut self, ui: &mut egui::Ui, now: Duration, window_s: f64, input: &mut Input) {
-        let rating_now = self.awaits_rating();
+        let rating_now = self.session.can_answer();
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             let State::Stimulus { interval, .. } = *self.session.state() else {
                 self.draw_feedback(ui, now);
@@ -510,11 +501,21 @@ impl Trials {
         Step::Next(Box::new(Finish::new(
             self.session.protocol().clone(),
             &self.recording.rows,
-            self.recording.csv().to_owned(),
+            self.recording.store.csv().to_owned(),
             *self.session.state() == State::Done,
             self.screen.sentence(self.session.frame_times()),
             error,
         )))
+    }
+
+    /// Says how to resume the session after the window is closed.
+    pub fn how_to_resume(&self) -> String {
+        let identity = &self.recording.identity;
+        let (subject, session) = (identity.subject(), identity.session());
+        format!(
+            "Every answer so far is saved. To resume, start machband again, choose {subject}, session {session}, on the \
+                page Studies, and press Resume."
+        )
     }
 
     /// Ends the sitting if it has not ended; returns the write error, if any.

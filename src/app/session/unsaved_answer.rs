@@ -10,7 +10,8 @@ use crate::{
 };
 
 pub struct UnsavedAnswerPage {
-    what: String,
+    /// Why the answer is not saved, also after a choice that did not help.
+    pub what: String,
     /// The folder that is proposed: the user's own, which survives a restart of the machine and which nobody else can
     /// read. `None` if the user has no home folder.
     rescue: Option<PathBuf>,
@@ -32,11 +33,6 @@ impl UnsavedAnswerPage {
         let rescue = data_folder().map(|folder| folder.join("rescued"));
         let folder = rescue.as_ref().map_or_else(String::new, |rescue| rescue.display().to_string());
         Self { what, rescue, folder, dialog: Dialog::default() }
-    }
-
-    /// Shows the new error after a choice that did not help.
-    pub fn show_error(&mut self, what: String) {
-        self.what = what;
     }
 
     pub fn show(&mut self, ui: &mut egui::Ui) -> Option<SaveChoice> {

@@ -19,13 +19,10 @@ use crate::{
     report::document::numbers::count,
     store::{definition::BUILT_IN, session::overview::SessionState},
     system::found,
-    work::{Export, plan::Plan, simulate::Simulate},
 };
 
-/// In a page narrower than this, in points, what is rarely needed is in a menu.
-const ROOM_FOR_ACTIONS: f32 = 560.0;
 /// In a window narrower than this, in points, buttons beside the title have no words.
-const SMALL: f32 = 600.0;
+const SMALL: f32 = 680.0;
 /// In a page narrower than this, in points, all but beginning and resuming sessions is in a menu.
 const ROOM_FOR_ALL: f32 = 816.0;
 /// Maximum number of lines of the title.
@@ -44,7 +41,6 @@ impl Studies {
         let id = ui.scope_id().with("buttons");
         let width: f32 = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         let needed = ui.horizontal_top(|ui| {
-            let is_wide = ui.available_width() >= ROOM_FOR_ACTIONS;
             let room = ui.available_width() - width - ui.spacing().item_spacing.x;
             ui.allocate_ui_with_layout(egui::vec2(room, 0.0), Layout::top_down(Align::Min), |ui| {
                 ui.set_width(room);
@@ -72,18 +68,13 @@ impl Studies {
                     let name = checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
                     next = Some(Destination::Editor(experiment.clone(), Some(self.sessions.of(name).count())));
                 }
-                if (is_wide || is_built_in) && quiet(ui, Icon::Plus, "Duplicate as…", "Duplicate as…").clicked() {
+                if quiet(ui, Icon::Plus, word(ui, "Duplicate as…"), "Duplicate as…").clicked() {
                     next = Some(Destination::Editor(experiment.clone(), None));
                 }
                 let more = quiet(ui, Icon::More, "", "More");
                 Popup::menu(&more).show(|ui| {
-                    if !is_wide && !is_built_in && ui.button("Duplicate as…").clicked() {
-                        next = Some(Destination::Editor(experiment.clone(), None));
-                    }
-                    if ui.button("Open the folder").clicked()
-                        && let Some(error) = ui::open(&self.folder())
-                    {
-                        ui::complain(ui.ctx(), error);
+                    if ui.button("Open the folder").clicked() {
+                        open(ui, &self.folder());
                     }
                     if !is_built_in && ui.button("Remove from the list").clicked() {
                         settings.recent.experiments.retain(|other| *other != experiment);
@@ -110,10 +101,11 @@ impl Studies {
         ui.horizontal(|ui| {
             let hover = format!("For {}, the next participant.", self.suggested);
             if main_action(ui, Icon::Play, "New session").on_hover_text(hover).clicked() {
-                self.open_session(None);
+                self.open_session(Cell::first(&self.suggested));
             }
             ui.add_enabled_ui(unfinished.is_some(), |ui| {
-                let title = unfinished.as_ref().map(|session| format!("Resume {}", Cell::of(session).title()));
+                let title =
+                    unfinished.as_ref().map(|session| format!("Resume {}", Cell::of(&session.identity).title()));
                 let title = title.as_deref().unwrap_or("Resume");
                 let resume = action(ui, Icon::Resume, "Resume").on_hover_text(title);
                 ui::text::name(ui, &resume, title);
@@ -145,7 +137,7 @@ impl Studies {
         let has_sessions = self.sessions.of(&protocol.name).next().is_some();
         ui.add_enabled_ui(is_free, |ui| {
             if action(ui, Icon::Pilot, "Simulate a pilot…").clicked() {
-                self.open = Some(Open::Pilot(self.pilot(protocol)));
+                self.open = Some(Open::Request(Box::new(self.pilot(protocol))));
             }
         });
         let clicked = |ui: &mut Ui, enabled: bool, icon: Icon, text: &str, name: &str| {
@@ -153,44 +145,44 @@ impl Studies {
         };
         let can_plan = protocol.task.is_default() || protocol.adaptive.is_some();
         if clicked(ui, is_free && can_plan, Icon::People, "Plan…", "Plan…") {
-            self.open = Some(Open::Plan(self.plan(protocol)));
+            self.open = Some(Open::Request(Box::new(self.plan(protocol))));
         }
         if clicked(ui, has_sessions && is_free, Icon::Check, "Check", "Check") {
             self.job = Some(Job::check(ui.ctx(), folder.to_owned()));
         }
         let analyzes = clicked(ui, has_sessions, Icon::Analyze, "Analyze", "Analyze this study");
         if clicked(ui, has_sessions && is_free, Icon::Out, "Export…", "Export…") {
-            self.open = Some(Open::Export(export(folder)));
+            self.open = Some(Open::Request(Box::new(export(folder))));
         }
         analyzes.then(|| Destination::Analysis(folder.to_owned()))
     }
 
     /// Returns the dialog that finds how many participants the study needs.
-    fn plan(&self, protocol: &Protocol) -> RequestForm<Plan> {
+    fn plan(&self, protocol: &Protocol) -> RequestForm {
         let about = "Simulates studies of several sizes, and says which is large enough. Separate numbers by commas.";
         let planned = protocol.plan.participants.map_or_else(|| "8, 16, 24".to_owned(), |planned| planned.to_string());
+        let varied = protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
+        let varied = varied.and_then(|factor| Some((&factor.name, factor.levels.last()?)));
+        let [effect, deviation] = varied.map_or_else(Default::default, |(factor, level)| {
+            [format!("such as {factor}:{level}=0.5"), format!("such as {factor}=0.5")]
+        });
+        let none = String::new;
         let mut shown = vec![
-            ("participants", "Numbers of participants", planned),
-            ("effects", EFFECTS, String::new()),
-            ("deviations", DEVIATIONS, String::new()),
-            ("target", "Target power", String::new()),
-            ("studies", "Simulated studies", "200".to_owned()),
+            ("participants", "Numbers of participants", planned, none()),
+            ("effects", EFFECTS, none(), effect),
+            ("deviations", DEVIATIONS, none(), deviation),
+            ("target", "Target power", none(), none()),
+            ("studies", "Simulated studies", "200".to_owned(), none()),
         ];
         if let Some(adaptive) = &protocol.adaptive {
-            shown.push(("trials", "Trials", adaptive.common.trials.to_string()));
+            shown.push(("trials", "Trials", adaptive.common.trials.to_string(), none()));
         }
-        let form =
-            RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &[("experiment", self.experiment_name())]);
-        let varied = protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
-        let Some((factor, level)) = varied.and_then(|factor| Some((&factor.name, factor.levels.last()?))) else {
-            return form;
-        };
-        form.hint("effects", format!("such as {factor}:{level}=0.5"))
-            .hint("deviations", format!("such as {factor}=0.5"))
+        let given = [("experiment", self.experiment_name())];
+        RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)
     }
 
     /// Returns the dialog that simulates a pilot.
-    fn pilot(&self, protocol: &Protocol) -> RequestForm<Simulate> {
+    fn pilot(&self, protocol: &Protocol) -> RequestForm {
         // Simulated sessions never lie among those of people.
         let free = free(|number| self.results().with_file_name(format!("{}-pilot-{number}", protocol.name)));
         // The findings of the paper are about ratings.
@@ -201,27 +193,24 @@ impl Studies {
                 into the new folder {}.",
             free.display()
         );
-        let shown = [("participants", "Participants", participants), ("observer", "Observer", observer.to_owned())];
+        let shown = [
+            ("participants", "Participants", participants, String::new()),
+            ("observer", "Observer", observer.to_owned(), String::new()),
+        ];
         let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
-        RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given)
+        let protocol = protocol.clone();
+        RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
+            Job::pilot(ctx, request, protocol.clone())
+        })
     }
 
     fn experiment_name(&self) -> String {
         self.form.experiment.trim().to_owned()
     }
 
-    /// Opens the dialog of a session; `None` for the next participant.
-    pub(super) fn open_session(&mut self, cell: Option<&Cell>) {
-        match cell {
-            Some(cell) => {
-                self.form.participant.clone_from(&cell.subject);
-                self.form.session.clone_from(&cell.session);
-            }
-            None => {
-                self.form.participant.clone_from(&self.suggested);
-                "1".clone_into(&mut self.form.session);
-            }
-        }
+    /// Opens the dialog of a session.
+    fn open_session(&mut self, cell: Cell) {
+        self.form.cell = cell;
         self.error = None;
         self.opening = true;
         self.open = Some(Open::Session);
@@ -230,20 +219,20 @@ impl Studies {
     /// Returns the session of a cell, if it was begun.
     pub(super) fn recorded(&self, cell: &Cell) -> Option<SessionState> {
         let name = self.checked()?.protocol.as_ref()?.name.clone();
-        self.sessions.of(&name).find(|session| Cell::of(session) == *cell).cloned()
+        self.sessions.of(&name).find(|session| Cell::of(&session.identity) == *cell).cloned()
     }
 
     /// Resumes, begins or opens the session of a cell.
     pub(super) fn enter(&mut self, ui: &Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
         match self.recorded(cell) {
-            None if self.form.participant == cell.subject && self.form.session == cell.session => {
+            None if self.form.cell == *cell => {
                 let begun = self.begin_checked(ui, now);
                 self.opening = begun.is_none();
                 self.open = self.opening.then_some(Open::Session);
                 return begun;
             }
-            None => self.open_session(Some(cell)),
-            Some(session) if session.complete => open_file(ui, &session),
+            None => self.open_session(cell.clone()),
+            Some(session) if session.complete => open(ui, &session.csv),
             Some(session) => return self.resume(ui, &session, now),
         }
         None
@@ -271,7 +260,7 @@ fn free(numbered: impl Fn(u32) -> PathBuf) -> PathBuf {
 }
 
 /// Returns the dialog that exports the study in a folder.
-fn export(folder: &Path) -> RequestForm<Export> {
+fn export(folder: &Path) -> RequestForm {
     let name = folder.file_name().unwrap_or_default().display().to_string();
     let beside = folder.parent().and_then(Path::parent).unwrap_or(Path::new(""));
     let out = free(|number| match number {
@@ -279,17 +268,17 @@ fn export(folder: &Path) -> RequestForm<Export> {
         _ => beside.join(format!("{name}-export-{number}")),
     });
     let shown = [
-        ("format", "Format", "psych-ds".to_owned()),
-        ("out", "New folder", out.display().to_string()),
-        ("complete_only", "Only finished sessions", String::new()),
+        ("format", "Format", "psych-ds".to_owned(), String::new()),
+        ("out", "New folder", out.display().to_string(), String::new()),
+        ("complete_only", "Only finished sessions", String::new(), String::new()),
     ];
     let given = [("folder", folder.display().to_string())];
-    RequestForm::new(["Export", "Export"], folder.display().to_string(), &shown, &given)
+    RequestForm::new(["Export", "Export"], folder.display().to_string(), &shown, &given, Job::export)
 }
 
-/// Opens the data file of a session with the desktop's program for tables.
-pub(super) fn open_file(ui: &Ui, session: &SessionState) {
-    if let Some(error) = ui::open(&session.csv) {
+/// Opens a file or a folder with the desktop's program for it.
+pub(super) fn open(ui: &Ui, path: &Path) {
+    if let Some(error) = ui::open(path) {
         ui::complain(ui.ctx(), error);
     }
 }

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
 use super::{
-    actions::open_file,
+    actions::open,
     grid::{self, Cell},
     page::{Destination, Now, Open, Studies},
 };
@@ -21,8 +21,6 @@ use crate::{
 
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
-/// In a place lower than this, in points, there is no card of the selected session.
-const ROOM_FOR_DETAIL: f32 = 160.0;
 
 impl Studies {
     /// Shows a newcomer what a Mach band is.
@@ -63,9 +61,8 @@ impl Studies {
         let session = self.recorded(cell);
         let mut next = None;
         let panel = Panel::bottom("detail").resizable(false).show_separator_line(false).frame(Frame::NONE);
-        let is_low = ui.available_height() < ROOM_FOR_DETAIL;
         panel.show(ui, |ui| {
-            for error in &self.sessions.all.errors {
+            for error in self.sessions.errors() {
                 ui::show_error(ui, error.lines().next().unwrap_or_default());
             }
             if let Some(error) = &self.error
@@ -74,13 +71,9 @@ impl Studies {
                 ui::show_error(ui, error);
             }
             let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-            // In a low window, the grid needs the room.
-            if is_low {
-                return;
-            }
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
-            } else if self.sessions.all.errors.is_empty() {
+            } else if self.sessions.errors().is_empty() {
                 ui::hint(ui, format!("No sessions yet. They are saved in {}.", self.folder().display()));
                 ui.add_space(theme::SMALL_GAP);
             }
@@ -91,8 +84,7 @@ impl Studies {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
-                        let is_filled_in = self.form.participant == cell.subject && self.form.session == cell.session;
-                        let enter = match (cell.has_keys(ui), is_filled_in) {
+                        let enter = match (cell.has_keys(ui), self.form.cell == *cell) {
                             (false, _) => "",
                             (true, true) => " Enter begins it.",
                             (true, false) => " Enter opens New session for it.",
@@ -100,28 +92,16 @@ impl Studies {
                         ui::hint(ui, format!("Not begun.{enter}"));
                         return;
                     };
-                    if !session.is_readable {
-                        Icon::Warn.show(ui, ink(ui).bad);
-                        ui.label(RichText::new("Its files cannot be read.").small().color(ink(ui).bad));
-                        return;
-                    }
-                    let SessionState { rated, planned, complete, .. } = session;
-                    let (icon, color, note) = match complete {
-                        true if session.is_damaged() => {
-                            (Icon::Warn, ink(ui).bad, "; it was finished, so check its file")
-                        }
-                        true => (Icon::Done, ink(ui).text, ""),
-                        false => (Icon::Part, ink(ui).warn, ""),
-                    };
+                    let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));
                     icon.show(ui, color);
-                    let text =
-                        format!("{rated} of {planned} trials (with practice), last used on {}{note}", session.day());
-                    ui.label(RichText::new(text).small().color(color));
-                    if !complete && action(ui, Icon::Resume, "Resume").clicked() {
+                    let day =
+                        if session.is_readable { format!(" (last used on {})", session.day()) } else { String::new() };
+                    ui.label(RichText::new(told + &day).small().color(color));
+                    if !session.complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
                     }
                     if ui.button("Open the file").clicked() {
-                        open_file(ui, session);
+                        open(ui, &session.csv);
                     }
                     if session.is_empty() && ui.button("Remove…").clicked() {
                         self.open = Some(Open::Removal(Box::new(session.clone())));
@@ -135,8 +115,8 @@ impl Studies {
     /// Draws what is planned against what is there, the last check, and the stimuli.
     pub(super) fn cards(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let people = self.sessions.participants(&protocol.name);
-        let finished =
-            self.sessions.of(&protocol.name).filter(|session| session.complete && !session.is_damaged()).count();
+        let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
+        let number = |of: &dyn Fn(&SessionState) -> bool| sessions.iter().filter(|session| of(session)).count();
         let card = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
             theme::card(ui).show(ui, |ui| {
                 ui.set_width(ui.available_width());
@@ -155,8 +135,8 @@ impl Studies {
                 ui.label(RichText::new(people.to_string()).strong().size(KEY));
                 ui.label(RichText::new(whose).weak());
             });
-            let begun = self.sessions.of(&protocol.name).count();
-            let all = planned.map_or(begun, |planned| (planned * protocol.plan.sessions) as usize);
+            let finished = number(&|session| session.complete && !session.is_damaged());
+            let all = planned.map_or(sessions.len(), |planned| (planned * protocol.plan.sessions) as usize);
             if planned.is_some() {
                 let share = finished as f32 / all.max(1) as f32;
                 let fill = if finished > 0 { ink(ui).dim } else { Color32::TRANSPARENT };
@@ -165,32 +145,19 @@ impl Studies {
             if all > 0 {
                 ui::hint(ui, format!("{finished} of {} finished.", count(all as u64, "session")));
             }
-            let simulated = self.sessions.of(&protocol.name).filter(|session| session.simulated).count();
-            if simulated > 0 {
-                ui::note(ui, format!("Simulated (a program answered): {}.", count(simulated as u64, "session")));
-            }
             let hash = definition::hash(protocol);
-            let others = self
-                .sessions
-                .of(&protocol.name)
-                .filter(|session| session.is_readable && session.definition_sha256 != hash)
-                .count();
-            if others > 0 {
-                let others = count(others as u64, "session");
-                ui::note(
-                    ui,
-                    format!(
-                        "Recorded with another definition of this name: {others}. Only one definition is analyzed at a time."
-                    ),
-                );
-            }
-            if planned.is_none() {
-                let find =
-                    if protocol.task.is_default() || protocol.adaptive.is_some() { "; Plan… finds one" } else { "" };
-                ui::hint(ui, format!("The definition does not plan a number of participants{find}."));
+            let simulated = number(&|session| session.simulated);
+            let others = number(&|session| session.is_readable && session.definition_sha256 != hash);
+            for (n, what, note) in [
+                (simulated, "Simulated (a program answered)", ""),
+                (others, "Recorded with another definition of this name", " Only one is analyzed at a time."),
+            ] {
+                if n > 0 {
+                    ui::note(ui, format!("{what}: {}.{note}", count(n as u64, "session")));
+                }
             }
         });
-        let found = self.found.clone().filter(|found| found.folder == self.folder());
+        let found = Some(self.found.clone()).filter(|found| found.folder == self.folder());
         card(ui, &mut |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Check").strong().size(SECTION));

@@ -1,31 +1,35 @@
-//! The dialogs other than that of a session, and the results of what ran in the background.
+//! The dialogs, and the results of what ran in the background.
 
 use eframe::egui::{self, ScrollArea};
 
 use super::{
-    form::Checked,
     grid::Cell,
-    jobs::{Job, Made},
-    page::{Destination, Open, Studies},
-    request_form::RequestForm,
+    jobs::Made,
+    page::{Destination, Now, Open, Studies},
 };
 use crate::{
     app::ui::{self, Field, FileKind, Step, theme::GAP},
     report::document::numbers::count,
-    work::Request,
 };
 
 impl Studies {
-    /// Draws the dialogs other than that of a session.
-    pub(super) fn other_dialog(&mut self, ctx: &egui::Context, open: Open, checked: &Checked) {
-        if let Open::Definition(path) = open {
-            self.open = self.definition_dialog(ctx, path).map(Open::Definition);
-            return;
-        }
-        let Some(protocol) = &checked.protocol else { return };
+    /// Draws the open dialog; returns where it leads.
+    pub(super) fn dialog(&mut self, ui: &mut egui::Ui, open: Open, now: &mut Now<'_>) -> Option<Destination> {
+        let ctx = &ui.ctx().clone();
         self.open = match open {
-            Open::Session | Open::Definition(_) => None,
-            Open::Plan(form) => self.requested(ctx, form, Open::Plan, |request| Job::plan(ctx, request)),
+            Open::Session => {
+                self.open = Some(Open::Session);
+                return self.session_dialog(ui, now);
+            }
+            Open::Definition(path) => self.definition_dialog(ctx, path).map(Open::Definition),
+            Open::Request(mut form) => match form.show(ctx) {
+                Step::Stay => Some(Open::Request(form)),
+                Step::Back => None,
+                Step::Next(job) => {
+                    self.job = Some(job);
+                    None
+                }
+            },
             Open::Planned(planned) => {
                 let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
                     ui.heading("Plan");
@@ -41,12 +45,8 @@ impl Studies {
                 });
                 (!done && !closed).then_some(Open::Planned(planned))
             }
-            Open::Pilot(form) => {
-                self.requested(ctx, form, Open::Pilot, |request| Job::pilot(ctx, request, protocol.clone()))
-            }
-            Open::Export(form) => self.requested(ctx, form, Open::Export, |request| Job::export(ctx, request)),
             Open::Removal(session) => {
-                let title = Cell::of(&session).title();
+                let title = Cell::of(&session.identity).title();
                 let text = format!("Nothing was rated in {title}, so no rating is lost.");
                 match ui::ask(ctx, "Remove the empty session?", &text, ["Keep", "Remove"]) {
                     None => Some(Open::Removal(session)),
@@ -57,33 +57,18 @@ impl Studies {
                             Err(error) => ui::complain(ctx, error.to_string()),
                         }
                         (self.checked, self.selected) = (None, None);
-                        self.form.participant.clear();
+                        self.form.cell.subject.clear();
                         self.sessions.refresh();
                         None
                     }
                 }
             }
         };
-    }
-
-    /// Draws the dialog of a request, and starts what is requested; returns the dialog while it stays open.
-    fn requested<T: Request>(
-        &mut self,
-        ctx: &egui::Context,
-        mut form: RequestForm<T>,
-        stay: fn(RequestForm<T>) -> Open,
-        start: impl FnOnce(T) -> Job,
-    ) -> Option<Open> {
-        match form.show(ctx) {
-            Step::Stay => return Some(stay(form)),
-            Step::Back => {}
-            Step::Next(request) => self.job = Some(start(request)),
-        }
         None
     }
 
     /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
-    pub(super) fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
+    fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
         let entered = ui::entered(ctx);
         let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
             ui.heading("Open a definition");
@@ -127,7 +112,7 @@ impl Studies {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
                 }
-                self.found = Some(found);
+                self.found = found;
             }
             Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
             Ok(Made::Exported(text)) => ui::say(ctx, text),

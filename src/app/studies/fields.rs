@@ -35,15 +35,12 @@ impl Studies {
     /// Updates the remembered values. What the program suggests is not remembered.
     pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
         let SessionForm { screen, results, experiment, .. } = &self.form;
-        let absolute = |text: &str| {
-            std::path::absolute(text.trim()).map_or_else(|_| text.to_owned(), |path| path.display().to_string())
-        };
+        let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
         if !checked.is_wrong(SessionField::Results) {
             settings.results = absolute(results);
         }
         if !checked.is_wrong(SessionField::Profile) {
-            settings.screen.profile =
-                if screen.profile.trim().is_empty() { String::new() } else { absolute(&screen.profile) };
+            settings.screen.profile = absolute(&screen.profile);
         }
         if !checked.is_wrong(SessionField::ScreenWidth) && !screen.width_is_assumed(monitor) {
             settings.screen.monitor = monitor.title();
@@ -53,26 +50,27 @@ impl Studies {
             let is_planned = screen.distance_cm == self.planned_cm;
             settings.screen.distance_cm = if is_planned { String::new() } else { screen.distance_cm.clone() };
         }
-        let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
-        let path = absolute(experiment);
-        if checked.protocol.is_some() {
-            settings.study = if is_file { path.clone() } else { experiment.trim().to_owned() };
+        if checked.protocol.is_none() {
+            return;
         }
-        // The order of the cards stays while the user chooses among them.
-        if is_file && checked.protocol.is_some() && !settings.recent.experiments.contains(&path) {
-            remember(&mut settings.recent.experiments, &path);
+        let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
+        settings.study = if is_file { absolute(experiment) } else { experiment.trim().to_owned() };
+        // The order of the studies stays while the user chooses among them.
+        if is_file && !settings.recent.experiments.contains(&settings.study) {
+            remember(&mut settings.recent.experiments, &settings.study);
         }
     }
 
     /// Fills empty fields, and replaces a participant that the program suggested for other results.
     pub(super) fn suggest(&mut self, monitor: &Monitor) {
-        if self.form.participant == self.suggested {
-            self.form.participant.clear();
+        let subject = &mut self.form.cell.subject;
+        let is_typed = !subject.is_empty() && *subject != self.suggested;
+        if !is_typed {
+            subject.clear();
         }
-        let typed = self.form.participant.clone();
         self.form.suggest(monitor);
-        if typed.is_empty() {
-            self.suggested.clone_from(&self.form.participant);
+        if !is_typed {
+            self.suggested.clone_from(&self.form.cell.subject);
         }
     }
 

@@ -7,9 +7,10 @@ use std::{
 
 use eframe::egui::Ui;
 
+use super::grid::Cell;
 use crate::{
     app::{
-        session::{Request, needed_px, stimulus_side_px},
+        session::{Request, room, stimulus_side_px},
         ui::{Field, Monitor, ScreenFields, full, number},
     },
     display::{DisplayProfile, Screen, Viewing},
@@ -36,10 +37,8 @@ pub fn labels(ui: &Ui) -> f32 {
 pub struct SessionForm {
     /// Name of a built-in definition, or path of a file.
     pub experiment: String,
-    /// Participant ID.
-    pub participant: String,
-    /// Session ID.
-    pub session: String,
+    /// Participant ID and session ID.
+    pub cell: Cell,
     /// Fields for the screen and the viewing distance.
     pub screen: ScreenFields,
     /// Whether to run the experiment in gray, for participants with a color vision deficiency.
@@ -113,8 +112,7 @@ impl Default for SessionForm {
     fn default() -> Self {
         Self {
             experiment: definition::BUILT_IN[0].name.to_owned(),
-            participant: String::new(),
-            session: "1".to_owned(),
+            cell: Cell::first(""),
             screen: ScreenFields::default(),
             gray: false,
             results: "results".to_owned(),
@@ -132,9 +130,9 @@ impl SessionForm {
         if self.screen.distance_cm.is_empty() {
             self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
         }
-        if self.participant.is_empty() {
+        if self.cell.subject.is_empty() {
             // If the folder cannot be read, the check says so.
-            self.participant = free_participant(&self.results(), &protocol).unwrap_or_default();
+            self.cell.subject = free_participant(&self.results(), &protocol).unwrap_or_default();
         }
     }
 
@@ -147,13 +145,13 @@ impl SessionForm {
         let mut errors = BTreeMap::new();
         let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
-        if let Err(error) = Identity::check_subject(&self.participant) {
+        if let Err(error) = Identity::check_subject(&self.cell.subject) {
             errors.insert(SessionField::Participant, error.to_string());
         }
-        if let Err(error) = Identity::check_session(&self.session) {
+        if let Err(error) = Identity::check_session(&self.cell.session) {
             errors.insert(SessionField::Session, error.to_string());
         }
-        let identity = Identity::new(&self.participant, &self.session).ok();
+        let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
         if let Some(error) = results_error(&results) {
             errors.insert(SessionField::Results, error);
@@ -161,7 +159,7 @@ impl SessionForm {
         let mut resume = false;
         if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
             errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
-            if self.participant.is_empty() {
+            if self.cell.subject.is_empty() {
                 // It could not be suggested, for that reason.
                 errors.remove(&SessionField::Participant);
             }
@@ -184,24 +182,17 @@ impl SessionForm {
             }
         }
         let viewing = self.viewing(monitor, &mut errors);
-        let deg = protocol.as_ref().map(|protocol| protocol.viewing.window_deg);
-        let stimulus_px = viewing.zip(deg).zip(protocol.as_ref()).map(|((viewing, deg), protocol)| {
+        let seen = viewing.zip(protocol.as_ref());
+        let stimulus_px = seen.map(|(viewing, protocol)| {
             let side = stimulus_side_px(&viewing, protocol);
-            let needed = needed_px(protocol, side, monitor.scale);
             let screen = [monitor.width_px, monitor.height_px];
-            if let Some(axis) = (0..2).find(|axis| needed[*axis] > screen[*axis]) {
-                let error = format!(
-                    "The {deg}° stimulus needs {} pixels {}, but the screen has only {}. Enter a shorter distance, or \
-                        use a larger screen.",
-                    needed[axis],
-                    ["across", "down"][axis],
-                    screen[axis]
-                );
+            if let Err(error) = room(protocol, side, monitor.scale, "screen", screen) {
+                let error = error + " Enter a shorter distance, or use a larger screen.";
                 errors.insert(SessionField::Distance, error);
             }
             (side, viewing.px_per_degree())
         });
-        let coarse = viewing.zip(deg).and_then(|(viewing, deg)| viewing.coarseness(deg));
+        let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
         let request = match (&protocol, &display, identity) {
             (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
                 Some(self.request(monitor, protocol, identity, display, resume))

@@ -1,7 +1,7 @@
 //! The participants of a study and their sessions, as a grid.
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeSet,
     path::{Path, PathBuf},
 };
 
@@ -13,10 +13,10 @@ use eframe::egui::{
 use crate::{
     app::ui::{
         describe,
-        theme::{CONTROL, GAP, ICON, Icon, ROW, ink},
+        theme::{CONTROL, GAP, ICON, Icon, Ink, ROW, ink},
         work::Latest,
     },
-    experiment::Plan,
+    experiment::{Identity, Plan},
     store::session::overview::{Overview, SessionState},
     text::names::natural,
 };
@@ -36,11 +36,8 @@ const PAGE: isize = 10;
 pub struct Sessions {
     /// Increased to read the folder again.
     edition: u64,
+    /// What was read last stays until the folder has been read again.
     read: Latest<(PathBuf, u64), Overview>,
-    /// What was read last; it stays until the folder has been read again.
-    pub all: Overview,
-    /// How many people took part in each experiment.
-    people: BTreeMap<String, usize>,
 }
 
 impl Sessions {
@@ -51,31 +48,29 @@ impl Sessions {
 
     /// Updates what is known about the folder.
     pub fn update(&mut self, ui: &Ui, results: &Path) {
-        let key = (results.to_owned(), self.edition);
-        self.read.want(ui.ctx(), key.clone(), || {
+        self.read.want(ui.ctx(), (results.to_owned(), self.edition), || {
             let results = results.to_owned();
             move || Ok(Overview::of(&results))
         });
-        if let Some(Ok(read)) = self.read.get(&key)
-            && self.all != *read
-        {
-            self.all.clone_from(read);
-            let mut people: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
-            for session in &self.all.sessions {
-                people.entry(session.experiment.clone()).or_default().insert(session.identity.subject());
-            }
-            self.people = people.into_iter().map(|(name, people)| (name, people.len())).collect();
-        }
+    }
+
+    fn all(&self) -> Option<&Overview> {
+        self.read.last()?.as_ref().ok()
+    }
+
+    /// Returns the errors of sessions and folders that cannot be read.
+    pub fn errors(&self) -> &[String] {
+        self.all().map_or(&[], |all| &all.errors)
     }
 
     /// Returns the sessions of an experiment.
     pub fn of<'a>(&'a self, experiment: &'a str) -> impl Iterator<Item = &'a SessionState> {
-        self.all.sessions.iter().filter(move |session| session.experiment == experiment)
+        self.all().into_iter().flat_map(|all| &all.sessions).filter(move |session| session.experiment == experiment)
     }
 
     /// Returns how many people took part in an experiment.
     pub fn participants(&self, experiment: &str) -> usize {
-        self.people.get(experiment).copied().unwrap_or_default()
+        self.of(experiment).map(|session| session.identity.subject()).collect::<BTreeSet<_>>().len()
     }
 }
 
@@ -87,8 +82,13 @@ pub struct Cell {
 }
 
 impl Cell {
-    pub fn of(session: &SessionState) -> Self {
-        Self { subject: session.identity.subject().to_owned(), session: session.identity.session().to_owned() }
+    pub fn of(identity: &Identity) -> Self {
+        Self { subject: identity.subject().to_owned(), session: identity.session().to_owned() }
+    }
+
+    /// Returns the first session of a participant.
+    pub fn first(subject: &str) -> Self {
+        Self { subject: subject.to_owned(), session: "1".to_owned() }
     }
 
     pub fn title(&self) -> String {
@@ -107,23 +107,14 @@ impl Cell {
     }
 }
 
-/// What the user did in the grid.
+/// What the user does with a cell of the grid, which is then selected.
 #[derive(Debug)]
-pub enum Chosen {
-    /// A cell was selected.
-    Selected(Cell),
-    /// The selected cell was entered: its session is resumed, begun or opened.
-    Entered(Cell),
-    /// The selected session is to be removed.
-    Removed(Cell),
-}
-
-/// The state of a cell.
-enum State<'a> {
-    Recorded(&'a SessionState),
-    /// The next session of the plan.
-    Next,
-    Planned,
+pub enum Action {
+    Select,
+    /// Resumes, begins or opens its session.
+    Enter,
+    /// Removes its session.
+    Remove,
 }
 
 /// The grid of a study.
@@ -133,7 +124,7 @@ pub struct Grid<'a> {
     columns: Vec<String>,
     next: Cell,
     /// The data files in which a check found errors.
-    pub wrong: &'a BTreeSet<PathBuf>,
+    wrong: &'a BTreeSet<PathBuf>,
 }
 
 impl<'a> Grid<'a> {
@@ -147,43 +138,26 @@ impl<'a> Grid<'a> {
             list.sort_by(|a, b| natural(a, b));
             list.dedup();
         }
-        let mut number = 1;
-        let planned = plan.participants.unwrap_or_default() as usize;
         let before = subjects.len();
         if !subjects.contains(&next.subject) && !next.subject.is_empty() {
             subjects.push(next.subject.clone());
         }
-        while subjects.len() < planned.max(before) {
-            let id = format!("P{number:03}");
-            if !subjects.contains(&id) {
-                subjects.push(id);
-            }
-            number += 1;
-        }
+        let missing = (plan.participants.unwrap_or_default() as usize).saturating_sub(subjects.len());
+        let free = (1..).map(|number| format!("P{number:03}")).filter(|id| !subjects.contains(id));
+        subjects.extend(free.take(missing).collect::<Vec<_>>());
         subjects[before..].sort_by(|a, b| natural(a, b));
         Self { sessions, subjects, columns, next, wrong }
     }
 
-    fn state(&self, cell: &Cell) -> State<'a> {
-        let is_here = |session: &&&SessionState| {
-            session.identity.subject() == cell.subject && session.identity.session() == cell.session
-        };
-        match self.sessions.iter().find(is_here) {
-            Some(session) => State::Recorded(session),
-            None if *cell == self.next => State::Next,
-            None => State::Planned,
-        }
-    }
-
     /// Returns what a key does in the grid.
-    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<Chosen> {
+    fn keyed(&self, ui: &Ui, selected: &Cell) -> Option<(Cell, Action)> {
         let presses = |key| ui.input(|input| input.num_presses(key));
         // A dialog that opens in this frame must not take Enter for its answer.
         if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
-            return Some(Chosen::Entered(selected.clone()));
+            return Some((selected.clone(), Action::Enter));
         }
         if presses(Key::Delete) > 0 {
-            return Some(Chosen::Removed(selected.clone()));
+            return Some((selected.clone(), Action::Remove));
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
@@ -204,11 +178,11 @@ impl<'a> Grid<'a> {
             memory.request_focus(cell.id());
             memory.move_focus(FocusDirection::None);
         });
-        Some(Chosen::Selected(cell))
+        Some((cell, Action::Select))
     }
 
     /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
-    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<Chosen> {
+    pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<(Cell, Action)> {
         let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
         let columns = self.columns.len() as f32;
         let room = ui.available_width() - NAMES - GAP;
@@ -218,8 +192,7 @@ impl<'a> Grid<'a> {
         let width = (room / columns - GAP).clamp(CELL[0], CELL[1]).floor();
         let has_keys = has_keys && selected.has_keys(ui);
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
-        let moved = if let Some(Chosen::Selected(cell)) = &chosen { Some(cell.clone()) } else { None };
-        let selected = moved.as_ref().unwrap_or(selected);
+        let selected = &chosen.as_ref().map_or(selected, |(cell, _)| cell).clone();
         let row = self.subjects.iter().position(|id| *id == selected.subject).unwrap_or_default();
         let column = self.columns.iter().position(|id| *id == selected.session).unwrap_or_default();
         let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
@@ -273,51 +246,42 @@ impl<'a> Grid<'a> {
     }
 
     fn head(&self, ui: &mut Ui, answers: f32, width: f32) {
-        let dim = |text: String| RichText::new(text).small().color(ink(ui).dim);
-        let (participant, about) = (dim("Participants".to_owned()), dim("Answers".to_owned()));
-        let heads: Vec<_> = self.columns.iter().map(|session| dim(format!("Session {session}"))).collect();
-        text(ui, NAMES, participant);
+        let dim = ink(ui).dim;
+        let mut head = |width: f32, title: &str| text(ui, width, RichText::new(title).small().color(dim));
+        head(NAMES, "Participants");
         if answers > 0.0 {
-            text(ui, answers - GAP, about);
+            head(answers - GAP, "Answers");
         }
-        heads.into_iter().for_each(|head| text(ui, width, head));
+        self.columns.iter().for_each(|session| head(width, &format!("Session {session}")));
     }
 
     /// Draws a cell. The selected one, the only cell that Tab reaches, has a ring, which tells whether keys go to the grid.
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<Chosen> {
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<(Cell, Action)> {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
         let ink = ink(ui);
-        let (icon, text, color, said) = match self.state(cell) {
-            State::Recorded(session) if self.wrong.contains(&session.csv) => {
-                (Icon::Warn, session.rated.to_string(), ink.bad, "check failed".to_owned())
-            }
-            State::Recorded(session) if !session.is_readable => {
-                (Icon::Warn, "unreadable".to_owned(), ink.bad, "cannot be read".to_owned())
-            }
-            State::Recorded(session) if session.is_damaged() => {
-                let SessionState { rated, planned, .. } = session;
-                let said = format!("was finished, but only {rated} of {planned} trials are left");
-                (Icon::Warn, format!("{rated} of {planned}"), ink.bad, said)
-            }
-            State::Recorded(session) if session.complete => {
-                (Icon::Done, session.rated.to_string(), ink.text, format!("finished, {} trials", session.rated))
-            }
-            State::Recorded(session) => {
-                let SessionState { rated, planned, .. } = session;
-                let said = format!("unfinished, {rated} of {planned} trials");
-                (Icon::Part, format!("{rated} of {planned}"), ink.warn, said)
-            }
-            State::Next => (Icon::Play, "next".to_owned(), ink.text, "next".to_owned()),
-            State::Planned => (Icon::None, String::new(), ink.off, "not begun".to_owned()),
+        let is_here = |session: &&&SessionState| {
+            session.identity.subject() == cell.subject && session.identity.session() == cell.session
+        };
+        let session = self.sessions.iter().find(is_here);
+        let is_next = session.is_none() && *cell == self.next;
+        let (icon, color, said) = match session {
+            Some(session) => told(session, self.wrong, ink),
+            None if is_next => (Icon::Play, ink.text, "next".to_owned()),
+            None => (Icon::None, ink.off, "not begun".to_owned()),
+        };
+        let text = match session {
+            Some(session) if !session.is_readable => "unreadable".to_owned(),
+            Some(SessionState { rated, planned, .. }) if rated < planned => format!("{rated} of {planned}"),
+            Some(session) => session.rated.to_string(),
+            None => if is_next { "next" } else { "" }.to_owned(),
         };
         let name = format!("{}: {said}", cell.title());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, &name));
         if ui.is_rect_visible(rect) {
             let painter = ui.painter();
-            let is_recorded = matches!(self.state(cell), State::Recorded(_));
-            let fill = match (is_selected, response.hovered(), is_recorded) {
+            let fill = match (is_selected, response.hovered(), session.is_some()) {
                 (true, ..) => ink.raised,
                 (_, true, _) => ink.hover,
                 (.., true) => ink.card,
@@ -325,25 +289,20 @@ impl<'a> Grid<'a> {
             };
             painter.rect_filled(rect, 4.0, fill);
             let outline = rect.shrink(0.5);
-            match self.state(cell) {
-                _ if is_selected => {
-                    let ring = if ring == Some(true) { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
-                    _ = painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
-                }
-                State::Recorded(_) => {}
-                State::Next => {
-                    let corners = [
-                        outline.left_top(),
-                        outline.right_top(),
-                        outline.right_bottom(),
-                        outline.left_bottom(),
-                        outline.left_top(),
-                    ];
-                    painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
-                }
-                State::Planned => {
-                    _ = painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
-                }
+            if let Some(has_keys) = ring {
+                let ring = if has_keys { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
+                painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
+            } else if is_next {
+                let corners = [
+                    outline.left_top(),
+                    outline.right_top(),
+                    outline.right_bottom(),
+                    outline.left_bottom(),
+                    outline.left_top(),
+                ];
+                painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
+            } else if session.is_none() {
+                painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
             }
             let square =
                 Rect::from_min_size(egui::pos2(rect.left() + GAP, rect.center().y - ICON / 2.0), Vec2::splat(ICON));
@@ -352,14 +311,28 @@ impl<'a> Grid<'a> {
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
         }
         if response.double_clicked() {
-            return Some(Chosen::Entered(cell.clone()));
+            return Some((cell.clone(), Action::Enter));
         }
         // Enter on the selected cell also counts as a click.
         let clicked = response.clicked_by(egui::PointerButton::Primary) && !is_selected;
         clicked.then(|| {
             response.request_focus();
-            Chosen::Selected(cell.clone())
+            (cell.clone(), Action::Select)
         })
+    }
+}
+
+/// Returns the sign of a session, its color, and its state in words. In the data files in `wrong`, a check found errors.
+pub fn told(session: &SessionState, wrong: &BTreeSet<PathBuf>, ink: &Ink) -> (Icon, Color32, String) {
+    let SessionState { csv, rated, planned, complete, is_readable, .. } = session;
+    match complete {
+        _ if wrong.contains(csv) => (Icon::Warn, ink.bad, "check failed".to_owned()),
+        _ if !is_readable => (Icon::Warn, ink.bad, "cannot be read".to_owned()),
+        true if session.is_damaged() => {
+            (Icon::Warn, ink.bad, format!("was finished, but only {rated} of {planned} trials are left"))
+        }
+        true => (Icon::Done, ink.text, format!("finished, {rated} trials")),
+        false => (Icon::Part, ink.warn, format!("unfinished, {rated} of {planned} trials")),
     }
 }
 

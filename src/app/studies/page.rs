@@ -2,7 +2,6 @@
 //! with them.
 
 use std::{
-    collections::BTreeSet,
     path::{Path, PathBuf},
     rc::Rc,
 };
@@ -11,7 +10,7 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, RichText, Sc
 
 use super::{
     form::{Checked, SessionField, SessionForm},
-    grid::{Cell, Chosen, Grid, Sessions},
+    grid::{Action, Cell, Grid, Sessions},
     jobs::{Checked as FilesChecked, Job, Planned},
     list::StudyList,
     request_form::RequestForm,
@@ -30,7 +29,6 @@ use crate::{
         session::overview::SessionState,
         settings::{Settings, remember},
     },
-    work::{Export, plan::Plan, simulate::Simulate},
 };
 
 /// Width of the list of studies, and of the column of cards, points: in a wide window, and in a narrower one.
@@ -57,10 +55,9 @@ pub(super) enum Open {
     Session,
     /// Asks for the path of a definition.
     Definition(String),
-    Plan(RequestForm<Plan>),
+    /// Asks for the options of a plan, a pilot or an export.
+    Request(Box<RequestForm>),
     Planned(Planned),
-    Pilot(RequestForm<Simulate>),
-    Export(RequestForm<Export>),
     /// Asks whether to remove a session in which nothing was rated.
     Removal(Box<SessionState>),
 }
@@ -101,7 +98,7 @@ pub struct Studies {
     pub(super) open: Option<Open>,
     pub(super) job: Option<Job>,
     /// What the last check found.
-    pub(super) found: Option<FilesChecked>,
+    pub(super) found: FilesChecked,
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
@@ -140,18 +137,11 @@ impl Studies {
     /// the next participant is entered; after an interrupted one, the fields stay.
     pub fn refresh(&mut self, completed: bool, settings: &Settings) {
         if completed {
-            self.form.participant.clear();
-            "1".clone_into(&mut self.form.session);
-            self.selected = None;
+            (self.form.cell, self.selected) = (Cell::first(""), None);
         }
         (self.checked, self.error) = (None, None);
         self.sessions.refresh();
         self.list.read(&settings.recent.experiments);
-    }
-
-    pub(super) fn close(&mut self) {
-        self.open = None;
-        self.error = None;
     }
 
     /// Draws the page. `settings` are the remembered values of its fields, which it updates.
@@ -190,27 +180,17 @@ impl Studies {
             panel.show(ui, |ui| self.studies(ui));
         }
         let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
+        let mut now = Now { checked, monitor, here, monitors, settings };
         let content = |ui: &mut Ui| {
             ui.set_max_width(ui.available_width().min(theme::CONTENT));
-            if settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
-                next = self.greeting(ui, &mut settings.greeting).or(next.take());
+            if now.settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
+                next = self.greeting(ui, &mut now.settings.greeting).or(next.take());
             }
-            let mut now = Now { checked: checked.clone(), monitor, here, monitors, settings };
             next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         };
         // The panel itself has the width of the window, and what it has cannot shrink.
         page.show(ui, |ui| ui.scope(content));
-        let dialog = match self.open.take() {
-            None => None,
-            Some(Open::Session) => {
-                self.open = Some(Open::Session);
-                self.session_dialog(ui, &mut Now { checked, monitor, here, monitors, settings })
-            }
-            Some(open) => {
-                self.other_dialog(ui.ctx(), open, &checked);
-                None
-            }
-        };
+        let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
         if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
             self.set_width(width, "Measured with a card");
         }
@@ -281,25 +261,22 @@ impl Studies {
                     .show(ui, |ui| self.cards(ui, protocol));
             });
         }
-        let new = Cell { subject: self.suggested.clone(), session: "1".to_owned() };
+        let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
-        let nothing = BTreeSet::new();
-        let wrong = self.found.as_ref().filter(|found| found.folder == self.folder());
-        let wrong = wrong.map_or(&nothing, |found| &found.wrong);
-        let chosen = Grid::new(sessions, protocol.plan, new, wrong).show(ui, &selected, self.open.is_none());
-        match chosen {
-            Some(Chosen::Selected(cell)) => self.selected = Some(cell),
-            Some(Chosen::Entered(cell)) => {
-                next = self.enter(ui, &cell, now).or(next);
-                self.selected = Some(cell);
+        let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
+        let chosen = grid.show(ui, &selected, self.open.is_none());
+        if let Some((cell, action)) = chosen {
+            match action {
+                Action::Select => {}
+                Action::Enter => next = self.enter(ui, &cell, now).or(next),
+                Action::Remove => {
+                    let empty = self.recorded(&cell).filter(SessionState::is_empty);
+                    self.open = empty.map(|session| Open::Removal(Box::new(session)));
+                }
             }
-            Some(Chosen::Removed(cell)) => {
-                self.open = self.recorded(&cell).filter(SessionState::is_empty).map(|f| Open::Removal(Box::new(f)));
-                self.selected = Some(cell);
-            }
-            None => {}
+            self.selected = Some(cell);
         }
         next
     }

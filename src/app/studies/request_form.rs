@@ -1,12 +1,11 @@
 //! A dialog for an operation. The bounds, defaults, choices and explanations of its fields are those of the request, as
 //! on the command line.
 
-use std::marker::PhantomData;
-
 use clap::{Arg, ArgAction, Command};
 use eframe::egui::{Context, Response, ScrollArea, TextEdit, Ui};
 use serde_json::{Map, Value};
 
+use super::jobs::Job;
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Step, primary, theme::GAP},
     work::{Request, RequestError, from_names},
@@ -30,8 +29,11 @@ struct Shown {
     hint: String,
 }
 
+/// Starts what is requested; the request is made from the values of its fields.
+type Start = Box<dyn Fn(&Context, &Map<String, Value>) -> Result<Job, RequestError>>;
+
 /// The dialog and what was entered.
-pub struct RequestForm<T> {
+pub struct RequestForm {
     title: &'static str,
     /// Label of the button.
     action: &'static str,
@@ -43,43 +45,36 @@ pub struct RequestForm<T> {
     dialog: Dialog,
     /// Whether no frame was drawn yet, so that the first text field gets the focus.
     is_new: bool,
-    request: PhantomData<T>,
+    start: Start,
 }
 
-impl<T: Request> RequestForm<T> {
-    /// Creates a dialog. `shown` are the names, labels and values of the fields to show; a field without a value has its
-    /// default.
-    pub fn new(
+impl RequestForm {
+    /// Creates a dialog. `shown` are the names, labels and values of the fields to show, and what is shown while nothing is
+    /// typed; a field without a value has its default. `given` are the other fields. `start` starts what is requested.
+    pub fn new<T: Request>(
         [title, action]: [&'static str; 2],
         about: String,
-        shown: &[(&str, &'static str, String)],
+        shown: &[(&str, &'static str, String, String)],
         given: &[(&str, String)],
+        start: impl Fn(&Context, T) -> Job + 'static,
     ) -> Self {
         let command = T::augment_args(Command::new("machband"));
         let find = |name: &str| command.get_arguments().find(|argument| argument.get_id() == name).cloned();
-        let field = |(name, label, value): &(&str, &'static str, String)| {
+        let field = |(name, label, value, hint): &(&str, &'static str, String, String)| {
             let argument = find(name)?;
             let default = argument.get_default_values().first().map(|value| value.to_string_lossy().into_owned());
             let value = if value.is_empty() { default.unwrap_or_default() } else { value.clone() };
-            Some(Shown { label, argument, value, hint: String::new() })
+            Some(Shown { label, argument, value, hint: hint.clone() })
         };
         let fields = shown.iter().filter_map(field).collect();
         let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
-        let (error, dialog, request) = Default::default();
-        Self { title, action, about, fields, given, error, dialog, is_new: true, request }
+        let (error, dialog) = Default::default();
+        let start = Box::new(move |ctx: &Context, fields: &Map<_, _>| Ok(start(ctx, from_names(fields)?)));
+        Self { title, action, about, fields, given, error, dialog, is_new: true, start }
     }
 
-    /// Sets what is shown in a field while nothing is typed.
-    pub fn hint(mut self, name: &str, hint: String) -> Self {
-        self.fields
-            .iter_mut()
-            .filter(|field| field.argument.get_id() == name)
-            .for_each(|field| field.hint.clone_from(&hint));
-        self
-    }
-
-    /// Draws the dialog; returns the request once it is confirmed and possible.
-    pub fn show(&mut self, ctx: &Context) -> Step<T> {
+    /// Draws the dialog; starts what is requested once it is confirmed and possible.
+    pub fn show(&mut self, ctx: &Context) -> Step<Job> {
         let entered = ui::entered(ctx);
         let (step, closed) = ui::modal(ctx, self.title, WIDTH, |ui, height| {
             ui.heading(self.title);
@@ -99,8 +94,8 @@ impl<T: Request> RequestForm<T> {
             of_none.for_each(|error| ui::show_error(ui, error.to_string()));
             ui.horizontal(|ui| {
                 if primary(ui, self.action, true, "") || entered {
-                    match self.request() {
-                        Ok(request) => return Step::Next(request),
+                    match self.start(ctx) {
+                        Ok(job) => return Step::Next(job),
                         Err(error) => self.error = Some(error),
                     }
                 }
@@ -111,10 +106,10 @@ impl<T: Request> RequestForm<T> {
         if closed { Step::Back } else { step }
     }
 
-    fn request(&self) -> Result<T, RequestError> {
+    fn start(&self, ctx: &Context) -> Result<Job, RequestError> {
         let mut given = self.given.clone();
         given.extend(self.fields.iter().map(|field| (field.argument.get_id().to_string(), field.json())));
-        from_names(&given)
+        (self.start)(ctx, &given)
     }
 }
 

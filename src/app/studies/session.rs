@@ -63,7 +63,7 @@ impl Studies {
         });
         let (next, cancelled) = next;
         if cancelled || closed && self.card.is_none() || next.is_some() {
-            self.close();
+            (self.open, self.error) = (None, None);
         }
         next
     }
@@ -74,9 +74,8 @@ impl Studies {
         if checked.is_wrong(SessionField::Experiment) {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
         }
-        let SessionForm { participant, session, screen, .. } = &mut self.form;
-        let first =
-            checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, participant);
+        let SessionForm { cell: Cell { subject, session }, screen, .. } = &mut self.form;
+        let first = checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, subject);
         if std::mem::take(&mut self.opening) {
             first.request_focus();
         }
@@ -88,16 +87,12 @@ impl Studies {
         self.width_field(ui, now);
         let measure = self.profile_field(ui, checked);
         checked.field(ui, SessionField::Results).show(ui, |ui, label| {
-            let line = ui.horizontal_wrapped(|ui| {
-                let field = TextEdit::singleline(&mut self.form.results).desired_width(room(ui, 1)).show(ui);
-                let is_clipped = field.galley.size().x > field.response.rect.width();
-                egui::Response::clone(&field.response).labelled_by(label);
-                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", &mut self.form.results);
-                is_clipped
+            ui.horizontal_wrapped(|ui| {
+                let results = &mut self.form.results;
+                let field = ui.add(TextEdit::singleline(results).desired_width(room(ui, 1))).labelled_by(label);
+                field.on_hover_text(results.as_str());
+                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", results);
             });
-            if line.inner {
-                ui::hint(ui, self.form.results.trim());
-            }
         });
         self.monitor_field(ui, now);
         measure
@@ -238,8 +233,7 @@ impl Studies {
     /// form.
     pub(super) fn resume(&mut self, ui: &Ui, session: &SessionState, now: &mut Now<'_>) -> Option<Destination> {
         let identity = &session.identity;
-        self.form.participant = identity.subject().to_owned();
-        self.form.session = identity.session().to_owned();
+        self.form.cell = Cell::of(identity);
         self.error = None;
         let Some(display) = &now.checked.display else {
             self.error = Some("The display profile cannot be read. Correct it, then resume the session.".to_owned());
@@ -261,8 +255,7 @@ impl Studies {
 
     pub(super) fn begin(&mut self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
         request.windowed = !settings.full_screen;
-        let (subject, session) = (request.identity.subject().to_owned(), request.identity.session().to_owned());
-        self.selected = Some(Cell { subject, session });
+        self.selected = Some(Cell::of(&request.identity));
         if settings.full_screen {
             // Choosing a monitor makes the window full screen there.
             ui.ctx().send_viewport_cmd(match self.monitor_choice {

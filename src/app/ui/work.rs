@@ -150,6 +150,11 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
         self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
     }
 
+    /// Returns the last result, whatever its key.
+    pub fn last(&self) -> Option<&Result<T, String>> {
+        self.done.as_ref().map(|(_, result)| result)
+    }
+
     fn take(&mut self) {
         let Some((key, work)) = self.running.take() else { return };
         match work.poll() {

@@ -23,7 +23,7 @@ use winit::{
 
 use super::{
     input::{Input, Pressed, Stamps},
-    program::{Failure, Program, Shared, WindowError},
+    program::{Program, Shared, WindowError},
 };
 use crate::{app::ui::logo, system::signals};
 
@@ -35,18 +35,60 @@ pub const MIN_SIZE: egui::Vec2 = egui::vec2(520.0, 360.0);
 /// Opens the window; returns when it is closed. `make` creates the program that runs in it.
 ///
 /// # Errors
-/// [`WindowError`] if there is no display or no graphics, or if one of them is lost.
+/// [`WindowError::Refused`] if there is no display, or with the reason that the window system or the graphics driver gave;
+/// [`WindowError::Lost`] if one of them was lost while the window was open; [`WindowError::Ended`] after a signal.
 pub fn open<P: Program + 'static>(
     fullscreen: bool,
     make: impl FnOnce(&CreationContext<'_>, Input) -> P + 'static,
 ) -> Result<(), WindowError> {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !set("DISPLAY") && !set("WAYLAND_DISPLAY") {
-        return Err(WindowError::NoDisplay);
+        return Err(WindowError::Refused("neither DISPLAY nor WAYLAND_DISPLAY is set".to_owned()));
     }
-    let stamps = Stamps::default();
+    let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
+    listen_to_log();
+    let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
+    let (program, stamps) = (Shared::default(), Stamps::default());
+    let failure = program.failure.clone();
+    signals::watch();
+    failure.report_panics();
+    program.report_at_exit();
     let input = Input::stamped(stamps.clone());
-    run(options(fullscreen), stamps, Shared::new(|cc| Box::new(make(cc, input))))
+    let creator = program.creator(|cc| make(cc, input));
+    let inner = eframe::create_native("machband", options(fullscreen), creator, &events);
+    // After a failure, the handler is not dropped, because dropping it would call a window system or a graphics card
+    // that was lost.
+    let mut handler = ManuallyDrop::new(Handler {
+        inner,
+        program,
+        stamps,
+        polled: None,
+        idle_since: None,
+        unseen_since: Instant::now(),
+    });
+    let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *handler)));
+    match &ran {
+        Err(_) => failure.report(UNKNOWN.to_owned()),
+        Ok(Err(error)) if handler.program.is_open() => failure.report(error.to_string()),
+        Ok(_) => {}
+    }
+    handler.program.forget_exit();
+    if let Some(reason) = failure.reason() {
+        let rows = handler.program.close();
+        return Err(WindowError::Lost { reason, rows });
+    }
+    let rows = ManuallyDrop::into_inner(handler).program.close();
+    if let Some(signal) = signals::received() {
+        return Err(WindowError::Ended { signal, rows });
+    }
+    if let Ok(Err(error)) = ran {
+        return Err(refused(&error));
+    }
+    // eframe reports the reason for stopping only in its log.
+    match LOGGED.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        Some(reason) => Err(WindowError::Refused(reason)),
+        None => Ok(()),
+    }
 }
 
 fn options(fullscreen: bool) -> NativeOptions {
@@ -75,57 +117,11 @@ fn options(fullscreen: bool) -> NativeOptions {
     options
 }
 
+/// The reason of a panic that another thread began; one of this thread is reported with its message.
+const UNKNOWN: &str = "no reason given";
+
 /// If the loop wakes after at least this time, it was idle, and the events that it finds have just woken it.
 const MIN_IDLE: Duration = Duration::from_micros(500);
-
-/// Runs the window until it is closed.
-///
-/// # Errors
-/// [`WindowError::Refused`] with the reason that the window system or the graphics driver gave; [`WindowError::Lost`]
-/// if one of them was lost while the window was open; [`WindowError::Ended`] after a signal.
-fn run(options: NativeOptions, stamps: Stamps, program: Shared) -> Result<(), WindowError> {
-    let refused = |error: &dyn std::fmt::Display| WindowError::Refused(error.to_string());
-    listen_to_log();
-    let events = EventLoop::<UserEvent>::with_user_event().build().map_err(|error| refused(&error))?;
-    let (failure, creator) = (program.failure().clone(), program.creator());
-    signals::watch();
-    Failure::catch_panics();
-    program.report_at_exit();
-    let inner = eframe::create_native("machband", options, creator, &events);
-    // After a failure, the handler is not dropped, because dropping it would call a window system or a graphics card
-    // that was lost.
-    let mut handler = ManuallyDrop::new(Handler {
-        inner,
-        program,
-        stamps,
-        polled: None,
-        idle_since: None,
-        unseen_since: Instant::now(),
-    });
-    let ran = panic::catch_unwind(AssertUnwindSafe(|| events.run_app(&mut *handler)));
-    match &ran {
-        Err(_) => failure.report_panic(),
-        Ok(Err(error)) if handler.program.is_open() => failure.report(error.to_string()),
-        Ok(_) => {}
-    }
-    handler.program.forget_exit();
-    if let Some(reason) = failure.reason() {
-        let rows = handler.program.close();
-        return Err(WindowError::Lost { reason, rows });
-    }
-    let rows = ManuallyDrop::into_inner(handler).program.close();
-    if let Some(signal) = signals::received() {
-        return Err(WindowError::Ended { signal, rows });
-    }
-    if let Ok(Err(error)) = ran {
-        return Err(refused(&error));
-    }
-    // eframe reports the reason for stopping only in its log.
-    match LOGGED.lock().unwrap_or_else(PoisonError::into_inner).take() {
-        Some(reason) => Err(WindowError::Refused(reason)),
-        None => Ok(()),
-    }
-}
 
 /// Timestamps keys and clicks, and passes all events to eframe.
 struct Handler<'a> {
@@ -145,9 +141,9 @@ impl<'a> Handler<'a> {
     /// Passes an event to eframe. Once the window or the graphics are lost, or a signal asks the program to end, closes
     /// the session and ends the loop.
     fn forward(&mut self, events: &ActiveEventLoop, to: impl FnOnce(&mut EframeWinitApplication<'a>)) {
-        let failure = self.program.failure();
+        let failure = &self.program.failure;
         if failure.reason().is_none() && panic::catch_unwind(AssertUnwindSafe(|| to(&mut self.inner))).is_err() {
-            failure.report_panic();
+            failure.report(UNKNOWN.to_owned());
         }
         if failure.reason().is_some() || signals::received().is_some() {
             self.program.close();

@@ -125,20 +125,8 @@ impl InputReport {
         let mut waits = self.waits.clone();
         waits.sort_unstable();
         let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
-        let stamp = match (waits.is_empty(), self.unstamped) {
-            (true, _) => {
-                "A rating is timestamped at the start of the frame that receives it, and is therefore late by at most \
-                    one frame interval."
-            }
-            (false, 0) => STAMPED,
-            (false, _) => {
-                "Ratings with a response_uncertainty_s are timestamped when the window system delivers the key or \
-                    click. The others are timestamped at the start of the frame that receives them, and are therefore \
-                    late by at most one frame interval."
-            }
-        };
         InputSummary {
-            stamp: stamp.to_owned(),
+            stamp: STAMP.to_owned(),
             stamped: waits.len(),
             unstamped: self.unstamped,
             median_uncertainty_s: seconds(waits.get(waits.len() / 2)),
@@ -148,6 +136,8 @@ impl InputReport {
 }
 
 /// What a timestamp means, for the sidecar.
-const STAMPED: &str = "A rating is timestamped when the window system delivers the key or click, before the frame that \
-    responds to it. The event may have waited since the program last read events (it reads none while it draws), for \
-    at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not included.";
+const STAMP: &str = "A rating with a response_uncertainty_s is timestamped when the window system delivers the key or \
+    click, before the frame that responds to it. The event may have waited since the program last read events (it reads \
+    none while it draws), for at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not \
+    included. A rating without one is timestamped at the start of the frame that receives it, and is therefore late by \
+    at most one frame interval.";

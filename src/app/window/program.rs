@@ -2,11 +2,12 @@
 //! disk, the sitting is closed, and a message says how to resume.
 
 use std::{
-    cell::{Cell, RefCell},
+    cell::RefCell,
     mem, panic,
     path::{Path, PathBuf},
     rc::Rc,
     sync::{Arc, Mutex, PoisonError},
+    thread,
 };
 
 use eframe::{AppCreator, CreationContext, egui, wgpu::DeviceLostReason};
@@ -19,12 +20,7 @@ use crate::{
 /// Why no window could be opened, or why it was lost.
 #[derive(Debug, thiserror::Error)]
 pub enum WindowError {
-    /// There is no display on which to open a window.
-    #[error(
-        "display: no window can be opened, because neither DISPLAY nor WAYLAND_DISPLAY is set; expected a desktop session (without one, `machband simulate` runs sessions with a simulated observer)"
-    )]
-    NoDisplay,
-    /// The window system or the graphics driver refused to open a window.
+    /// There is no display, or the window system or the graphics driver refused to open a window.
     #[error(
         "display: no window can be opened ({0}); expected a desktop session with Vulkan or OpenGL (without one, `machband simulate` runs sessions with a simulated observer)"
     )]
@@ -83,9 +79,6 @@ pub trait Program: eframe::App {
 pub struct Failure(Arc<Mutex<Option<String>>>);
 
 thread_local! {
-    /// The message of the last panic of this thread. It is stored only if panics are caught.
-    static PANIC: RefCell<Option<String>> = const { RefCell::new(None) };
-    static CAUGHT: Cell<bool> = const { Cell::new(false) };
     /// Dropped at exit if a library ends the program itself, as Xlib does when its server is lost.
     static AT_EXIT: RefCell<Option<AtExit>> = const { RefCell::new(None) };
 }
@@ -101,24 +94,18 @@ impl Failure {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(reason);
     }
 
-    /// From now on, keeps panics of this thread for [`Failure::report_panic`] instead of printing them. The libraries
-    /// of the window panic if the graphics or the window system are lost.
-    pub fn catch_panics() {
-        CAUGHT.set(true);
-        let before = panic::take_hook();
+    /// From now on, reports panics of this thread instead of printing them. The libraries of the window panic if the
+    /// graphics or the window system are lost.
+    pub fn report_panics(&self) {
+        let (failure, window, before) = (self.clone(), thread::current().id(), panic::take_hook());
         panic::set_hook(Box::new(move |info| {
-            if !CAUGHT.get() {
+            if thread::current().id() != window {
                 return before(info);
             }
             let message = info.payload_as_str().unwrap_or("no reason given").replace('\n', " ");
             let place = info.location().map(|place| format!(", {}:{}", file_name(place.file()), place.line()));
-            PANIC.set(Some(format!("{}{}", message.trim(), place.unwrap_or_default())));
+            failure.report(format!("{}{}", message.trim(), place.unwrap_or_default()));
         }));
-    }
-
-    /// Reports the caught panic. If the loss of the graphics card was reported before, that remains the reason.
-    pub fn report_panic(&self) {
-        self.report(PANIC.take().unwrap_or_else(|| "no reason given".to_owned()));
     }
 
     /// Watches for the loss of the graphics card and for its other errors.
@@ -145,34 +132,26 @@ fn file_name(path: &str) -> &str {
 }
 
 /// The program in the window. The event loop can close it when the window no longer can.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Shared {
+    /// `None` until there is a window.
     program: Rc<RefCell<Option<Box<dyn Program>>>>,
-    make: Rc<Cell<Option<Make>>>,
-    failure: Failure,
+    /// Why the window or the graphics failed.
+    pub failure: Failure,
 }
 
-type Make = Box<dyn FnOnce(&CreationContext<'_>) -> Box<dyn Program>>;
-
 impl Shared {
-    /// Creates the program only once there is a window.
-    pub fn new(make: impl FnOnce(&CreationContext<'_>) -> Box<dyn Program> + 'static) -> Self {
-        Self { program: Rc::default(), make: Rc::new(Cell::new(Some(Box::new(make)))), failure: Failure::default() }
-    }
-
-    /// Returns the failure of the window or the graphics, which is empty until they fail.
-    pub fn failure(&self) -> &Failure {
-        &self.failure
-    }
-
-    /// Returns a function for eframe that creates the program.
-    pub fn creator(&self) -> AppCreator<'static> {
+    /// Returns a function for eframe that creates the program with `make`, once there is a window.
+    pub fn creator<P: Program + 'static>(
+        &self,
+        make: impl FnOnce(&CreationContext<'_>) -> P + 'static,
+    ) -> AppCreator<'static> {
         let shared = self.clone();
         Box::new(move |cc| {
             shared.failure.watch(cc);
             let ctx = cc.egui_ctx.clone();
             signals::wake(move || ctx.request_repaint());
-            shared.program.replace(shared.make.take().map(|make| make(cc)));
+            shared.program.replace(Some(Box::new(make(cc))));
             Ok(Box::new(shared))
         })
     }
