@@ -124,8 +124,8 @@ impl Analysis {
         std::path::absolute(path).ok().filter(|_| self.open.is_some() || self.task.is_some())
     }
 
-    /// Draws the page. `recent` are the paths that were opened recently.
-    pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Step {
+    /// Draws the page; returns whether the user left it. `recent` are the paths that were opened recently.
+    pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
@@ -145,7 +145,7 @@ impl Analysis {
                 false
             }
         };
-        Step::back_if(back || escaped)
+        back || escaped
     }
 
     fn take_files(&mut self, ctx: &egui::Context) {

@@ -5,7 +5,7 @@ use std::{
     time::{SystemTime, UNIX_EPOCH},
 };
 
-use eframe::egui;
+use eframe::egui::{self, Color32};
 use egui_plot::{Corner, Legend, Line, Points};
 
 use super::{
@@ -42,6 +42,7 @@ impl Method for ByEye {
 
     const BEGIN: &'static str = "Begin";
     const FORMAT: &'static str = "CSV written by this page.";
+    const GROUND: Color32 = theme::DARK_PAGE;
     const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
         field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
         vanishes. Gamma is estimated from several such matches.";

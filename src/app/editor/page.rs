@@ -105,8 +105,7 @@ impl Editor {
         match &self.form {
             Ok(form) => _ = self.fonts.find(ui.ctx(), [form.draft().text().as_str()]),
             Err(error) => {
-                let (back, ()) = ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error));
-                return Step::back_if(back);
+                return Step::back_if(ui::tool_page(ui, &heading, |ui| ui::show_error(ui, error)));
             }
         }
         let frame = Frame::NONE.inner_margin(theme::LARGE_GAP);

@@ -1,6 +1,6 @@
 //! The timing tool: settings, a table, and a plot of the frame intervals.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Key, RichText, ViewportCommand};
 use egui_plot::{HLine, Points};
@@ -10,7 +10,13 @@ use super::{
     run::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRun},
 };
 use crate::{
-    app::ui::{Field, Monitor, Saving, Step, neutral_primary, paragraph, secondary, still_plot, theme::ink, tool_page},
+    app::{
+        display::tool::Tool,
+        ui::{
+            Field, Monitor, Saving, ScreenFields, Step, neutral_primary, paragraph, secondary, still_plot, theme::ink,
+            tool_page,
+        },
+    },
     report::figures,
     store::{StoreError, Writer},
 };
@@ -36,43 +42,6 @@ impl Default for TimingTool {
 }
 
 impl TimingTool {
-    /// Draws the running measurement, or otherwise the settings and the findings.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
-        if let Some(run) = &mut self.run {
-            let report = run.show(ui, monitor);
-            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
-                self.report = report.or(self.report.take());
-                self.stop(ui.ctx());
-            }
-            return Step::Stay;
-        }
-        let (back, ()) = tool_page(ui, "Timing", |ui| {
-            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
-            ui.add_space(8.0);
-            self.settings(ui);
-            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.saving = Saving::default();
-                self.run = Some(TimingRun::new(self.plan));
-                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
-                ui.ctx().request_repaint();
-            }
-            ui.add_space(12.0);
-            self.found(ui);
-        });
-        Step::back_if(back)
-    }
-
-    /// Stops the measurement without a report.
-    pub fn stop(&mut self, ctx: &egui::Context) {
-        self.run = None;
-        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
-    }
-
-    /// Returns the background color while frames are measured; `None` for the color of a page.
-    pub fn ground(&self) -> Option<Color32> {
-        self.run.as_ref().map(TimingRun::ground)
-    }
-
     fn settings(&mut self, ui: &mut egui::Ui) {
         let TimingPlan { scene, frames, patch } = &mut self.plan;
         Field::new("Show").radio(
@@ -112,6 +81,41 @@ impl TimingTool {
             }
         });
         self.saving.show(ui);
+    }
+}
+
+impl Tool for TimingTool {
+    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+        if let Some(run) = &mut self.run {
+            let report = run.show(ui, monitor);
+            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
+                self.report = report.or(self.report.take());
+                self.pause(ui.ctx());
+            }
+            return Step::Stay;
+        }
+        Step::back_if(tool_page(ui, "Timing", |ui| {
+            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
+            ui.add_space(8.0);
+            self.settings(ui);
+            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
+                self.saving = Saving::default();
+                self.run = Some(TimingRun::new(self.plan));
+                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                ui.ctx().request_repaint();
+            }
+            ui.add_space(12.0);
+            self.found(ui);
+        }))
+    }
+
+    fn pause(&mut self, ctx: &egui::Context) {
+        self.run = None;
+        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+    }
+
+    fn ground(&self) -> Option<Color32> {
+        self.run.as_ref().map(TimingRun::ground)
     }
 }
 

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Step, escaped, folded, hint,
+        Bench, Dialog, Field, FileKind, History, escaped, folded, hint,
         pixels::Canvas,
         say, secondary, text,
         theme::{self, BODY, SECTION, ink},
@@ -86,13 +86,14 @@ impl ShadingPage {
         found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
+    /// Draws the page; returns whether the user left it.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
         let back = Bench { name: "Shading", width, controls, export, view }.show(ui, self);
         self.history.record(ui, &self.compared);
-        Step::back_if(back || escaped)
+        back || escaped
     }
 
     /// Draws the view; in one column, it has a height of its own.
