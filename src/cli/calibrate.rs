@@ -73,7 +73,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 fn draw(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
-    let figure = figures::calibration(calibration);
+    let figure = figures::calibration(calibration, calibration.chosen);
     let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
     Ok(writer.write(path, &bytes)?)
 }

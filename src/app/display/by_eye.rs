@@ -6,19 +6,23 @@ use std::{
 };
 
 use eframe::egui::{self, Color32};
-use egui_plot::{Corner, Legend, Line, Points};
+use egui_plot::{Corner, Legend, Line, MarkerShape, Points};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER, series},
+    calibrate::{Findings, LABELS, Method, SLIDER},
     match_run::MatchRun,
 };
 use crate::{
-    app::ui::{Field, describe, note, paragraph, still_plot, table, theme},
+    app::ui::{
+        Field, describe, note, paragraph, still_plot, table,
+        theme::{self, Ink, color},
+    },
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
     },
     experiment::session_seed,
+    report::figures::palette::{GREEN, VERMILION},
     store::matches::{self, MatchFile},
     system::found,
 };
@@ -95,6 +99,17 @@ impl Method for ByEye {
     }
 }
 
+/// Returns the color and marker of a channel in plots.
+fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
+    match channel {
+        Channel::Red => (color(VERMILION), MarkerShape::Square),
+        Channel::Green => (color(GREEN), MarkerShape::Up),
+        // The second color is a blue in both themes.
+        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
+        Channel::Gray => (ink.text, MarkerShape::Circle),
+    }
+}
+
 /// Says at what distance rows with this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
     let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
@@ -145,7 +160,7 @@ impl Findings for MatchFindings {
         self.found().filter_map(ChannelGamma::warning).for_each(|warning| note(ui, warning));
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
+    fn details(&mut self, ui: &mut egui::Ui) {
         let ink = theme::ink(ui);
         let plot = still_plot(ui, "matching", ["code", "proportion of full light"]).height(260.0);
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {

@@ -4,18 +4,15 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
-use egui_plot::MarkerShape;
 
 use super::{check::CheckPage, tool::Tool};
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
         section, show_error,
-        theme::{Ink, color},
         today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
-    report::figures::palette::{GREEN, VERMILION},
     store::{StoreError, Writer, profile},
     system::found,
 };
@@ -90,7 +87,7 @@ pub trait Findings: Sized {
     fn summary(&mut self, ui: &mut Ui);
 
     /// Draws plots and tables.
-    fn details(&self, ui: &mut Ui);
+    fn details(&mut self, ui: &mut Ui);
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
@@ -390,17 +387,6 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
         writer.make_folder(folder)?;
     }
     profile::write(writer, path, profile)
-}
-
-/// Returns the color and marker of a channel in plots.
-pub fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
-    match channel {
-        Channel::Red => (color(VERMILION), MarkerShape::Square),
-        Channel::Green => (color(GREEN), MarkerShape::Up),
-        // The second color is a blue in both themes.
-        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
-        Channel::Gray => (ink.text, MarkerShape::Circle),
-    }
 }
 
 /// Returns the default file for the measurements of a screen.

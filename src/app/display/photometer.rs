@@ -3,28 +3,23 @@
 use std::path::Path;
 
 use eframe::egui;
-use egui_plot::{Corner, Legend, Line, Plot, Points};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER, series},
+    calibrate::{Findings, LABELS, Method, SLIDER},
     patch_run::{PatchRun, PatchView},
 };
 use crate::{
-    app::ui::{Field, hint, note, number, signed, still_plot, table, theme},
+    app::ui::{Field, figure::FigureView, hint, note, number, signed, table},
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
         photometer::{Calibration, Family, FittedChannel, Patch, PatchSettings, Sum, largest, patches},
     },
+    report::figures,
     store::readings,
 };
 
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
-/// Number of steps in a plotted curve.
-const STEPS: usize = 100;
-/// Width reserved for the numbers of a plot's vertical axis, points. It is the same in all plots, so that their
-/// horizontal axes line up.
-const AXIS_ROOM: f32 = 80.0;
 
 /// The settings of the method.
 pub struct Photometer {
@@ -98,6 +93,8 @@ pub struct PhotometerFindings {
     calibration: Calibration,
     /// The model that the user chose; `None` for the model that cross-validation prefers.
     family: Option<Family>,
+    /// The readings and the curves of that model.
+    figure: FigureView,
 }
 
 impl PhotometerFindings {
@@ -109,7 +106,9 @@ impl PhotometerFindings {
 impl Findings for PhotometerFindings {
     fn read(path: &Path) -> Result<Self, String> {
         let readings = readings::open(path).map_err(|errors| errors.to_string())?;
-        Ok(Self { calibration: Calibration::new(&readings), family: None })
+        let calibration = Calibration::new(&readings);
+        let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
+        Ok(Self { calibration, family: None, figure })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -133,14 +132,18 @@ impl Findings for PhotometerFindings {
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
+        let before = self.family();
         Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),
             Some(family) => family.to_string(),
         });
+        if self.family() != before {
+            self.figure = FigureView::new(figures::calibration(&self.calibration, self.family()));
+        }
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
-        plots(ui, &self.calibration, self.family());
+    fn details(&mut self, ui: &mut egui::Ui) {
+        self.figure.show(ui);
         ui.add_space(8.0);
         hint(ui, "Largest error: the largest difference between a reading and the model, in 8-bit codes and in cd/m².");
         let models = &self.calibration.models;
@@ -184,37 +187,4 @@ fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
         format!("{:.2}", channel.largest_codes),
         format!("{:.3}", channel.largest_cd_m2),
     ]
-}
-
-/// Creates a plot over encoded values, aligned with the other plots.
-fn plot<'a>(ui: &egui::Ui, height: f32, values: &'static str) -> Plot<'a> {
-    let plot = still_plot(ui, values, ["encoded value", values]).height(height);
-    plot.include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM)
-}
-
-fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
-    let channels = &calibration.model(family).channels;
-    let read = |one: &FittedChannel| -> Vec<[f64; 2]> {
-        let own = calibration.readings.all().iter().filter(|reading| reading.channel == one.channel);
-        own.map(|reading| [reading.level, reading.luminance_cd_m2]).collect()
-    };
-    let ink = theme::ink(ui);
-    hint(ui, format!("Luminance: readings as points, {family} as lines."));
-    plot(ui, 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
-        for one in channels {
-            let ((color, marker), name) = (series(ink, one.channel), one.channel.name());
-            let curve = (0..=STEPS).map(|step| step as f64 / STEPS as f64).map(|v| [v, one.curve.cd_m2(v)]);
-            plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(2.0));
-            plot.points(Points::new(name, read(one)).shape(marker).radius(4.0).color(color));
-        }
-    });
-    hint(ui, "Residual of each reading, in 8-bit codes.");
-    plot(ui, 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
-        for one in channels {
-            let (color, marker) = series(ink, one.channel);
-            let errors: Vec<[f64; 2]> =
-                read(one).iter().map(|[level, cd_m2]| [*level, 255.0 * (one.curve.encoded(*cd_m2) - level)]).collect();
-            plot.points(Points::new(one.channel.name(), errors).shape(marker).radius(4.0).color(color));
-        }
-    });
 }

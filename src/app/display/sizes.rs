@@ -93,7 +93,7 @@ impl Findings for SizeFindings {
         }
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
+    fn details(&mut self, ui: &mut egui::Ui) {
         hint(ui, "Height of the patch in percent of the screen's height, and the luminance of white.");
         let rows = PERCENTS.iter().zip(self.0);
         table(ui, "sizes", ["%", "cd/m²"], rows.map(|(percent, cd_m2)| [percent.to_string(), format!("{cd_m2:.1}")]));

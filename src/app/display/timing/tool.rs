@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Key, RichText, ViewportCommand};
-use egui_plot::{HLine, Points};
 
 use super::{
     report::TimingReport,
@@ -13,8 +12,8 @@ use crate::{
     app::{
         display::tool::Tool,
         ui::{
-            Field, Monitor, Saving, ScreenFields, Step, neutral_primary, paragraph, secondary, still_plot, theme::ink,
-            tool_page,
+            Field, Monitor, Saving, ScreenFields, Step, figure::FigureView, neutral_primary, paragraph, secondary,
+            theme::ink, tool_page,
         },
     },
     report::figures,
@@ -29,7 +28,7 @@ const SIZES: [u32; 4] = [48, 96, 192, 384];
 pub struct TimingTool {
     plan: TimingPlan,
     run: Option<TimingRun>,
-    report: Option<TimingReport>,
+    found: Option<(TimingReport, FigureView)>,
     out: String,
     saving: Saving,
 }
@@ -37,7 +36,7 @@ pub struct TimingTool {
 impl Default for TimingTool {
     fn default() -> Self {
         let plan = TimingPlan { scene: Scene::Trial, frames: 600, patch: Patch::default() };
-        Self { plan, run: None, report: None, out: "timing.csv".to_owned(), saving: Saving::default() }
+        Self { plan, run: None, found: None, out: "timing.csv".to_owned(), saving: Saving::default() }
     }
 }
 
@@ -59,8 +58,8 @@ impl TimingTool {
         ui.add_space(4.0);
     }
 
-    fn found(&mut self, ui: &mut egui::Ui) {
-        let Some(report) = &self.report else { return };
+    fn show_found(&mut self, ui: &mut egui::Ui) {
+        let Some((report, figure)) = &mut self.found else { return };
         let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
         paragraph(ui, RichText::new(report.verdict()).strong().color(color));
         ui.add_space(4.0);
@@ -72,7 +71,7 @@ impl TimingTool {
             }
         });
         ui.add_space(8.0);
-        plot(ui, report);
+        figure.show(ui);
         Field::new("Export to").show(ui, |ui, label| {
             ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
             let path = Path::new(self.out.trim());
@@ -89,7 +88,11 @@ impl Tool for TimingTool {
         if let Some(run) = &mut self.run {
             let report = run.show(ui, monitor);
             if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
-                self.report = report.or(self.report.take());
+                let drawn = |report: TimingReport| {
+                    let figure = figures::intervals(report.intervals_us(), report.refresh);
+                    (report, FigureView::new(figure))
+                };
+                self.found = report.map(drawn).or(self.found.take());
                 self.pause(ui.ctx());
             }
             return Step::Stay;
@@ -105,7 +108,7 @@ impl Tool for TimingTool {
                 ui.ctx().request_repaint();
             }
             ui.add_space(12.0);
-            self.found(ui);
+            self.show_found(ui);
         }))
     }
 
@@ -125,17 +128,4 @@ fn export(writer: &Writer, report: &TimingReport, path: &Path) -> Result<String,
     let svg = figures::intervals(report.intervals_us(), report.refresh).svg;
     writer.write_all(&[(path.to_owned(), report.csv().into_bytes()), (plot.clone(), svg.into_bytes())])?;
     Ok(format!("Wrote {} and {}.", path.display(), plot.display()))
-}
-
-fn plot(ui: &mut egui::Ui, report: &TimingReport) {
-    let ink = ink(ui);
-    let points: Vec<[f64; 2]> =
-        (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
-    let plot = still_plot(ui, "intervals", ["frame", "interval, ms"]).height(220.0).include_y(0.0);
-    plot.show(ui, |plot| {
-        if let Some(refresh) = report.refresh {
-            plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.dim));
-        }
-        plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
-    });
 }
