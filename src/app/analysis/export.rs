@@ -13,7 +13,7 @@ use crate::{
         Dialog, FileKind, Saving, complain, full, open, say,
         text::two_lines,
         theme::ink,
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Lost},
     },
     report::{Provenance, study::shell_command},
     store::{StoreError, Writer},
@@ -117,14 +117,12 @@ impl Export {
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
         let Some((folder, work)) = &self.work else { return };
-        let outcome = match work.poll() {
-            Progress::Running => return,
-            Progress::Done(files) => files.map(|files| format!("{files} files written to {}", full(folder).display())),
-            Progress::Lost => Err(StoreError::Protected {
-                path: folder.clone(),
-                what: "the export ended unexpectedly; expected files in the folder".to_owned(),
-            }),
-        };
+        let Some(files) = work.poll() else { return };
+        let files = files.unwrap_or_else(|Lost| {
+            let what = "the export ended unexpectedly; expected files in the folder".to_owned();
+            Err(StoreError::Protected { path: folder.clone(), what })
+        });
+        let outcome = files.map(|files| format!("{files} files written to {}", full(folder).display()));
         self.written = outcome.is_ok().then(|| folder.clone());
         self.saving.finish(folder, outcome);
         self.work = None;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{
     self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2,
+    emath::GuiRounding as _,
     text::{CCursor, CCursorRange},
 };
 
@@ -276,14 +277,9 @@ fn select_all(ctx: &egui::Context, text: &str) {
 
 /// Draws the patch in the middle of the screen, aligned to whole pixels.
 fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
-    let scale = ui.ctx().pixels_per_point();
     let height = (area.height() * percent as f32 / 100.0).min(area.height() - 2.0 * LINE).max(16.0);
-    let whole = |value: f32| (value * scale).round() / scale;
     let middle = Rect::from_center_size(area.center(), Vec2::splat(height));
-    let rect = Rect::from_min_max(
-        egui::pos2(whole(middle.min.x), whole(middle.min.y)),
-        egui::pos2(whole(middle.max.x), whole(middle.max.y)),
-    );
+    let rect = middle.round_to_pixels(ui.ctx().pixels_per_point());
     let [red, green, blue] = patch.channel.rgb(patch.code);
     ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(red, green, blue));
     let name = format!("Patch {} {}", patch.channel, patch.code);

@@ -23,8 +23,7 @@ pub const READING_S: f64 = 5.0;
 
 /// The settings of the method.
 pub struct Photometer {
-    levels: usize,
-    repeats: usize,
+    patches: PatchSettings,
     settle_s: String,
     percent: u32,
     gray_around: bool,
@@ -32,8 +31,7 @@ pub struct Photometer {
 
 impl Default for Photometer {
     fn default() -> Self {
-        let PatchSettings { levels, repeats, .. } = PatchSettings::default();
-        Self { levels, repeats, settle_s: "1".to_owned(), percent: 40, gray_around: false }
+        Self { patches: PatchSettings::default(), settle_s: "1".to_owned(), percent: 40, gray_around: false }
     }
 }
 
@@ -45,8 +43,7 @@ pub fn settling_s(typed: &str) -> Result<f64, String> {
 
 impl Photometer {
     fn patches(&self, channels: &[Channel]) -> Result<Vec<Patch>, String> {
-        let (levels, repeats) = (self.levels, self.repeats);
-        let settings = PatchSettings { channels: channels.to_vec(), levels, repeats, ..PatchSettings::default() };
+        let settings = PatchSettings { channels: channels.to_vec(), ..self.patches.clone() };
         patches(&settings).map_err(|error| format!("{error}."))
     }
 }
@@ -63,8 +60,8 @@ impl Method for Photometer {
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.levels, 5..=33, 1.0);
-        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.repeats, 1..=5, 1.0);
+        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
+        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
         Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
         let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
         height.slider(ui, &mut self.percent, 10..=80, 1.0);

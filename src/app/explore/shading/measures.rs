@@ -28,12 +28,10 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 /// The measurements of both sides.
 pub struct Measured {
     /// The cells of the table for each side.
-    cells: [Vec<String>; 2],
+    pub cells: [Vec<String>; 2],
     pub maps: [CodeImage; 2],
     /// The value with the last color of the maps.
     pub full_scale: f64,
-    /// The largest value of each side.
-    pub largest: [f64; 2],
 }
 
 /// A function that measures a comparison of this surface at this size in pixels.
@@ -111,7 +109,6 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
         cells: sides.each_ref().map(cells),
         maps: sides.each_ref().map(map),
         full_scale: gouraud.p95,
-        largest: sides.each_ref().map(|creases| creases.max),
     })
 }
 
@@ -154,7 +151,7 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
         let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
         vec![format!("{:.1}", side.largest), over.unwrap_or_else(|| "—".to_owned())]
     });
-    Ok(Measured { cells, maps, full_scale, largest: sides.each_ref().map(|side| side.largest) })
+    Ok(Measured { cells, maps, full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.

@@ -418,8 +418,8 @@ impl ShadingPage {
             let status = self.visible.status(pictures.edition).unwrap_or_default();
             return format!("Difference from the smooth surface: {status}");
         };
-        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
-        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
+        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.cells.each_ref());
+        format!("{a} differs from the smooth surface by {} times what people can just see; {b} by {}.", left[0], right[0])
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
