@@ -1,6 +1,6 @@
 //! Shows the document in the window.
 
-use eframe::egui::{self, Align, Label, Layout, RichText, ScrollArea};
+use eframe::egui::{self, Align, Layout, RichText, ScrollArea};
 
 use super::table::TableView;
 use crate::{
@@ -165,9 +165,7 @@ fn show_text(ui: &mut egui::Ui, block: &Block) {
                     });
                 }
             }
-            Block::Code(text) => {
-                ui.add(Label::new(RichText::new(text).monospace()).wrap());
-            }
+            Block::Code(text) => paragraph(ui, RichText::new(text).monospace()),
             Block::Table(_) | Block::Figure(_) => {}
         }
     });

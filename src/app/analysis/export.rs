@@ -10,7 +10,7 @@ use eframe::egui;
 use super::files::Files;
 use crate::{
     app::ui::{
-        Dialog, FileKind, Saving, complain, full, open, say,
+        Dialog, Field, FileKind, Saving, complain, full, open, say,
         text::two_lines,
         theme::ink,
         work::{BackgroundTask, Lost},
@@ -71,9 +71,8 @@ impl Export {
             self.of = Some((*request).clone());
             self.saving = Saving::default();
         }
-        let label = ui.label("Export to the folder");
         let width = ui.available_width();
-        let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
+        let field = Field::new("Export to the folder").width(width).text(ui, &mut self.folder);
         let (mut changed, mut is_outdated) = (field.changed(), false);
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());

@@ -175,7 +175,7 @@ impl OpenStudy {
 
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let ratings = self.files.asked.ratings.clone().excluding(self.filters.exclusions().clone());
+        let ratings = self.files.asked.ratings.clone().excluding(self.filters.0.clone());
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
@@ -322,7 +322,7 @@ impl Opened for OpenStudy {
         let protocol = self.study.source.protocol.as_ref();
         let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
         self.filters.show(ui, counts, |factor| parameter::label(known, factor));
-        if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
+        if ui.add_enabled(self.filters != Filters::default(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
         ui.separator();

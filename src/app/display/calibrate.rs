@@ -9,7 +9,7 @@ use super::{check::CheckPage, tool::Tool};
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
-        section, show_error,
+        section, show_error, text,
         today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
@@ -90,10 +90,14 @@ pub trait Findings: Sized {
     fn details(&mut self, ui: &mut Ui);
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
-    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
+    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
+        None
+    }
 
     /// Returns a description of the instrument, for the profile.
-    fn instrument(&self) -> String;
+    fn instrument(&self) -> String {
+        "photometer".to_owned()
+    }
 }
 
 /// A file of measurements, and either the findings with the profile's form, or the errors.
@@ -272,7 +276,7 @@ impl<M: Method> Calibrate<M> {
                 }
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
-                    errors.lines().for_each(|line| show_error(ui, line));
+                    text::errors(ui, errors);
                     let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
                     let patches = if items.len() == 1 { "patch" } else { "patches" };
                     if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {

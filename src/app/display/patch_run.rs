@@ -11,7 +11,7 @@ use eframe::egui::{
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, number, theme::ink},
+        ui::{Step, describe, number, paragraph, theme::ink},
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{FileErrors, StoreError, Writer, readings},
@@ -136,7 +136,7 @@ impl PatchRun {
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
-            ui.add(egui::Label::new(RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7))).wrap());
+            paragraph(ui, RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7)));
         }
         if accept {
             self.accept(at, remaining_s);

@@ -160,10 +160,6 @@ impl Findings for PhotometerFindings {
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
     }
-
-    fn instrument(&self) -> String {
-        "photometer".to_owned()
-    }
 }
 
 fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {

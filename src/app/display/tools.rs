@@ -9,7 +9,7 @@ use super::{
     sizes::SizeTest, steps::StepsPage, timing::TimingTool, tool::Tool,
 };
 use crate::{
-    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, show_error, success, today, tool_page},
+    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, success, text, today, tool_page},
     display::DisplayProfile,
 };
 
@@ -115,7 +115,7 @@ impl Display {
                 let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
                 warning.iter().for_each(|warning| note(ui, warning));
             }
-            Err(errors) => errors.lines().for_each(|line| show_error(ui, line)),
+            Err(errors) => text::errors(ui, errors),
         }
         self.saved = self.saved.take().filter(|saved| fields.profile.trim() == saved.display().to_string());
         if let Some(saved) = &self.saved {

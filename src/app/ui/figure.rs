@@ -3,14 +3,14 @@
 use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui::{
-    self, Color32, ColorImage, Label, Popup, PopupCloseBehavior, Pos2, Rect, RichText, Sense, TextureHandle, Vec2,
+    self, Color32, ColorImage, Popup, PopupCloseBehavior, Pos2, Rect, RichText, Sense, TextureHandle, Vec2,
 };
 
 use super::{
     fields::Field,
     pixels::{Canvas, draw_centered},
     saving::Saving,
-    text::{describe, hint, name, show_error},
+    text::{describe, hint, name, paragraph, show_error},
     theme,
     work::Latest,
 };
@@ -75,7 +75,7 @@ impl FigureView {
             response.on_hover_text_at_pointer(text);
         }
         ui.horizontal_wrapped(|ui| {
-            ui.add(Label::new(RichText::new(&self.figure.title).strong()).wrap());
+            paragraph(ui, RichText::new(&self.figure.title).strong());
             let save = ui.small_button("Save…");
             name(ui, &save, &format!("Save the figure: {}", self.figure.title));
             let save = save.on_hover_text("Saves this figure alone, as SVG or PNG.");

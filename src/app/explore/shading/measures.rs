@@ -47,11 +47,17 @@ pub struct Measurement {
 impl Measurement {
     /// Starts to measure the images with `measure`, unless that is done or in progress.
     pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
-        self.latest.want(ctx, pictures.edition, || {
+        let edition = pictures.edition;
+        self.latest.want(ctx, edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
             let size = [pictures.frame.width, pictures.frame.height];
             move || measure(&compared, &surface, size)
         });
+        if let Some(Ok(measured)) = self.latest.get(&edition)
+            && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
+        {
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture_of(ctx, "map", map))));
+        }
     }
 
     /// Returns the measurement of this version of the images, if available.
@@ -60,12 +66,8 @@ impl Measurement {
     }
 
     /// Returns the maps as textures, if available.
-    pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
-        let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
-        if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
-            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture_of(ctx, "map", map))));
-        }
-        self.textures.as_ref().map(|(_, textures)| textures)
+    pub fn textures(&self, edition: u64) -> Option<&[TextureHandle; 2]> {
+        self.textures.as_ref().filter(|(of, _)| *of == edition).map(|(_, textures)| textures)
     }
 
     /// Says why there is no result; `None` if there is one.

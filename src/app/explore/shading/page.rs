@@ -351,13 +351,9 @@ impl ShadingPage {
         }
     }
 
-    fn draw(&mut self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
+    fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
         let Some(pictures) = &self.pictures else { return };
-        let maps = match self.settings.layer {
-            Layer::Split | Layer::Difference => None,
-            Layer::Creases => self.creases.textures(ui.ctx(), pictures.edition),
-            Layer::Visible => self.visible.textures(ui.ctx(), pictures.edition),
-        };
+        let maps = self.mapped().and_then(|measurement| measurement.textures(pictures.edition));
         let textures = match (self.settings.layer, &self.difference, maps) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
