@@ -91,7 +91,6 @@ impl Export {
         if changed {
             self.forget();
         }
-        self.dialog.missing_error(ui);
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
             _ if self.work.is_some() => ("Writing…", ink.dim),

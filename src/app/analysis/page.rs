@@ -106,7 +106,6 @@ impl Analysis {
     /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
         self.asked = asked.clone();
-        self.dialog.forget();
         (self.error, self.order) = (None, None);
         let request = asked.clone();
         let work = BackgroundTask::stoppable(ctx, move || read(&request));

@@ -144,7 +144,7 @@ impl ShadingPage {
             self.file.error = None;
         }
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             open |= ui.button("Open the file").clicked();
             open |= self.file.dialog.browse(ui, FileKind::Mesh, "Choose a mesh…", &mut self.file.path);
         });
@@ -155,7 +155,6 @@ impl ShadingPage {
         if open {
             self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
         }
-        self.file.dialog.missing_error(ui);
         // The error has the same room before there is one.
         text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad, 2);
     }
@@ -168,7 +167,6 @@ impl ShadingPage {
                     say(ctx, note);
                 }
                 self.compared.mesh = choice.clone();
-                self.file.dialog.forget();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
                 None
             }
