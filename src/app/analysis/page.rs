@@ -160,7 +160,8 @@ impl Analysis {
     fn take_study(&mut self) {
         let Some(pending) = &self.reading else { return };
         let Some(read) = pending.work.poll() else { return };
-        let read = read.unwrap_or_else(|Lost| Err("The files could not be read: reading ended unexpectedly".to_owned()));
+        let read =
+            read.unwrap_or_else(|Lost| Err("The files could not be read: reading ended unexpectedly".to_owned()));
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
             Ok((files, Read::Task(read))) => {

@@ -9,8 +9,7 @@ use super::{check::CheckPage, tool::Tool};
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
-        section, show_error, text,
-        today, tool_page,
+        section, show_error, text, today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
     store::{StoreError, Writer, profile},

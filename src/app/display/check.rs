@@ -80,7 +80,7 @@ impl CheckPage {
                 let rows = Rows { lit, period, row_px };
                 let patch = rows.check_patch(&self.profile.transfers, channel, error);
                 let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
-                let texture = pixels::texture_of(ctx, &format!("check {channel} {text}"), &image);
+                let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
                 (text, texture)
             };
             let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));

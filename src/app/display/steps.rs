@@ -54,14 +54,13 @@ impl StepsPage {
         let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
         let fresh = self.wedge.as_ref().is_none_or(|(shown, at, _)| shown != steps || *at != width);
         if fresh {
-            let texture = pixels::texture_of(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
+            let texture = pixels::texture(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
             self.wedge = Some((steps.to_vec(), width, texture));
         }
         if let Some((_, _, texture)) = &self.wedge {
             pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
         }
     }
-
 }
 
 impl Tool for StepsPage {

@@ -241,7 +241,7 @@ impl Gallery {
             return;
         }
         let quantizer = recipe.quantizer();
-        let texture = pixels::texture_of(ctx, "gallery", &recipe.codes(&quantizer));
+        let texture = pixels::texture(ctx, "gallery", &recipe.codes(&quantizer));
         let curves = Curves::new(&recipe, &quantizer);
         self.saving = Saving::default();
         self.shown = Some(Shown { recipe, texture, curves });

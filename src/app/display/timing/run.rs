@@ -127,7 +127,7 @@ impl TimingRun {
         let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
         if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
             // As in a session, the texture is created while the field is shown.
-            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial), STIMULUS_PX, &self.quantizer);
+            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial).codes(STIMULUS_PX, &self.quantizer));
             self.picture = Some((trial, texture));
         }
         let shown = self.frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;

@@ -56,7 +56,7 @@ impl Measurement {
         if let Some(Ok(measured)) = self.latest.get(&edition)
             && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
         {
-            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture_of(ctx, "map", map))));
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
         }
     }
 
@@ -107,11 +107,7 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
         let shown = |slope: f64| if slope < 1e-6 { "0".to_owned() } else { format!("{slope:.2e}") };
         vec![shown(creases.rms), shown(creases.p95), over]
     };
-    Ok(Measured {
-        cells: sides.each_ref().map(cells),
-        maps: sides.each_ref().map(map),
-        full_scale: gouraud.p95,
-    })
+    Ok(Measured { cells: sides.each_ref().map(cells), maps: sides.each_ref().map(map), full_scale: gouraud.p95 })
 }
 
 /// The color of a map beside the mesh, encoded.

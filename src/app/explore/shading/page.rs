@@ -413,7 +413,10 @@ impl ShadingPage {
             return format!("Difference from the smooth surface: {status}");
         };
         let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.cells.each_ref());
-        format!("{a} differs from the smooth surface by {} times what people can just see; {b} by {}.", left[0], right[0])
+        format!(
+            "{a} differs from the smooth surface by {} times what people can just see; {b} by {}.",
+            left[0], right[0]
+        )
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
