@@ -9,12 +9,15 @@ use super::{
     patch_run::{PatchRun, PatchView},
 };
 use crate::{
-    app::ui::{Field, figure::FigureView, hint, note, number, signed, table},
+    app::{
+        analysis::TableView,
+        ui::{Field, figure::FigureView, note, number},
+    },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Family, FittedChannel, Patch, PatchSettings, Sum, largest, patches},
+        photometer::{Calibration, Family, Patch, PatchSettings, Sum, largest, patches},
     },
-    report::figures,
+    report::{calibration::tables, figures},
     store::readings,
 };
 
@@ -92,6 +95,7 @@ pub struct PhotometerFindings {
     family: Option<Family>,
     /// The readings and the curves of that model.
     figure: FigureView,
+    tables: [TableView; 2],
 }
 
 impl PhotometerFindings {
@@ -105,7 +109,8 @@ impl Findings for PhotometerFindings {
         let readings = readings::open(path).map_err(|errors| errors.to_string())?;
         let calibration = Calibration::new(&readings);
         let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
-        Ok(Self { calibration, family: None, figure })
+        let tables = tables(&calibration).map(TableView::new);
+        Ok(Self { calibration, family: None, figure, tables })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -141,18 +146,7 @@ impl Findings for PhotometerFindings {
 
     fn details(&mut self, ui: &mut egui::Ui) {
         self.figure.show(ui);
-        ui.add_space(8.0);
-        hint(ui, "Largest error: the largest difference between a reading and the model, in 8-bit codes and in cd/m².");
-        let models = &self.calibration.models;
-        let rows = models.iter().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
-        table(ui, "fits", ["model", "channel", "γ", "offset", "R²", "codes", "cd/m²"], rows);
-        ui.add_space(8.0);
-        hint(ui, "Root mean square error when each level is left out in turn (cross-validation).");
-        let rows = models.iter().map(|model| {
-            let found = &model.validation;
-            [model.family.to_string(), format!("{:.2}", found.rms_codes), format!("{:.3}", found.rms_cd_m2)]
-        });
-        table(ui, "validation", ["model", "codes", "cd/m²"], rows);
+        self.tables.iter_mut().enumerate().for_each(|(id, table)| table.show(ui, id));
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
@@ -160,24 +154,4 @@ impl Findings for PhotometerFindings {
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
     }
-}
-
-fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
-    let none = || "—".to_owned();
-    let gamma = match (channel.curve.gamma(), channel.gamma_se) {
-        (Some(gamma), Some(se)) => format!("{gamma:.3} ± {se:.3}"),
-        (Some(gamma), None) => format!("{gamma:.3}"),
-        _ => none(),
-    };
-    let offset = channel.curve.gain_and_offset();
-    [
-        family.to_string(),
-        channel.channel.to_string(),
-        gamma,
-        // Adding 0 turns −0 into 0.
-        offset.map_or_else(none, |(_, offset)| signed(&format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0))),
-        format!("{:.5}", channel.r_squared),
-        format!("{:.2}", channel.largest_codes),
-        format!("{:.3}", channel.largest_cd_m2),
-    ]
 }
