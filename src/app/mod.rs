@@ -190,9 +190,9 @@ impl App {
                     gallery
                 });
                 gallery.set_screen(profile, distance_cm);
-                let step = gallery.show(ui).widen();
+                let left = gallery.show(ui);
                 self.memory.set_page("stimuli", gallery.remembered());
-                step
+                Step::back_if(left)
             }
             Place::Shading => {
                 let shading = self.shading.get_or_insert_with(|| {
@@ -200,27 +200,27 @@ impl App {
                     shading.recall(&self.memory.page("shading"));
                     shading
                 });
-                let step = shading.show(ui).widen();
+                let left = shading.show(ui);
                 if !ui.input(|input| input.pointer.any_down()) {
                     self.memory.set_page("shading", shading.remembered());
                 }
-                step
+                Step::back_if(left)
             }
             Place::Display => {
                 let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
                 let fields = self.studies.screen();
-                let display = self.display.get_or_insert_with(|| Box::new(display::Display::new(fields)));
-                display.show(ui, monitor, fields, window_deg).widen()
+                let display = self.display.get_or_insert_default();
+                Step::back_if(display.show(ui, monitor, fields, window_deg))
             }
             Place::Analyze => {
                 let results = self.studies.results();
                 let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
-                let step = analysis.show(ui, &self.memory.settings.recent.analyses).widen();
+                let left = analysis.show(ui, &self.memory.settings.recent.analyses);
                 if let Some(path) = analysis.opened() {
                     remember(&mut self.memory.settings.recent.analyses, &path.display().to_string());
                 }
-                step
+                Step::back_if(left)
             }
         };
         match step {

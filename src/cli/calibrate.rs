@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::{OutPath, columns, message, print_line, report_written};
 use crate::{
-    display::photometer::{Calibration, Family, FittedChannel, Sum, largest},
-    report::{document::Shown, figures},
+    display::photometer::{Calibration, Sum, largest},
+    report::{calibration::tables, document::TextTable, figures},
     store::{Writer, profile},
     system::found,
     work::{
@@ -73,7 +73,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 fn draw(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
-    let figure = figures::calibration(calibration);
+    let figure = figures::calibration(calibration, calibration.chosen);
     let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
     Ok(writer.write(path, &bytes)?)
 }
@@ -90,25 +90,11 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     ))?;
     print_line(&format!("black {:.4} cd/m², white {:.2} cd/m²", light.black_cd_m2, light.white_cd_m2))?;
     print_line("")?;
-    let largest_error = ["largest error, codes", "cd/m²"];
-    let header = [&["model", "channel", "gamma", "gain", "offset", "R²"], &largest_error[..]].concat();
-    let models = || calibration.models.iter();
-    let rows = models().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
-    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
+    let [fits, validation] = tables(calibration);
+    print_table(&fits)?;
     print_line("")?;
-    print_line("leave-one-level-out error")?;
-    let header = ["model", "rms codes", "rms cd/m²", "largest codes", "relative to misfit"];
-    let rows = models().map(|model| {
-        let found = &model.validation;
-        vec![
-            model.family.name().into(),
-            decimals(found.rms_codes, 2),
-            decimals(found.rms_cd_m2, 3),
-            decimals(found.largest_codes, 2),
-            decimals(found.score.sqrt(), 2),
-        ]
-    });
-    columns(&header, &rows.collect::<Vec<_>>()).iter().try_for_each(|line| print_line(line))?;
+    print_line(&validation.caption)?;
+    print_table(&validation)?;
     print_line("")?;
     let sums = &calibration.additivity;
     if !sums.is_empty() {
@@ -124,26 +110,7 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     print_line(&format!("chosen: {family}{}", if request.model.is_some() { ", as requested" } else { "" }))
 }
 
-/// Formats a number with this many decimals.
-fn decimals(number: f64, decimals: usize) -> Shown {
-    Shown::new(number, format!("{number:.decimals$}"))
-}
-
-fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
-    let known = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
-        Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
-    };
-    let se = channel.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
-    let (gain, offset) = channel.curve.gain_and_offset().unzip();
-    vec![
-        family.name().into(),
-        channel.channel.name().into(),
-        known(channel.curve.gamma(), &|gamma| format!("{gamma:.4}{se}")),
-        known(gain, &|gain| format!("{gain:.4}")),
-        // Adding 0 turns −0 into 0.
-        known(offset, &|offset| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0)),
-        decimals(channel.r_squared, 6),
-        decimals(channel.largest_codes, 2),
-        decimals(channel.largest_cd_m2, 3),
-    ]
+fn print_table(table: &TextTable) -> anyhow::Result<()> {
+    let header: Vec<&str> = table.header.iter().map(String::as_str).collect();
+    columns(&header, &table.rows).iter().try_for_each(|line| print_line(line))
 }

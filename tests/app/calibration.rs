@@ -191,7 +191,7 @@ fn a_file_of_readings_becomes_a_profile_and_a_bad_one_is_explained() {
     click(&mut window, "Save the profile");
     window.get_by_label_contains("already exists");
     click(&mut window, "Replace");
-    window.get_by_label_contains("Replaced");
+    window.get_by_label_contains("Saved as");
     // The command makes the same profile of this file.
     succeeds(folder.path(), &["calibrate", "good.csv", "--out", "command.toml"]);
     let [made, told] = ["left.toml", "command.toml"].map(|name| profile::open(Path::new(&path(name))).unwrap());

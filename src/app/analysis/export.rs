@@ -10,10 +10,10 @@ use eframe::egui;
 use super::files::Files;
 use crate::{
     app::ui::{
-        Dialog, FileKind, Saving, complain, full, open, say,
+        Dialog, Field, FileKind, Saving, complain, full, open, say,
         text::two_lines,
         theme::ink,
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Lost},
     },
     report::{Provenance, study::shell_command},
     store::{StoreError, Writer},
@@ -71,9 +71,8 @@ impl Export {
             self.of = Some((*request).clone());
             self.saving = Saving::default();
         }
-        let label = ui.label("Export to the folder");
         let width = ui.available_width();
-        let field = ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(width)).labelled_by(label.id);
+        let field = Field::new("Export to the folder").width(width).text(ui, &mut self.folder);
         let (mut changed, mut is_outdated) = (field.changed(), false);
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());
@@ -92,7 +91,6 @@ impl Export {
         if changed {
             self.forget();
         }
-        self.dialog.missing_error(ui);
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
             _ if self.work.is_some() => ("Writing…", ink.dim),
@@ -117,14 +115,12 @@ impl Export {
 
     fn take_outcome(&mut self, ctx: &egui::Context) {
         let Some((folder, work)) = &self.work else { return };
-        let outcome = match work.poll() {
-            Progress::Running => return,
-            Progress::Done(files) => files.map(|files| format!("{files} files written to {}", full(folder).display())),
-            Progress::Lost => Err(StoreError::Protected {
-                path: folder.clone(),
-                what: "the export ended unexpectedly; expected files in the folder".to_owned(),
-            }),
-        };
+        let Some(files) = work.poll() else { return };
+        let files = files.unwrap_or_else(|Lost| {
+            let what = "the export ended unexpectedly; expected files in the folder".to_owned();
+            Err(StoreError::Protected { path: folder.clone(), what })
+        });
+        let outcome = files.map(|files| format!("{files} files written to {}", full(folder).display()));
         self.written = outcome.is_ok().then(|| folder.clone());
         self.saving.finish(folder, outcome);
         self.work = None;

@@ -16,3 +16,4 @@ mod table;
 mod task;
 
 pub use page::Analysis;
+pub use table::TableView;

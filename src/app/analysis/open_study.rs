@@ -15,7 +15,7 @@ use crate::{
     analysis::{Results, analyze_with},
     app::ui::{
         Step, hint, paragraph, parameter, secondary, show_error, theme,
-        work::{BackgroundTask, Progress, Steps},
+        work::{BackgroundTask, Lost, Steps},
     },
     report::{
         Study,
@@ -148,24 +148,24 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        match self.work.as_ref().map(|(stage, task)| (*stage, task.poll())) {
-            None | Some((_, Progress::Running)) => {}
-            Some((Stage::Draft, Progress::Done(Some((_, document))))) => {
+        match self.work.as_ref().and_then(|(stage, task)| Some((*stage, task.poll()?))) {
+            None => {}
+            Some((Stage::Draft, Ok(Some((_, document))))) => {
                 self.draft = Some(DocumentView::new(document, None));
                 self.start(ctx, Stage::Whole);
             }
-            Some((_, Progress::Done(None))) => (self.work, self.is_empty) = (None, true),
-            Some((Stage::Whole, Progress::Done(Some((outcome, document))))) => {
+            Some((_, Ok(None))) => (self.work, self.is_empty) = (None, true),
+            Some((Stage::Whole, Ok(Some((outcome, document))))) => {
                 let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
                 self.shown = Some((outcome, DocumentView::new(document, earlier)));
                 (self.work, self.predicting) = (None, None);
             }
-            Some((_, Progress::Lost)) => {
+            Some((_, Err(Lost))) => {
                 self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
                 self.work = None;
             }
         }
-        if let Some(Progress::Done(document)) = self.predicting.as_ref().map(BackgroundTask::poll)
+        if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
             self.shown = Some((outcome, DocumentView::new(document, Some(view))));
@@ -175,7 +175,7 @@ impl OpenStudy {
 
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
-        let ratings = self.files.asked.ratings.clone().excluding(self.filters.exclusions().clone());
+        let ratings = self.files.asked.ratings.clone().excluding(self.filters.0.clone());
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
@@ -322,7 +322,7 @@ impl Opened for OpenStudy {
         let protocol = self.study.source.protocol.as_ref();
         let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
         self.filters.show(ui, counts, |factor| parameter::label(known, factor));
-        if ui.add_enabled(self.filters.is_narrowed(), egui::Button::new("Select everything")).clicked() {
+        if ui.add_enabled(self.filters != Filters::default(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
         ui.separator();

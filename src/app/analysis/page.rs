@@ -17,7 +17,7 @@ use super::{
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Step, escaped, heading, hint, paragraph, place_page, section, show_error,
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Lost},
     },
     report::Study,
     system::{entries, unless_missing},
@@ -106,7 +106,6 @@ impl Analysis {
     /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
         self.asked = asked.clone();
-        self.dialog.forget();
         (self.error, self.order) = (None, None);
         let request = asked.clone();
         let work = BackgroundTask::stoppable(ctx, move || read(&request));
@@ -124,8 +123,8 @@ impl Analysis {
         std::path::absolute(path).ok().filter(|_| self.open.is_some() || self.task.is_some())
     }
 
-    /// Draws the page. `recent` are the paths that were opened recently.
-    pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> Step {
+    /// Draws the page; returns whether the user left it. `recent` are the paths that were opened recently.
+    pub fn show(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let escaped = escaped(ui) && ui.memory(|memory| memory.focused().is_none());
         self.take_files(ui.ctx());
         self.take_study();
@@ -145,7 +144,7 @@ impl Analysis {
                 false
             }
         };
-        Step::back_if(back || escaped)
+        back || escaped
     }
 
     fn take_files(&mut self, ctx: &egui::Context) {
@@ -160,11 +159,9 @@ impl Analysis {
     /// Takes the data if reading has finished.
     fn take_study(&mut self) {
         let Some(pending) = &self.reading else { return };
-        let read = match pending.work.poll() {
-            Progress::Running => return,
-            Progress::Done(read) => read,
-            Progress::Lost => Err("The files could not be read: reading ended unexpectedly".to_owned()),
-        };
+        let Some(read) = pending.work.poll() else { return };
+        let read =
+            read.unwrap_or_else(|Lost| Err("The files could not be read: reading ended unexpectedly".to_owned()));
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
         match read {
             Ok((files, Read::Task(read))) => {
@@ -211,12 +208,11 @@ impl Analysis {
             let files = files.clone();
             self.looking = Some(BackgroundTask::start(ctx, move || files.have_changed()));
         }
-        match self.looking.as_ref().map(BackgroundTask::poll) {
-            None | Some(Progress::Running) => return,
-            Some(Progress::Done(true)) => self.read(ctx, files.asked.clone(), true),
-            Some(Progress::Done(false) | Progress::Lost) => {}
-        }
+        let Some(have_changed) = self.looking.as_ref().and_then(BackgroundTask::poll) else { return };
         self.looking = None;
+        if matches!(have_changed, Ok(true)) {
+            self.read(ctx, files.asked.clone(), true);
+        }
     }
 
     /// Performs an action requested by the controls of the study.

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use eframe::egui::{self, CollapsingHeader, Key, ScrollArea, TextEdit};
+use eframe::egui::{self, CollapsingHeader, Key, ScrollArea};
 
 use crate::{
     analysis::{
@@ -23,19 +23,9 @@ const PAUSE_S: f64 = 0.4;
 
 /// What is excluded, drawn as checklists of the participants and of the levels of every factor.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Filters(Exclusions);
+pub struct Filters(pub Exclusions);
 
 impl Filters {
-    /// Returns what is excluded.
-    pub fn exclusions(&self) -> &Exclusions {
-        &self.0
-    }
-
-    /// Returns whether anything is excluded.
-    pub fn is_narrowed(&self) -> bool {
-        self.0 != Exclusions::default()
-    }
-
     /// Returns the number of participants who are left.
     pub fn people(&self, counts: &Counts) -> usize {
         counts.subjects.len() - self.0.exclude.len()
@@ -205,10 +195,8 @@ impl ModelControls {
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
-        let label = ui.label("Terms");
-        let width = ui.available_width();
-        let field = ui.add(TextEdit::singleline(&mut self.typed).hint_text(hint).desired_width(width));
-        let field = field.labelled_by(label.id).on_hover_text(
+        let field = Field::new("Terms").hint(&hint).width(ui.available_width()).text(ui, &mut self.typed);
+        let field = field.on_hover_text(
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );

@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 
 use crate::{
-    app::ui::{text::name, theme},
+    app::ui::{paragraph, text::name, theme},
     report::document::TextTable,
 };
 
@@ -34,7 +34,7 @@ impl TableView {
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
-            ui.add(Label::new(RichText::new(&self.table.caption).strong()).wrap());
+            paragraph(ui, RichText::new(&self.table.caption).strong());
             let copy = ui.small_button("Copy");
             name(ui, &copy, &format!("Copy the table: {}", self.table.caption));
             if copy.on_hover_text("Copies the table for a spreadsheet. Exported files have full precision.").clicked() {

@@ -5,20 +5,24 @@ use std::{
     time::{SystemTime, UNIX_EPOCH},
 };
 
-use eframe::egui;
-use egui_plot::{Corner, Legend, Line, Points};
+use eframe::egui::{self, Color32};
+use egui_plot::{Corner, Legend, Line, MarkerShape, Points};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER, series},
+    calibrate::{Findings, LABELS, Method, SLIDER},
     match_run::MatchRun,
 };
 use crate::{
-    app::ui::{Field, describe, note, paragraph, still_plot, table, theme},
+    app::ui::{
+        Field, describe, note, paragraph, still_plot, table,
+        theme::{self, Ink, color},
+    },
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
     },
     experiment::session_seed,
+    report::figures::palette::{GREEN, VERMILION},
     store::matches::{self, MatchFile},
     system::found,
 };
@@ -42,6 +46,7 @@ impl Method for ByEye {
 
     const BEGIN: &'static str = "Begin";
     const FORMAT: &'static str = "CSV written by this page.";
+    const GROUND: Color32 = theme::DARK_PAGE;
     const INTRODUCTION: &'static str = "This needs no photometer. If one of every four rows in a field is lit, the \
         field emits a quarter of the full light, whatever the screen's gamma. Adjust the square in the field until it \
         vanishes. Gamma is estimated from several such matches.";
@@ -91,6 +96,17 @@ impl Method for ByEye {
         let matching = Matching::new(&self.settings(channels), file.seed(), done)
             .map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(MatchRun::new(matching, file))
+    }
+}
+
+/// Returns the color and marker of a channel in plots.
+fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
+    match channel {
+        Channel::Red => (color(VERMILION), MarkerShape::Square),
+        Channel::Green => (color(GREEN), MarkerShape::Up),
+        // The second color is a blue in both themes.
+        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
+        Channel::Gray => (ink.text, MarkerShape::Circle),
     }
 }
 
@@ -144,7 +160,7 @@ impl Findings for MatchFindings {
         self.found().filter_map(ChannelGamma::warning).for_each(|warning| note(ui, warning));
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
+    fn details(&mut self, ui: &mut egui::Ui) {
         let ink = theme::ink(ui);
         let plot = still_plot(ui, "matching", ["code", "proportion of full light"]).height(260.0);
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {

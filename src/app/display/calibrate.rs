@@ -4,17 +4,14 @@
 use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
-use egui_plot::MarkerShape;
 
-use super::check::CheckPage;
+use super::{check::CheckPage, tool::Tool};
 use crate::{
     app::ui::{
-        Dialog, Field, FileKind, Saving, Step, hint, neutral_primary, paragraph, secondary, section, show_error,
-        theme::{Ink, color},
-        today, tool_page,
+        Dialog, Field, FileKind, Monitor, Saving, ScreenFields, Step, hint, neutral_primary, paragraph, secondary,
+        section, show_error, text, today, tool_page,
     },
     display::{Channel, DisplayProfile, Measurement, Viewing},
-    report::figures::palette::{GREEN, VERMILION},
     store::{StoreError, Writer, profile},
     system::found,
 };
@@ -39,6 +36,8 @@ pub trait Method {
     const FORMAT: &'static str;
     /// Label of the start button.
     const BEGIN: &'static str;
+    /// The background of a run.
+    const GROUND: Color32 = Color32::BLACK;
     /// Whether channels can be chosen.
     const HAS_CHANNELS: bool = true;
 
@@ -87,20 +86,17 @@ pub trait Findings: Sized {
     fn summary(&mut self, ui: &mut Ui);
 
     /// Draws plots and tables.
-    fn details(&self, ui: &mut Ui);
+    fn details(&mut self, ui: &mut Ui);
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
-    fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile>;
+    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
+        None
+    }
 
     /// Returns a description of the instrument, for the profile.
-    fn instrument(&self) -> String;
-}
-
-/// A profile that was written.
-pub struct SavedProfile {
-    pub path: PathBuf,
-    /// Whether it replaced an existing file.
-    pub replaced: bool,
+    fn instrument(&self) -> String {
+        "photometer".to_owned()
+    }
 }
 
 /// A file of measurements, and either the findings with the profile's form, or the errors.
@@ -142,46 +138,10 @@ impl<M: Method> Calibrate<M> {
         Self { known, method, name, path, channels, file, file_error, dialog, error, paused, run, found, check }
     }
 
-    /// Updates what is known about the screen.
-    pub fn update(&mut self, known: DisplayProfile) {
-        self.known = known;
-    }
-
-    /// Draws the current stage. `viewing` is `None` if the viewing distance or the screen's width is unknown.
-    pub fn show(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step<SavedProfile> {
-        if let Some(check) = &mut self.check {
-            if check.show(ui) == Step::Back {
-                self.check = None;
-                ui.ctx().request_repaint();
-            }
-            Step::Stay
-        } else if self.found.is_some() {
-            self.show_findings(ui)
-        } else if self.run.is_some() {
-            self.show_run(ui);
-            Step::Stay
-        } else {
-            self.set_up(ui, viewing).widen()
-        }
-    }
-
-    /// Returns whether a run fills the screen.
-    pub fn is_running(&self) -> bool {
-        self.run.is_some() && self.found.is_none() && self.check.is_none()
-    }
-
-    /// Pauses the run, if there is one.
-    pub fn pause(&mut self, ctx: &Context) {
-        if let Some(run) = self.run.take_if(|_| self.found.is_none()) {
-            let (done, all) = run.progress();
-            self.paused = Some((self.path.trim().into(), done, all));
-            full_screen(ctx, false);
-        }
-    }
-
-    fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> Step {
+    /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
+    fn set_up(&mut self, ui: &mut Ui, viewing: Option<&Viewing>) -> bool {
         let (mut begin, mut use_file) = (false, false);
-        let (back, ()) = tool_page(ui, M::TITLE, |ui| {
+        let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
             if Field::new("Name of the screen").column(LABELS).width(260.0).text(ui, &mut self.name).changed() {
@@ -227,7 +187,7 @@ impl<M: Method> Calibrate<M> {
                 Err(message) => self.error = Some(message),
             }
         }
-        Step::back_if(back)
+        back
     }
 
     fn channels(&self) -> Vec<Channel> {
@@ -296,10 +256,10 @@ impl<M: Method> Calibrate<M> {
         Ok((found, form))
     }
 
-    fn show_findings(&mut self, ui: &mut Ui) -> Step<SavedProfile> {
+    fn show_findings(&mut self, ui: &mut Ui) -> Step<PathBuf> {
         let Some((source, result)) = &mut self.found else { return Step::Stay };
         let (mut saved, mut again) = (None, Vec::new());
-        let (back, ()) = tool_page(ui, "Result", |ui| {
+        let back = tool_page(ui, "Result", |ui| {
             paragraph(ui, secondary(source.display().to_string()));
             match result {
                 Ok((found, form)) => {
@@ -315,7 +275,7 @@ impl<M: Method> Calibrate<M> {
                 }
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
-                    errors.lines().for_each(|line| show_error(ui, line));
+                    text::errors(ui, errors);
                     let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
                     let patches = if items.len() == 1 { "patch" } else { "patches" };
                     if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {
@@ -335,6 +295,42 @@ impl<M: Method> Calibrate<M> {
     }
 }
 
+impl<M: Method> Tool for Calibrate<M> {
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
+        if let Some(check) = &mut self.check {
+            if check.draw(ui) {
+                self.check = None;
+                ui.ctx().request_repaint();
+            }
+            Step::Stay
+        } else if self.found.is_some() {
+            self.show_findings(ui)
+        } else if self.run.is_some() {
+            self.show_run(ui);
+            Step::Stay
+        } else {
+            Step::back_if(self.set_up(ui, fields.viewing(monitor).ok().as_ref()))
+        }
+    }
+
+    fn ground(&self) -> Option<Color32> {
+        (self.run.is_some() && self.found.is_none() && self.check.is_none()).then_some(M::GROUND)
+    }
+
+    fn pause(&mut self, ctx: &Context) {
+        if let Some(run) = self.run.take_if(|_| self.found.is_none()) {
+            let (done, all) = run.progress();
+            self.paused = Some((self.path.trim().into(), done, all));
+            full_screen(ctx, false);
+        }
+    }
+
+    fn reopen(&mut self, known: &DisplayProfile) -> bool {
+        self.known = known.clone();
+        true
+    }
+}
+
 /// The form for the details of a profile to save: name, person, instrument and file.
 struct ProfileForm {
     name: String,
@@ -351,8 +347,8 @@ impl ProfileForm {
         Self { name: name.to_owned(), by, with, path, saving: Saving::default() }
     }
 
-    /// Draws the fields and the button; returns the profile once it is written.
-    fn show(&mut self, ui: &mut Ui, found: &DisplayProfile) -> Option<SavedProfile> {
+    /// Draws the fields and the button; returns the path of the profile once it is written.
+    fn show(&mut self, ui: &mut Ui, found: &DisplayProfile) -> Option<PathBuf> {
         section(ui, "Profile");
         for (label, value) in [
             ("Name of the screen", &mut self.name),
@@ -364,17 +360,16 @@ impl ProfileForm {
         }
         let usable = !self.path.trim().is_empty() && !self.name.trim().is_empty();
         let path = PathBuf::from(self.path.trim());
-        let mut saved = None;
         let caption = self.saving.caption("Save the profile", &path);
         if neutral_primary(ui, caption, usable, "The program then uses this profile.") {
             let writer = self.saving.writer(&path, &[]);
             match write(&writer, &path, &self.filled(found)) {
-                Ok(written) => saved = Some(written),
+                Ok(()) => return Some(path),
                 Err(error) => self.saving.finish(&path, Err(error)),
             }
         }
         self.saving.show(ui);
-        saved
+        None
     }
 
     /// Returns the profile with the details that the user typed.
@@ -386,28 +381,15 @@ impl ProfileForm {
 }
 
 /// Writes a profile, and creates its folder if necessary.
-fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<SavedProfile, StoreError> {
+fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), StoreError> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("toml")) {
         let what = "is not a valid profile name; expected a name that ends in .toml".to_owned();
         return Err(StoreError::Protected { path: path.to_owned(), what });
     }
-    let replaced = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         writer.make_folder(folder)?;
     }
-    profile::write(writer, path, profile)?;
-    Ok(SavedProfile { path: path.to_owned(), replaced })
-}
-
-/// Returns the color and marker of a channel in plots.
-pub fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
-    match channel {
-        Channel::Red => (color(VERMILION), MarkerShape::Square),
-        Channel::Green => (color(GREEN), MarkerShape::Up),
-        // The second color is a blue in both themes.
-        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
-        Channel::Gray => (ink.text, MarkerShape::Circle),
-    }
+    profile::write(writer, path, profile)
 }
 
 /// Returns the default file for the measurements of a screen.

@@ -1,10 +1,13 @@
 //! Checks a profile: it shows uniform squares in fields of rows that should have the same mean luminance. A visible
 //! border means that the profile is wrong.
 
+use std::path::PathBuf;
+
 use eframe::egui::{self, TextureHandle};
 
+use super::tool::Tool;
 use crate::{
-    app::ui::{Step, hint, paragraph, pixels, secondary, signed, tool_page},
+    app::ui::{Monitor, ScreenFields, Step, hint, paragraph, pixels, secondary, signed, tool_page},
     display::{
         Channel, DisplayProfile,
         matching::{CHECKED, Rows},
@@ -34,9 +37,10 @@ impl CheckPage {
         Self { profile, pairs: false, made: None }
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
+    /// Draws the page; returns whether the user left it.
+    pub fn draw(&mut self, ui: &mut egui::Ui) -> bool {
         self.make(ui.ctx());
-        let (back, ()) = tool_page(ui, "Check the gamma", |ui| {
+        tool_page(ui, "Check the gamma", |ui| {
             paragraph(
                 ui,
                 "Sit far enough away that the rows blend, or squint. If the profile is correct, the squares in the \
@@ -63,8 +67,7 @@ impl CheckPage {
                 }
                 ui.add_space(8.0);
             }
-        });
-        Step::back_if(back)
+        })
     }
 
     fn make(&mut self, ctx: &egui::Context) {
@@ -77,7 +80,7 @@ impl CheckPage {
                 let rows = Rows { lit, period, row_px };
                 let patch = rows.check_patch(&self.profile.transfers, channel, error);
                 let image = rows.picture(channel, patch, [FIELD_PX; 2], PATCH_PX);
-                let texture = pixels::texture_of(ctx, &format!("check {channel} {text}"), &image);
+                let texture = pixels::texture(ctx, &format!("check {channel} {text}"), &image);
                 (text, texture)
             };
             let right = CHECKED.map(|rows| field(format!("{} of {} rows", rows.0, rows.1), rows, 0.0));
@@ -86,6 +89,12 @@ impl CheckPage {
             (channel, right.into_iter().chain(wrong).collect())
         };
         self.made = Some((row_px, [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].map(fields)));
+    }
+}
+
+impl Tool for CheckPage {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+        Step::back_if(self.draw(ui))
     }
 }
 

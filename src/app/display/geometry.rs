@@ -1,8 +1,10 @@
 //! Size of the screen, viewing distance, and the resulting size of a degree.
 
+use std::path::PathBuf;
+
 use eframe::egui::{self, Stroke, TextEdit, Vec2};
 
-use super::card::CardHelper;
+use super::{card::CardHelper, tool::Tool};
 use crate::{
     app::ui::{
         Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
@@ -25,27 +27,6 @@ impl GeometryPage {
     /// Creates the page; `window_deg` is the planned stimulus size in degrees.
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg: window_deg.to_string(), reported_cm: None, card: None }
-    }
-
-    /// Draws the page. Width and distance are fields of the start page.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step {
-        let (back, ()) = tool_page(ui, "Size and distance", |ui| {
-            ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");
-            ui.add_space(8.0);
-            self.fields(ui, monitor, fields);
-            ui.add_space(12.0);
-            match fields.viewing(monitor) {
-                Ok(viewing) => {
-                    self.sentences(ui, &viewing);
-                    rulers(ui, &viewing);
-                }
-                Err(error) => show_error(ui, error.to_string()),
-            }
-        });
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
-            fields.screen_width_cm = width.to_string();
-        }
-        Step::back_if(back)
     }
 
     fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) {
@@ -113,6 +94,28 @@ impl GeometryPage {
                 ),
             );
         }
+    }
+}
+
+impl Tool for GeometryPage {
+    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf> {
+        let back = tool_page(ui, "Size and distance", |ui| {
+            ui.label("Visual angles are correct only if the screen's width and the viewing distance are correct.");
+            ui.add_space(8.0);
+            self.fields(ui, monitor, fields);
+            ui.add_space(12.0);
+            match fields.viewing(monitor) {
+                Ok(viewing) => {
+                    self.sentences(ui, &viewing);
+                    rulers(ui, &viewing);
+                }
+                Err(error) => show_error(ui, error.to_string()),
+            }
+        });
+        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
+            fields.screen_width_cm = width.to_string();
+        }
+        Step::back_if(back)
     }
 }
 

@@ -79,7 +79,7 @@ impl MatchRun {
         let side = width.min(height.saturating_sub(2 * below)).max(MIN_PX);
         if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
             let image = shown.picture(side, side / FIELD_PER_PATCH);
-            self.shown = Some((shown, side, pixels::texture_of(ui.ctx(), "matching", &image)));
+            self.shown = Some((shown, side, pixels::texture(ui.ctx(), "matching", &image)));
         }
         let Some((_, _, texture)) = &self.shown else { return };
         let area = ui.ctx().content_rect();

@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`tools`] | the profile in use and the list of tools |
+//! | [`tools`], [`tool`] | the profile in use and the list of tools; what tools have in common |
 //! | [`geometry`], [`card`] | size and distance; measuring with a bank card |
 //! | [`calibrate`] | the stages that both ways to measure light share |
 //! | [`photometer`], [`patch_run`] | calibration with a photometer: settings and findings; the patches |
@@ -23,6 +23,7 @@ mod photometer;
 mod sizes;
 mod steps;
 pub mod timing;
+mod tool;
 mod tools;
 
 pub use card::CardHelper;

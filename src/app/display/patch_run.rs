@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{
     self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2,
+    emath::GuiRounding as _,
     text::{CCursor, CCursorRange},
 };
 
 use crate::{
     app::{
         display::calibrate::Run,
-        ui::{Step, describe, number, theme::ink},
+        ui::{Step, describe, number, paragraph, theme::ink},
     },
     display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
     store::{FileErrors, StoreError, Writer, readings},
@@ -135,7 +136,7 @@ impl PatchRun {
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
         if let Some(message) = &self.message {
-            ui.add(egui::Label::new(RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7))).wrap());
+            paragraph(ui, RichText::new(message).small().color(ink(ui).warn.gamma_multiply(0.7)));
         }
         if accept {
             self.accept(at, remaining_s);
@@ -276,14 +277,9 @@ fn select_all(ctx: &egui::Context, text: &str) {
 
 /// Draws the patch in the middle of the screen, aligned to whole pixels.
 fn draw(ui: &mut egui::Ui, patch: &Patch, area: Rect, percent: u32) {
-    let scale = ui.ctx().pixels_per_point();
     let height = (area.height() * percent as f32 / 100.0).min(area.height() - 2.0 * LINE).max(16.0);
-    let whole = |value: f32| (value * scale).round() / scale;
     let middle = Rect::from_center_size(area.center(), Vec2::splat(height));
-    let rect = Rect::from_min_max(
-        egui::pos2(whole(middle.min.x), whole(middle.min.y)),
-        egui::pos2(whole(middle.max.x), whole(middle.max.y)),
-    );
+    let rect = middle.round_to_pixels(ui.ctx().pixels_per_point());
     let [red, green, blue] = patch.channel.rgb(patch.code);
     ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(red, green, blue));
     let name = format!("Patch {} {}", patch.channel, patch.code);

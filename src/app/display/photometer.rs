@@ -3,33 +3,30 @@
 use std::path::Path;
 
 use eframe::egui;
-use egui_plot::{Corner, Legend, Line, Plot, Points};
 
 use super::{
-    calibrate::{Findings, LABELS, Method, SLIDER, series},
+    calibrate::{Findings, LABELS, Method, SLIDER},
     patch_run::{PatchRun, PatchView},
 };
 use crate::{
-    app::ui::{Field, hint, note, number, signed, still_plot, table, theme},
+    app::{
+        analysis::TableView,
+        ui::{Field, figure::FigureView, note, number},
+    },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Family, FittedChannel, Patch, PatchSettings, Sum, largest, patches},
+        photometer::{Calibration, Family, Patch, PatchSettings, Sum, largest, patches},
     },
+    report::{calibration::tables, figures},
     store::readings,
 };
 
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
-/// Number of steps in a plotted curve.
-const STEPS: usize = 100;
-/// Width reserved for the numbers of a plot's vertical axis, points. It is the same in all plots, so that their
-/// horizontal axes line up.
-const AXIS_ROOM: f32 = 80.0;
 
 /// The settings of the method.
 pub struct Photometer {
-    levels: usize,
-    repeats: usize,
+    patches: PatchSettings,
     settle_s: String,
     percent: u32,
     gray_around: bool,
@@ -37,8 +34,7 @@ pub struct Photometer {
 
 impl Default for Photometer {
     fn default() -> Self {
-        let PatchSettings { levels, repeats, .. } = PatchSettings::default();
-        Self { levels, repeats, settle_s: "1".to_owned(), percent: 40, gray_around: false }
+        Self { patches: PatchSettings::default(), settle_s: "1".to_owned(), percent: 40, gray_around: false }
     }
 }
 
@@ -50,8 +46,7 @@ pub fn settling_s(typed: &str) -> Result<f64, String> {
 
 impl Photometer {
     fn patches(&self, channels: &[Channel]) -> Result<Vec<Patch>, String> {
-        let (levels, repeats) = (self.levels, self.repeats);
-        let settings = PatchSettings { channels: channels.to_vec(), levels, repeats, ..PatchSettings::default() };
+        let settings = PatchSettings { channels: channels.to_vec(), ..self.patches.clone() };
         patches(&settings).map_err(|error| format!("{error}."))
     }
 }
@@ -68,8 +63,8 @@ impl Method for Photometer {
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.levels, 5..=33, 1.0);
-        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.repeats, 1..=5, 1.0);
+        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
+        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
         Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
         let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
         height.slider(ui, &mut self.percent, 10..=80, 1.0);
@@ -98,6 +93,9 @@ pub struct PhotometerFindings {
     calibration: Calibration,
     /// The model that the user chose; `None` for the model that cross-validation prefers.
     family: Option<Family>,
+    /// The readings and the curves of that model.
+    figure: FigureView,
+    tables: [TableView; 2],
 }
 
 impl PhotometerFindings {
@@ -109,7 +107,10 @@ impl PhotometerFindings {
 impl Findings for PhotometerFindings {
     fn read(path: &Path) -> Result<Self, String> {
         let readings = readings::open(path).map_err(|errors| errors.to_string())?;
-        Ok(Self { calibration: Calibration::new(&readings), family: None })
+        let calibration = Calibration::new(&readings);
+        let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
+        let tables = tables(&calibration).map(TableView::new);
+        Ok(Self { calibration, family: None, figure, tables })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -133,26 +134,19 @@ impl Findings for PhotometerFindings {
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
+        let before = self.family();
         Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
             None => format!("automatic ({chosen})"),
             Some(family) => family.to_string(),
         });
+        if self.family() != before {
+            self.figure = FigureView::new(figures::calibration(&self.calibration, self.family()));
+        }
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
-        plots(ui, &self.calibration, self.family());
-        ui.add_space(8.0);
-        hint(ui, "Largest error: the largest difference between a reading and the model, in 8-bit codes and in cd/m².");
-        let models = &self.calibration.models;
-        let rows = models.iter().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
-        table(ui, "fits", ["model", "channel", "γ", "offset", "R²", "codes", "cd/m²"], rows);
-        ui.add_space(8.0);
-        hint(ui, "Root mean square error when each level is left out in turn (cross-validation).");
-        let rows = models.iter().map(|model| {
-            let found = &model.validation;
-            [model.family.to_string(), format!("{:.2}", found.rms_codes), format!("{:.3}", found.rms_cd_m2)]
-        });
-        table(ui, "validation", ["model", "codes", "cd/m²"], rows);
+    fn details(&mut self, ui: &mut egui::Ui) {
+        self.figure.show(ui);
+        self.tables.iter_mut().enumerate().for_each(|(id, table)| table.show(ui, id));
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
@@ -160,61 +154,4 @@ impl Findings for PhotometerFindings {
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
     }
-
-    fn instrument(&self) -> String {
-        "photometer".to_owned()
-    }
-}
-
-fn cells(family: Family, channel: &FittedChannel) -> [String; 7] {
-    let none = || "—".to_owned();
-    let gamma = match (channel.curve.gamma(), channel.gamma_se) {
-        (Some(gamma), Some(se)) => format!("{gamma:.3} ± {se:.3}"),
-        (Some(gamma), None) => format!("{gamma:.3}"),
-        _ => none(),
-    };
-    let offset = channel.curve.gain_and_offset();
-    [
-        family.to_string(),
-        channel.channel.to_string(),
-        gamma,
-        // Adding 0 turns −0 into 0.
-        offset.map_or_else(none, |(_, offset)| signed(&format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0))),
-        format!("{:.5}", channel.r_squared),
-        format!("{:.2}", channel.largest_codes),
-        format!("{:.3}", channel.largest_cd_m2),
-    ]
-}
-
-/// Creates a plot over encoded values, aligned with the other plots.
-fn plot<'a>(ui: &egui::Ui, height: f32, values: &'static str) -> Plot<'a> {
-    let plot = still_plot(ui, values, ["encoded value", values]).height(height);
-    plot.include_x(0.0).include_x(1.0).y_axis_min_width(AXIS_ROOM)
-}
-
-fn plots(ui: &mut egui::Ui, calibration: &Calibration, family: Family) {
-    let channels = &calibration.model(family).channels;
-    let read = |one: &FittedChannel| -> Vec<[f64; 2]> {
-        let own = calibration.readings.all().iter().filter(|reading| reading.channel == one.channel);
-        own.map(|reading| [reading.level, reading.luminance_cd_m2]).collect()
-    };
-    let ink = theme::ink(ui);
-    hint(ui, format!("Luminance: readings as points, {family} as lines."));
-    plot(ui, 260.0, "cd/m²").legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
-        for one in channels {
-            let ((color, marker), name) = (series(ink, one.channel), one.channel.name());
-            let curve = (0..=STEPS).map(|step| step as f64 / STEPS as f64).map(|v| [v, one.curve.cd_m2(v)]);
-            plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(2.0));
-            plot.points(Points::new(name, read(one)).shape(marker).radius(4.0).color(color));
-        }
-    });
-    hint(ui, "Residual of each reading, in 8-bit codes.");
-    plot(ui, 160.0, "codes").include_y(-1.0).include_y(1.0).show(ui, |plot| {
-        for one in channels {
-            let (color, marker) = series(ink, one.channel);
-            let errors: Vec<[f64; 2]> =
-                read(one).iter().map(|[level, cd_m2]| [*level, 255.0 * (one.curve.encoded(*cd_m2) - level)]).collect();
-            plot.points(Points::new(one.channel.name(), errors).shape(marker).radius(4.0).color(color));
-        }
-    });
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     app::ui::{Field, hint, note, success, table},
-    display::{Channel, DisplayProfile, Viewing, photometer::Patch},
+    display::{Channel, Viewing, photometer::Patch},
     store::readings,
 };
 
@@ -93,17 +93,9 @@ impl Findings for SizeFindings {
         }
     }
 
-    fn details(&self, ui: &mut egui::Ui) {
+    fn details(&mut self, ui: &mut egui::Ui) {
         hint(ui, "Height of the patch in percent of the screen's height, and the luminance of white.");
         let rows = PERCENTS.iter().zip(self.0);
         table(ui, "sizes", ["%", "cd/m²"], rows.map(|(percent, cd_m2)| [percent.to_string(), format!("{cd_m2:.1}")]));
-    }
-
-    fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {
-        None
-    }
-
-    fn instrument(&self) -> String {
-        "photometer".to_owned()
     }
 }

@@ -1,10 +1,14 @@
 //! Steps of equal brightness: the table and the wedge.
 
+use std::path::PathBuf;
+
 use eframe::egui::{self, TextureHandle};
 
-use super::calibrate::LABELS;
+use super::{calibrate::LABELS, tool::Tool};
 use crate::{
-    app::ui::{Field, Step as PageStep, hint, note, number, pixels, secondary, show_error, table, tool_page},
+    app::ui::{
+        Field, Monitor, ScreenFields, Step as PageStep, hint, note, number, pixels, say, show_error, table, tool_page,
+    },
     display::{
         DisplayProfile,
         profile::short,
@@ -25,7 +29,6 @@ pub struct StepsPage {
     number: String,
     i0: String,
     wedge: Option<(Vec<Step>, u32, TextureHandle)>,
-    copied: bool,
 }
 
 impl StepsPage {
@@ -34,11 +37,35 @@ impl StepsPage {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
         let i0 = format!("{:.6}", measured.unwrap_or(ASSUMED_I0));
         let i0 = i0.trim_end_matches('0').to_owned();
-        Self { profile, number: "12".to_owned(), i0, wedge: None, copied: false }
+        Self { profile, number: "12".to_owned(), i0, wedge: None }
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> PageStep {
-        let (back, ()) = tool_page(ui, "Steps of equal brightness", |ui| {
+    fn steps(&self) -> Result<Vec<Step>, String> {
+        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MAX_STEPS).contains(n));
+        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MAX_STEPS}.", self.number))?;
+        let i0 =
+            number(&self.i0).ok_or_else(|| format!("{:?} is not a number; expected one such as 0.005.", self.i0))?;
+        steps(&self.profile, i0, n).map_err(|error| format!("{error}."))
+    }
+
+    fn wedge(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
+        let room = (ui.available_width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
+        // All bars have the same whole number of pixels.
+        let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
+        let fresh = self.wedge.as_ref().is_none_or(|(shown, at, _)| shown != steps || *at != width);
+        if fresh {
+            let texture = pixels::texture(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
+            self.wedge = Some((steps.to_vec(), width, texture));
+        }
+        if let Some((_, _, texture)) = &self.wedge {
+            pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
+        }
+    }
+}
+
+impl Tool for StepsPage {
+    fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> PageStep<PathBuf> {
+        let back = tool_page(ui, "Steps of equal brightness", |ui| {
             ui.label("Equal steps of light look larger at dark levels than at bright levels; equal ratios look equal.");
             hint(ui, format!("{}.", self.profile.sentence()));
             ui.add_space(8.0);
@@ -58,7 +85,7 @@ impl StepsPage {
             match self.steps() {
                 Ok(steps) => {
                     self.wedge(ui, &steps);
-                    self.copy(ui, &steps);
+                    copy(ui, &steps);
                     rows(ui, &steps);
                 }
                 Err(message) => show_error(ui, message),
@@ -66,51 +93,23 @@ impl StepsPage {
         });
         PageStep::back_if(back)
     }
+}
 
-    fn steps(&self) -> Result<Vec<Step>, String> {
-        let n = self.number.trim().parse::<usize>().ok().filter(|n| (1..=MAX_STEPS).contains(n));
-        let n = n.ok_or_else(|| format!("{:?} is not a number of steps; expected 1 to {MAX_STEPS}.", self.number))?;
-        let i0 =
-            number(&self.i0).ok_or_else(|| format!("{:?} is not a number; expected one such as 0.005.", self.i0))?;
-        steps(&self.profile, i0, n).map_err(|error| format!("{error}."))
+fn copy(ui: &mut egui::Ui, steps: &[Step]) {
+    if ui.button("Copy as CSV").clicked() {
+        ui.ctx().copy_text(csv(steps));
+        say(ui.ctx(), "Copied the steps as CSV.");
     }
-
-    fn wedge(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
-        let room = (ui.available_width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
-        // All bars have the same whole number of pixels.
-        let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
-        let fresh = self.wedge.as_ref().is_none_or(|(shown, at, _)| shown != steps || *at != width);
-        if fresh {
-            let texture = pixels::texture_of(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
-            self.wedge = Some((steps.to_vec(), width, texture));
-            self.copied = false;
-        }
-        if let Some((_, _, texture)) = &self.wedge {
-            pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
-        }
-    }
-
-    fn copy(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Copy as CSV").clicked() {
-                ui.ctx().copy_text(csv(steps));
-                self.copied = true;
-            }
-            if self.copied {
-                ui.label(secondary("Copied."));
-            }
-        });
-        let lost = steps.iter().filter(|step| step.nearest != step.level).count();
-        let same = steps.windows(2).filter(|pair| pair[0].codes == pair[1].codes).count();
-        if lost + same > 0 {
-            note(
-                ui,
-                format!(
-                    "8 bits are too few for these steps. Steps with the same code as the preceding step: {same}. Steps \
-                        whose light is closer to another level: {lost}."
-                ),
-            );
-        }
+    let lost = steps.iter().filter(|step| step.nearest != step.level).count();
+    let same = steps.windows(2).filter(|pair| pair[0].codes == pair[1].codes).count();
+    if lost + same > 0 {
+        note(
+            ui,
+            format!(
+                "8 bits are too few for these steps. Steps with the same code as the preceding step: {same}. Steps \
+                    whose light is closer to another level: {lost}."
+            ),
+        );
     }
 }
 

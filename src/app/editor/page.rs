@@ -232,7 +232,6 @@ impl Editor {
                 ui.add(field).labelled_by(label).on_hover_text("The folder for the new file.");
                 dialog.browse(ui, FileKind::Folder, "Choose the folder…", folder);
             });
-            dialog.missing_error(ui);
         });
     }
 

@@ -8,7 +8,7 @@ use crate::{
         own_plot::OwnPlot,
         pixels::{self, Drawn},
         theme::{self, GAP},
-        work::{BackgroundTask, Progress},
+        work::{BackgroundTask, Lost},
     },
     experiment::{
         Course, Identity, Phase, Protocol, Schedule,
@@ -124,13 +124,9 @@ impl Pilot {
         }
         let since = self.of.as_ref().map_or(now, |(_, since)| *since);
         if let Some(running) = &self.running {
-            let result = match running.poll() {
-                Progress::Running => None,
-                Progress::Done(result) => Some(result),
-                Progress::Lost => Some(Err("it could not be computed".to_owned())),
-            };
-            if result.is_some() {
-                (self.plot, self.running, self.is_done) = (result, None, true);
+            if let Some(result) = running.poll() {
+                let plot = result.unwrap_or_else(|Lost| Err("it could not be computed".to_owned()));
+                (self.plot, self.running, self.is_done) = (Some(plot), None, true);
             }
         } else if now - since < SETTLED_S {
             // A session is not simulated for every key that is typed.

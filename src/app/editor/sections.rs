@@ -102,7 +102,6 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
             let beside = Path::new(&folder).strip_prefix(&form.draft().folder).unwrap_or(Path::new(&folder));
             form.type_value("stimulus.files", &beside.join("*.png").display().to_string(), Typed::Text);
         }
-        form.pictures.missing_error(ui);
     });
     let is_wrong = form.errors().iter().any(|error| error.key.starts_with("stimulus"));
     let protocol = form.protocol().filter(|_| !is_wrong);

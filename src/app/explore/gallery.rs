@@ -10,7 +10,7 @@ use crate::{
     app::{
         explore::prediction::{self, Mark, Prediction, ViewingPlace},
         ui::{
-            self, Bench, Field, History, Saving, Step,
+            self, Bench, Field, History, Saving,
             pixels::{self, Drawn},
             theme,
         },
@@ -199,7 +199,8 @@ impl Gallery {
         self.history = History::new(self.settings.clone());
     }
 
-    pub fn show(&mut self, ui: &mut Ui) -> Step {
+    /// Draws the page; returns whether the user left it.
+    pub fn show(&mut self, ui: &mut Ui) -> bool {
         // Escape first answers the question whether to replace a file.
         let escaped = ui::escaped(ui) && !self.saving.cancel();
         self.fit(ui);
@@ -212,7 +213,7 @@ impl Gallery {
         let bench = Bench { name: "Stimuli", width: CONTROLS, controls, export, view };
         let back = bench.show(ui, self);
         self.history.record(ui, &self.settings);
-        Step::back_if(back || escaped)
+        back || escaped
     }
 
     /// Draws the kinds to choose from, and the stimulus.
@@ -240,7 +241,7 @@ impl Gallery {
             return;
         }
         let quantizer = recipe.quantizer();
-        let texture = pixels::texture_of(ctx, "gallery", &recipe.codes(&quantizer));
+        let texture = pixels::texture(ctx, "gallery", &recipe.codes(&quantizer));
         let curves = Curves::new(&recipe, &quantizer);
         self.saving = Saving::default();
         self.shown = Some(Shown { recipe, texture, curves });

@@ -73,34 +73,28 @@ struct Predicted {
 /// The prediction for the displayed stimulus.
 pub struct Prediction {
     place: ViewingPlace,
-    line: Option<(Key, Result<Predicted, String>)>,
-    picture: Latest<Key, Predicted>,
+    predicted: Latest<Key, Predicted>,
 }
 
 impl Prediction {
     pub fn new(place: ViewingPlace) -> Self {
-        Self { place, line: None, picture: Latest::default() }
+        Self { place, predicted: Latest::default() }
     }
 
     /// Requests the prediction for the displayed stimulus.
     pub fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
         let (place, key) = (self.place, (stimulus.clone(), size));
         if !stimulus.is_line() {
-            self.picture.want(ctx, key.clone(), || move || place.predict(&key));
-        } else if self.line.as_ref().is_none_or(|(of, _)| *of != key) {
+            self.predicted.want(ctx, key.clone(), || move || place.predict(&key));
+        } else if self.predicted.get(&key).is_none() {
             let predicted = place.predict(&key);
-            self.line = Some((key, predicted));
+            self.predicted.put(key, predicted);
         }
-    }
-
-    fn get(&self, key: &Key) -> Option<&Result<Predicted, String>> {
-        let line = self.line.as_ref().filter(|(of, _)| of == key).map(|(_, predicted)| predicted);
-        line.or_else(|| self.picture.get(key))
     }
 
     /// Returns the bands along the line.
     pub fn marks(&self, stimulus: &Stimulus, size: u32) -> &[Mark] {
-        match self.get(&(stimulus.clone(), size)) {
+        match self.predicted.get(&(stimulus.clone(), size)) {
             Some(Ok(predicted)) => &predicted.marks,
             _ => &[],
         }
@@ -108,7 +102,7 @@ impl Prediction {
 
     /// Draws the numbers.
     pub fn show(&mut self, ui: &mut egui::Ui, stimulus: &Stimulus, size: u32) {
-        match self.get(&(stimulus.clone(), size)) {
+        match self.predicted.get(&(stimulus.clone(), size)) {
             Some(Ok(Predicted { visible, detection, .. })) => {
                 ui::paragraph(ui, sentence(visible));
                 ui::paragraph(

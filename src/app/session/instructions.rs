@@ -38,7 +38,7 @@ impl CategoryPictures {
             self.size = size;
             let drawn = |(i, (width, depth)): (usize, (f64, Depth))| {
                 let example = Stimulus::MachBand(MachBand { width, depth, orientation_deg: 0.0, ..band.clone() });
-                pixels::texture(ctx, &format!("category{i}"), &example, size, quantizer)
+                pixels::texture(ctx, &format!("category{i}"), &example.codes(size, quantizer))
             };
             self.textures = EXAMPLES.into_iter().enumerate().map(drawn).collect();
         }

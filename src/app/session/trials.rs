@@ -347,7 +347,7 @@ impl Trials {
                 continue;
             }
             let codes = stimulus.codes(self.size_px, &self.quantizer);
-            let texture = pixels::texture_of(ctx, "stimulus", &codes);
+            let texture = pixels::texture(ctx, "stimulus", &codes);
             // What participants set is recorded; of an adjustment, only its beginning is a picture of the trial.
             if self.session.shown().is_some_and(|shown| shown.stimuli.contains(&stimulus)) {
                 self.recording.picture(stimulus.clone(), codes);

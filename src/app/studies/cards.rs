@@ -32,7 +32,7 @@ impl Studies {
                 let texture = self.picture.get_or_insert_with(|| {
                     let stimulus = Stimulus::MachBand(MachBand::default());
                     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                    pixels::texture(ui.ctx(), "example", &stimulus, PICTURE_PX, &quantizer)
+                    pixels::texture(ui.ctx(), "example", &stimulus.codes(PICTURE_PX, &quantizer))
                 });
                 pixels::picture(ui, texture, "A dark area and a bright area with a linear ramp between them");
                 ui.vertical(|ui| {

@@ -82,7 +82,6 @@ impl Studies {
                 })
                 .inner
             });
-            self.experiment.missing_error(ui);
             ui.add_space(GAP);
             ui.horizontal(|ui| {
                 let ready = !path.trim().is_empty();
@@ -92,7 +91,6 @@ impl Studies {
             .inner
         });
         if done == Some(true) {
-            self.experiment.forget();
             self.choose_experiment(path.trim().to_owned());
         }
         (done.is_none() && !closed).then_some(path)

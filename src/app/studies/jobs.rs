@@ -17,7 +17,7 @@ use crate::{
     app::ui::{
         self,
         theme::{Icon, ink},
-        work::{BackgroundTask, Progress, Steps},
+        work::{BackgroundTask, Lost, Steps},
     },
     experiment::Protocol,
     work::{
@@ -170,11 +170,7 @@ impl Job {
         if !self.writes && self.state.stopped.load(Ordering::Relaxed) {
             return Some(Err("Stopped.".to_owned()));
         }
-        match self.work.poll() {
-            Progress::Running => None,
-            Progress::Done(result) => Some(result),
-            Progress::Lost => Some(Err("It ended without a result.".to_owned())),
-        }
+        Some(self.work.poll()?.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned())))
     }
 
     /// Returns what the user should know about the result.

@@ -89,7 +89,6 @@ impl RequestForm {
                     }
                 }
             });
-            self.dialog.missing_error(ui);
             let of_none = self.error.iter().filter(|error| error.field.is_none());
             of_none.for_each(|error| ui::show_error(ui, error.to_string()));
             ui.horizontal(|ui| {

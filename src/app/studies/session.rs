@@ -186,9 +186,6 @@ impl Studies {
         ui.add_space(GAP);
         ui.separator();
         ui.add_space(GAP);
-        for dialog in [&self.profile, &self.results] {
-            dialog.missing_error(ui);
-        }
         if let Some(error) = &self.error {
             error.lines().for_each(|line| ui::show_error(ui, line));
         }

@@ -30,7 +30,7 @@ pub struct Dialog {
 
 impl Dialog {
     /// Draws the button that opens the dialog; screen readers call it `name`. Stores the chosen path in `path`; returns
-    /// whether a path was chosen.
+    /// whether a path was chosen. If the dialog never opened, an error follows the button.
     pub fn browse(&mut self, ui: &mut egui::Ui, kind: FileKind, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
@@ -41,6 +41,7 @@ impl Dialog {
         if let Some(chosen) = &chosen {
             *path = chosen.display().to_string();
         }
+        self.missing_error(ui);
         chosen.is_some()
     }
 
@@ -68,11 +69,6 @@ impl Dialog {
         });
         self.open = Some((receive, Instant::now()));
         self.missing = opened.is_err();
-    }
-
-    /// Withdraws the error, because a file was opened in another way.
-    pub fn forget(&mut self) {
-        self.missing = false;
     }
 
     /// Shows an error if the last dialog never opened.

@@ -108,17 +108,16 @@ impl<'a> Field<'a> {
     }
 
     fn show_errors(self, ui: &mut Ui) {
-        let errors = |ui: &mut Ui| self.error.lines().for_each(|line| text::show_error(ui, line));
         if self.slot {
             // Two lines of a message fit, without the space that otherwise separates fields.
             let height = MESSAGE + 2.0 * SMALL_GAP;
             ui.allocate_ui(egui::vec2(ui.available_width(), height), |ui| {
                 ui.set_min_height(height);
-                errors(ui);
+                text::errors(ui, self.error);
             });
             ui.add_space(-ui.spacing().item_spacing.y);
         } else {
-            errors(ui);
+            text::errors(ui, self.error);
         }
     }
 

@@ -7,7 +7,7 @@ use eframe::egui::{
     epaint::text::{FontInsert, FontPriority, InsertFontFamily},
 };
 
-use super::work::{BackgroundTask, Progress};
+use super::work::BackgroundTask;
 use crate::system::fonts::{self, SystemFont};
 
 /// The fonts for the texts of a page. They are looked for on another thread, and only if a character needs them.
@@ -22,16 +22,11 @@ pub struct TextFonts {
 impl TextFonts {
     /// Looks for the fonts for these texts; returns the characters that no font has, once that is known.
     pub fn find<'t>(&mut self, ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> Option<BTreeSet<char>> {
-        if let Some((wanted, task)) = self.search.take() {
-            match task.poll() {
-                Progress::Running => {
-                    self.search = Some((wanted, task));
-                    return None;
-                }
-                Progress::Done(fonts) => fonts.into_iter().for_each(|font| install(ctx, font)),
-                Progress::Lost => {}
-            }
+        if let Some((wanted, task)) = &self.search {
+            let fonts = task.poll()?;
+            fonts.into_iter().flatten().for_each(|font| install(ctx, font));
             self.searched.extend(wanted);
+            self.search = None;
             // The new fonts are in use from the next frame on.
             ctx.request_repaint();
             return None;

@@ -11,8 +11,9 @@ const CODES: [f64; 4] = [70.0, 190.0, 18.0, 255.0];
 /// Standard deviation of a line, as a share of the width.
 const LINE: f64 = 0.045;
 
-/// Draws the logo with `side` pixels per side.
-fn image(side: usize) -> ColorImage {
+/// Draws the logo with `side` pixels per side; in gray beside a stimulus.
+fn image(side: usize, gray: bool) -> ColorImage {
+    let tint = if gray { [1.0; 3] } else { [1.0, 0.86, 0.22] };
     let color = |x: usize, y: usize| {
         let at = |pixel: usize| (pixel as f64 + 0.5) / side as f64;
         let [from, to] = RAMP;
@@ -20,12 +21,12 @@ fn image(side: usize) -> ColorImage {
         let line = |place: f64| (-((at(x) - place) / LINE).powi(2) / 2.0).exp();
         let ramp = dark + (bright - dark) * ((at(x) - from) / (to - from)).clamp(0.0, 1.0);
         let seen = ramp + (dark_line - dark) * line(from) + (bright_line - bright) * line(to);
-        let [seen, blue] = [seen, 0.22 * seen].map(|code| code.clamp(0.0, 255.0) as u8);
+        let [r, g, b] = tint.map(|share| (share * seen.clamp(0.0, 255.0)) as u8);
         // A square with round corners, whose edge is smooth.
         let corner = Vec2::new((at(x) - 0.5).abs() as f32, (at(y) - 0.5).abs() as f32) - Vec2::splat(0.3);
         let outside = corner.max(Vec2::ZERO).length() - 0.2;
         let alpha = (0.5 - outside * side as f32).clamp(0.0, 1.0);
-        Color32::from_rgba_unmultiplied(seen, (f32::from(seen) * 0.86) as u8, blue, (255.0 * alpha) as u8)
+        Color32::from_rgba_unmultiplied(r, g, b, (255.0 * alpha) as u8)
     };
     let pixels = (0..side * side).map(|index| color(index % side, index / side)).collect();
     ColorImage::new([side, side], pixels)
@@ -34,7 +35,7 @@ fn image(side: usize) -> ColorImage {
 /// Returns the icon of the window.
 pub fn icon() -> IconData {
     let side = 128;
-    let rgba = image(side).pixels.iter().flat_map(Color32::to_srgba_unmultiplied).collect();
+    let rgba = image(side, false).pixels.iter().flat_map(Color32::to_srgba_unmultiplied).collect();
     IconData { rgba, width: side as u32, height: side as u32 }
 }
 
@@ -43,13 +44,7 @@ pub fn logo(ui: &mut Ui, points: f32, gray: bool) {
     let side = (points * ui.ctx().pixels_per_point()).round().max(1.0) as usize;
     let id = egui::Id::unique(("logo", side, gray));
     let texture = ui.data(|data| data.get_temp::<egui::TextureHandle>(id)).unwrap_or_else(|| {
-        let mut image = image(side);
-        if gray {
-            let neutral =
-                |pixel: &Color32| Color32::from_rgba_premultiplied(pixel.r(), pixel.r(), pixel.r(), pixel.a());
-            image.pixels.iter_mut().for_each(|pixel| *pixel = neutral(pixel));
-        }
-        let texture = ui.ctx().load_texture("logo", image, TextureOptions::LINEAR);
+        let texture = ui.ctx().load_texture("logo", image(side, gray), TextureOptions::LINEAR);
         ui.data_mut(|data| data.insert_temp(id, texture.clone()));
         texture
     });

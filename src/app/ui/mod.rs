@@ -11,6 +11,7 @@
 //! | [`side_bar`], [`status`] | the places of the program; the line with its messages |
 //! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
+//! | [`figure`] | figures of the report |
 //! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
@@ -20,6 +21,7 @@
 pub mod blit;
 pub mod dialog;
 pub mod fields;
+pub mod figure;
 pub mod fonts;
 pub mod history;
 pub mod logo;

@@ -1,7 +1,5 @@
 //! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
-use std::convert::Infallible;
-
 use eframe::egui::{
     self, CentralPanel, Color32, Context, Event, Frame, Id, Key, LayerId, Modal, Panel, PointerState, Popup, RichText,
     ScrollArea, Ui, UiBuilder, Vec2,
@@ -13,9 +11,9 @@ use super::{
     theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
-/// Where a page leads after a frame. The step of a page that can only lead back is a plain `Step`.
+/// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step<T = Infallible> {
+pub enum Step<T> {
     /// Stay on this page.
     Stay,
     /// Go back to the previous page.
@@ -36,13 +34,6 @@ impl<T> Step<T> {
             Self::Back => Step::Back,
             Self::Next(value) => Step::Next(next(value)),
         }
-    }
-}
-
-impl Step {
-    /// Converts this to the step of a page that can also go on to a next page.
-    pub fn widen<U>(self) -> Step<U> {
-        self.map(|never| match never {})
     }
 }
 
@@ -98,14 +89,14 @@ fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 }
 
 /// Draws a page for one tool, with its name, a back button and its content. Returns whether the user left it, with the
-/// button or with Escape, and the result of `add`.
-pub fn tool_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> (bool, R) {
+/// button or with Escape.
+pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let escaped = escaped(ui);
     place_page(ui, |ui| {
         let back = heading(ui, name);
         ui.add_space(8.0);
-        let content = add(ui);
-        (back || escaped, content)
+        add(ui);
+        back || escaped
     })
 }
 

@@ -19,19 +19,8 @@ use crate::{
     stimulus::Stimulus,
 };
 
-/// Uploads a stimulus of `size` physical pixels.
-pub fn texture(
-    ctx: &egui::Context,
-    name: &str,
-    stimulus: &Stimulus,
-    size: u32,
-    quantizer: &Quantizer,
-) -> TextureHandle {
-    texture_of(ctx, name, &stimulus.codes(size, quantizer))
-}
-
 /// Uploads an image. The screen takes 8 bits; a 16-bit image becomes black.
-pub fn texture_of(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHandle {
+pub fn texture(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHandle {
     let size = [image.width as usize, image.height as usize];
     let pixels = match image.bytes() {
         Some(bytes) => ColorImage::from_rgb(size, bytes),
@@ -105,7 +94,7 @@ impl<K: Clone + PartialEq> Drawn<K> {
         if let Some(Ok(images)) = self.work.get(&key)
             && self.made.as_ref().is_none_or(|(of, _)| *of != key)
         {
-            let textures = images.iter().map(|image| texture_of(ctx, "drawn", image)).collect();
+            let textures = images.iter().map(|image| texture(ctx, "drawn", image)).collect();
             self.made = Some((key, textures));
         }
         self.made.as_ref()

@@ -25,15 +25,8 @@ pub struct BackgroundTask<T> {
     dropped: Arc<AtomicBool>,
 }
 
-/// The state of a computation.
-pub enum Progress<T> {
-    /// It is still running.
-    Running,
-    /// Its result, which is returned only once.
-    Done(T),
-    /// It ended without a result, because of an error in the program, not in the data.
-    Lost,
-}
+/// A computation ended without a result, because of an error in the program, not in the data.
+pub struct Lost;
 
 impl<T: Send + 'static> BackgroundTask<T> {
     /// Starts a computation on a separate thread. The window is drawn again when it ends.
@@ -68,11 +61,11 @@ impl<T: Send + 'static> BackgroundTask<T> {
         task
     }
 
-    pub fn poll(&self) -> Progress<T> {
+    /// Returns the result, which is returned only once; `None` while the computation is running.
+    pub fn poll(&self) -> Option<Result<T, Lost>> {
         match self.result.try_recv() {
-            Ok(result) => Progress::Done(result),
-            Err(TryRecvError::Empty) => Progress::Running,
-            Err(TryRecvError::Disconnected) => Progress::Lost,
+            Err(TryRecvError::Empty) => None,
+            result => Some(result.map_err(|_| Lost)),
         }
     }
 }
@@ -145,6 +138,11 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
         }
     }
 
+    /// Stores a result that was computed at once.
+    pub fn put(&mut self, key: K, result: Result<T, String>) {
+        (self.running, self.done) = (None, Some((key, result)));
+    }
+
     /// Returns the result for exactly this key, once it is available.
     pub fn get(&self, key: &K) -> Option<&Result<T, String>> {
         self.done.as_ref().filter(|(done, _)| done == key).map(|(_, result)| result)
@@ -158,9 +156,10 @@ impl<K: PartialEq, T: Send + 'static> Latest<K, T> {
     fn take(&mut self) {
         let Some((key, work)) = self.running.take() else { return };
         match work.poll() {
-            Progress::Running => self.running = Some((key, work)),
-            Progress::Done(result) => self.done = Some((key, result)),
-            Progress::Lost => self.done = Some((key, Err("it could not be computed".to_owned()))),
+            None => self.running = Some((key, work)),
+            Some(result) => {
+                self.done = Some((key, result.unwrap_or_else(|Lost| Err("it could not be computed".to_owned()))));
+            }
         }
     }
 }

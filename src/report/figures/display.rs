@@ -9,7 +9,7 @@ use super::{
 use crate::display::{
     Channel,
     frames::Refresh,
-    photometer::{Calibration, FittedChannel},
+    photometer::{Calibration, Family, FittedChannel, FittedModel},
 };
 
 /// Number of line segments in a curve.
@@ -19,18 +19,17 @@ const HEIGHTS: (f64, f64) = (400.0, 230.0);
 /// Minimum range of the lower panel, in 8-bit codes.
 const MIN_CODES: f64 = 1.0;
 
-/// Draws `calibration`: readings, curves and residuals.
+/// Draws `calibration`: readings, and the curves and residuals of a model.
 #[must_use]
-pub fn calibration(calibration: &Calibration) -> Figure {
-    let model = calibration.model(calibration.chosen);
+pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
+    let model = calibration.model(family);
     let caption = format!(
-        "Top: luminance by encoded value, with {} readings as markers and the chosen model ({}) as lines. Bottom: the \
+        "Top: luminance by encoded value, with {} readings as markers and the chosen model ({family}) as lines. Bottom: the \
          distance of each reading from its line, in 8-bit codes.",
         calibration.readings.all().len(),
-        calibration.chosen,
     );
     let light = Values::from_zero(calibration.readings.largest_cd_m2());
-    let reach = residuals(calibration).map(|(_, _, codes)| codes.abs()).fold(MIN_CODES, f64::max) * 1.1;
+    let reach = residuals(calibration, model).map(|(_, _, codes)| codes.abs()).fold(MIN_CODES, f64::max) * 1.1;
     let codes = Values::between(-reach, reach);
     let (left, right) = (light.margin().max(codes.margin()), WIDTH - EDGE - TEXT);
     let legend = EDGE + 0.6 * TEXT;
@@ -55,15 +54,17 @@ pub fn calibration(calibration: &Calibration) -> Figure {
         for one in calibration.readings.all() {
             svg.marker((upper.x(one.level), upper.y(one.luminance_cd_m2)), 0.7 * MARKER, series(one.channel));
         }
-        for (channel, level, codes) in residuals(calibration) {
+        for (channel, level, codes) in residuals(calibration, model) {
             svg.marker((lower.x(level), lower.y(codes)), 0.7 * MARKER, series(channel));
         }
     })
 }
 
 /// Returns the channel and the level of every reading, and its distance from the curve in 8-bit codes.
-fn residuals(calibration: &Calibration) -> impl Iterator<Item = (Channel, f64, f64)> + '_ {
-    let model = calibration.model(calibration.chosen);
+fn residuals<'a>(
+    calibration: &'a Calibration,
+    model: &'a FittedModel,
+) -> impl Iterator<Item = (Channel, f64, f64)> + 'a {
     calibration.readings.all().iter().filter_map(move |one| {
         let fitted = model.channels.iter().find(|fitted| fitted.channel == one.channel)?;
         Some((one.channel, one.level, 255.0 * (fitted.curve.encoded(one.luminance_cd_m2) - one.level)))

@@ -2,7 +2,9 @@
 
 use std::{sync::mpsc::Sender, time::Duration};
 
-use eframe::egui::{CentralPanel, Color32, CursorIcon, Frame, Key, Pos2, Rect, TextureHandle, Ui, Vec2};
+use eframe::egui::{
+    CentralPanel, Color32, CursorIcon, Frame, Key, Rect, TextureHandle, Ui, Vec2, emath::GuiRounding as _,
+};
 
 use super::report::TimingReport;
 use crate::{
@@ -125,7 +127,7 @@ impl TimingRun {
         let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
         if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
             // As in a session, the texture is created while the field is shown.
-            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial), STIMULUS_PX, &self.quantizer);
+            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial).codes(STIMULUS_PX, &self.quantizer));
             self.picture = Some((trial, texture));
         }
         let shown = self.frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;
@@ -150,12 +152,11 @@ fn draw_patch(ui: &mut Ui, patch: Patch, frame: u32) {
         let scale = ui.ctx().pixels_per_point();
         let side = Vec2::splat(patch.size_px as f32 / scale);
         let area = ui.ctx().content_rect();
-        let whole = |points: f32| (points * scale).round() / scale;
         let corner = match patch.place {
             Place::Corner => area.min + Vec2::splat(MARGIN_PX / scale),
             Place::Center => area.center() - side / 2.0,
         };
-        let rect = Rect::from_min_size(Pos2::new(whole(corner.x), whole(corner.y)), side);
+        let rect = Rect::from_min_size(corner.round_to_pixels(scale), side);
         let color = if frame.is_multiple_of(2) { Color32::WHITE } else { Color32::BLACK };
         ui.painter().rect_filled(rect, 0.0, color);
     });

@@ -1,16 +1,21 @@
 //! The timing tool: settings, a table, and a plot of the frame intervals.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use eframe::egui::{self, Color32, Key, RichText, ViewportCommand};
-use egui_plot::{HLine, Points};
 
 use super::{
     report::TimingReport,
     run::{FLICKER_WARNING, Patch, Place, Scene, TimingPlan, TimingRun},
 };
 use crate::{
-    app::ui::{Field, Monitor, Saving, Step, neutral_primary, paragraph, secondary, still_plot, theme::ink, tool_page},
+    app::{
+        display::tool::Tool,
+        ui::{
+            Field, Monitor, Saving, ScreenFields, Step, figure::FigureView, neutral_primary, paragraph, secondary,
+            theme::ink, tool_page,
+        },
+    },
     report::figures,
     store::{StoreError, Writer},
 };
@@ -23,7 +28,7 @@ const SIZES: [u32; 4] = [48, 96, 192, 384];
 pub struct TimingTool {
     plan: TimingPlan,
     run: Option<TimingRun>,
-    report: Option<TimingReport>,
+    found: Option<(TimingReport, FigureView)>,
     out: String,
     saving: Saving,
 }
@@ -31,48 +36,11 @@ pub struct TimingTool {
 impl Default for TimingTool {
     fn default() -> Self {
         let plan = TimingPlan { scene: Scene::Trial, frames: 600, patch: Patch::default() };
-        Self { plan, run: None, report: None, out: "timing.csv".to_owned(), saving: Saving::default() }
+        Self { plan, run: None, found: None, out: "timing.csv".to_owned(), saving: Saving::default() }
     }
 }
 
 impl TimingTool {
-    /// Draws the running measurement, or otherwise the settings and the findings.
-    pub fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor) -> Step {
-        if let Some(run) = &mut self.run {
-            let report = run.show(ui, monitor);
-            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
-                self.report = report.or(self.report.take());
-                self.stop(ui.ctx());
-            }
-            return Step::Stay;
-        }
-        let (back, ()) = tool_page(ui, "Timing", |ui| {
-            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
-            ui.add_space(8.0);
-            self.settings(ui);
-            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.saving = Saving::default();
-                self.run = Some(TimingRun::new(self.plan));
-                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
-                ui.ctx().request_repaint();
-            }
-            ui.add_space(12.0);
-            self.found(ui);
-        });
-        Step::back_if(back)
-    }
-
-    /// Stops the measurement without a report.
-    pub fn stop(&mut self, ctx: &egui::Context) {
-        self.run = None;
-        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
-    }
-
-    /// Returns the background color while frames are measured; `None` for the color of a page.
-    pub fn ground(&self) -> Option<Color32> {
-        self.run.as_ref().map(TimingRun::ground)
-    }
-
     fn settings(&mut self, ui: &mut egui::Ui) {
         let TimingPlan { scene, frames, patch } = &mut self.plan;
         Field::new("Show").radio(
@@ -90,8 +58,8 @@ impl TimingTool {
         ui.add_space(4.0);
     }
 
-    fn found(&mut self, ui: &mut egui::Ui) {
-        let Some(report) = &self.report else { return };
+    fn show_found(&mut self, ui: &mut egui::Ui) {
+        let Some((report, figure)) = &mut self.found else { return };
         let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
         paragraph(ui, RichText::new(report.verdict()).strong().color(color));
         ui.add_space(4.0);
@@ -103,7 +71,7 @@ impl TimingTool {
             }
         });
         ui.add_space(8.0);
-        plot(ui, report);
+        figure.show(ui);
         Field::new("Export to").show(ui, |ui, label| {
             ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
             let path = Path::new(self.out.trim());
@@ -115,23 +83,49 @@ impl TimingTool {
     }
 }
 
+impl Tool for TimingTool {
+    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+        if let Some(run) = &mut self.run {
+            let report = run.show(ui, monitor);
+            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
+                let drawn = |report: TimingReport| {
+                    let figure = figures::intervals(report.intervals_us(), report.refresh);
+                    (report, FigureView::new(figure))
+                };
+                self.found = report.map(drawn).or(self.found.take());
+                self.pause(ui.ctx());
+            }
+            return Step::Stay;
+        }
+        Step::back_if(tool_page(ui, "Timing", |ui| {
+            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
+            ui.add_space(8.0);
+            self.settings(ui);
+            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
+                self.saving = Saving::default();
+                self.run = Some(TimingRun::new(self.plan));
+                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                ui.ctx().request_repaint();
+            }
+            ui.add_space(12.0);
+            self.show_found(ui);
+        }))
+    }
+
+    fn pause(&mut self, ctx: &egui::Context) {
+        self.run = None;
+        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+    }
+
+    fn ground(&self) -> Option<Color32> {
+        self.run.as_ref().map(TimingRun::ground)
+    }
+}
+
 /// Writes the intervals as CSV and their plot as SVG; returns a message for the user.
 fn export(writer: &Writer, report: &TimingReport, path: &Path) -> Result<String, StoreError> {
     let plot = path.with_extension("svg");
     let svg = figures::intervals(report.intervals_us(), report.refresh).svg;
     writer.write_all(&[(path.to_owned(), report.csv().into_bytes()), (plot.clone(), svg.into_bytes())])?;
     Ok(format!("Wrote {} and {}.", path.display(), plot.display()))
-}
-
-fn plot(ui: &mut egui::Ui, report: &TimingReport) {
-    let ink = ink(ui);
-    let points: Vec<[f64; 2]> =
-        (1..).zip(report.intervals_us()).map(|(frame, us)| [f64::from(frame), f64::from(*us) * 1e-3]).collect();
-    let plot = still_plot(ui, "intervals", ["frame", "interval, ms"]).height(220.0).include_y(0.0);
-    plot.show(ui, |plot| {
-        if let Some(refresh) = report.refresh {
-            plot.hline(HLine::new("refresh", refresh.seconds() * 1e3).color(ink.dim));
-        }
-        plot.points(Points::new("interval", points).radius(1.5).color(ink.series[1]));
-    });
 }

@@ -28,12 +28,10 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 /// The measurements of both sides.
 pub struct Measured {
     /// The cells of the table for each side.
-    cells: [Vec<String>; 2],
+    pub cells: [Vec<String>; 2],
     pub maps: [CodeImage; 2],
     /// The value with the last color of the maps.
     pub full_scale: f64,
-    /// The largest value of each side.
-    pub largest: [f64; 2],
 }
 
 /// A function that measures a comparison of this surface at this size in pixels.
@@ -49,11 +47,17 @@ pub struct Measurement {
 impl Measurement {
     /// Starts to measure the images with `measure`, unless that is done or in progress.
     pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
-        self.latest.want(ctx, pictures.edition, || {
+        let edition = pictures.edition;
+        self.latest.want(ctx, edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
             let size = [pictures.frame.width, pictures.frame.height];
             move || measure(&compared, &surface, size)
         });
+        if let Some(Ok(measured)) = self.latest.get(&edition)
+            && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
+        {
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
+        }
     }
 
     /// Returns the measurement of this version of the images, if available.
@@ -62,12 +66,8 @@ impl Measurement {
     }
 
     /// Returns the maps as textures, if available.
-    pub fn textures(&mut self, ctx: &egui::Context, edition: u64) -> Option<&[TextureHandle; 2]> {
-        let Some(Ok(measured)) = self.latest.get(&edition) else { return None };
-        if self.textures.as_ref().is_none_or(|(of, _)| *of != edition) {
-            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture_of(ctx, "map", map))));
-        }
-        self.textures.as_ref().map(|(_, textures)| textures)
+    pub fn textures(&self, edition: u64) -> Option<&[TextureHandle; 2]> {
+        self.textures.as_ref().filter(|(of, _)| *of == edition).map(|(_, textures)| textures)
     }
 
     /// Says why there is no result; `None` if there is one.
@@ -107,12 +107,7 @@ pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 
         let shown = |slope: f64| if slope < 1e-6 { "0".to_owned() } else { format!("{slope:.2e}") };
         vec![shown(creases.rms), shown(creases.p95), over]
     };
-    Ok(Measured {
-        cells: sides.each_ref().map(cells),
-        maps: sides.each_ref().map(map),
-        full_scale: gouraud.p95,
-        largest: sides.each_ref().map(|creases| creases.max),
-    })
+    Ok(Measured { cells: sides.each_ref().map(cells), maps: sides.each_ref().map(map), full_scale: gouraud.p95 })
 }
 
 /// The color of a map beside the mesh, encoded.
@@ -154,7 +149,7 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
         let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
         vec![format!("{:.1}", side.largest), over.unwrap_or_else(|| "—".to_owned())]
     });
-    Ok(Measured { cells, maps, full_scale, largest: sides.each_ref().map(|side| side.largest) })
+    Ok(Measured { cells, maps, full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.

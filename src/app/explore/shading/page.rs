@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Step, escaped, folded, hint,
+        Bench, Dialog, Field, FileKind, History, escaped, folded, hint,
         pixels::Canvas,
         say, secondary, text,
         theme::{self, BODY, SECTION, ink},
@@ -86,13 +86,14 @@ impl ShadingPage {
         found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Step {
+    /// Draws the page; returns whether the user left it.
+    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
         let back = Bench { name: "Shading", width, controls, export, view }.show(ui, self);
         self.history.record(ui, &self.compared);
-        Step::back_if(back || escaped)
+        back || escaped
     }
 
     /// Draws the view; in one column, it has a height of its own.
@@ -143,7 +144,7 @@ impl ShadingPage {
             self.file.error = None;
         }
         let mut open = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             open |= ui.button("Open the file").clicked();
             open |= self.file.dialog.browse(ui, FileKind::Mesh, "Choose a mesh…", &mut self.file.path);
         });
@@ -154,7 +155,6 @@ impl ShadingPage {
         if open {
             self.load(ui.ctx(), MeshChoice::File(self.file.path.trim().to_owned()));
         }
-        self.file.dialog.missing_error(ui);
         // The error has the same room before there is one.
         text::two_lines(ui, self.file.error.as_deref().unwrap_or_default(), ink(ui).bad, 2);
     }
@@ -167,7 +167,6 @@ impl ShadingPage {
                     say(ctx, note);
                 }
                 self.compared.mesh = choice.clone();
-                self.file.dialog.forget();
                 self.surface = Some((choice, Arc::new(Surface::new(mesh))));
                 None
             }
@@ -350,13 +349,9 @@ impl ShadingPage {
         }
     }
 
-    fn draw(&mut self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
+    fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
         let Some(pictures) = &self.pictures else { return };
-        let maps = match self.settings.layer {
-            Layer::Split | Layer::Difference => None,
-            Layer::Creases => self.creases.textures(ui.ctx(), pictures.edition),
-            Layer::Visible => self.visible.textures(ui.ctx(), pictures.edition),
-        };
+        let maps = self.mapped().and_then(|measurement| measurement.textures(pictures.edition));
         let textures = match (self.settings.layer, &self.difference, maps) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
@@ -417,8 +412,11 @@ impl ShadingPage {
             let status = self.visible.status(pictures.edition).unwrap_or_default();
             return format!("Difference from the smooth surface: {status}");
         };
-        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
-        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
+        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.cells.each_ref());
+        format!(
+            "{a} differs from the smooth surface by {} times what people can just see; {b} by {}.",
+            left[0], right[0]
+        )
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.

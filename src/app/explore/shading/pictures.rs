@@ -108,7 +108,7 @@ impl Difference {
         let [left, right] = &pictures.sides;
         let codes =
             combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(factor));
-        let texture = pixels::texture_of(ctx, "difference", &codes);
+        let texture = pixels::texture(ctx, "difference", &codes);
         Difference { edition: pictures.edition, factor, codes, texture }
     }
 }

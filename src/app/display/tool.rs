@@ -1,0 +1,30 @@
+//! What the tools of the Display pages have in common.
+
+use std::path::PathBuf;
+
+use eframe::egui::{Color32, Context, Ui};
+
+use crate::{
+    app::ui::{Monitor, ScreenFields, Step},
+    display::DisplayProfile,
+};
+
+/// A page that measures or checks the screen.
+pub trait Tool {
+    /// Draws the page. `fields` are the start page's fields about the screen, which can also be set here. `Next` leaves
+    /// the page with the path of a profile that was written.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor, fields: &mut ScreenFields) -> Step<PathBuf>;
+
+    /// Returns the background color while the screen is measured, which then shows nothing else; `None` for a page.
+    fn ground(&self) -> Option<Color32> {
+        None
+    }
+
+    /// Pauses the measurement; that of frames ends.
+    fn pause(&mut self, _: &Context) {}
+
+    /// Updates what is known about the screen when the page is opened again; returns false for a page that begins anew.
+    fn reopen(&mut self, _: &DisplayProfile) -> bool {
+        false
+    }
+}

@@ -1,0 +1,147 @@
+//! Shows a figure of the report, drawn at the size in pixels that it occupies.
+
+use std::{path::PathBuf, sync::Arc};
+
+use eframe::egui::{
+    self, Color32, ColorImage, Popup, PopupCloseBehavior, Pos2, Rect, RichText, Sense, TextureHandle, Vec2,
+};
+
+use super::{
+    fields::Field,
+    pixels::{Canvas, draw_centered},
+    saving::Saving,
+    text::{describe, hint, name, paragraph, show_error},
+    theme,
+    work::Latest,
+};
+use crate::report::{
+    figures::{Figure, Plotted, palette},
+    png,
+};
+
+/// Width of the controls that save a figure, points.
+const SAVING: f32 = 440.0;
+/// How far from its marker a value is told, in units of a figure, which is 800 wide.
+const NEAR: f32 = 8.0;
+/// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
+const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
+
+/// A figure and its pixels.
+pub struct FigureView {
+    figure: Figure,
+    /// By the width in pixels, and whether the theme is dark.
+    drawn: Latest<(u32, bool), Arc<ColorImage>>,
+    canvas: Canvas,
+    /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
+    shown: Option<(Option<(u32, bool)>, TextureHandle)>,
+    /// The path to save it to, and the outcome.
+    saving: (String, Saving),
+}
+
+impl FigureView {
+    /// Creates a figure that has not been drawn yet.
+    pub fn new(figure: Figure) -> Self {
+        let saving = (format!("{}.svg", figure.name), Saving::default());
+        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving }
+    }
+
+    /// Shows the image of the previous figure until this one is drawn.
+    pub fn replace(&mut self, earlier: Self) -> Option<Self> {
+        if earlier.figure.name != self.figure.name {
+            return Some(earlier);
+        }
+        self.canvas = earlier.canvas;
+        self.saving = earlier.saving;
+        self.shown = earlier.shown.map(|(_, texture)| (None, texture));
+        None
+    }
+
+    /// Returns whether the figure is made for the full width of a page.
+    pub fn is_wide(&self) -> bool {
+        self.figure.wide
+    }
+
+    /// Draws the figure with its title and caption.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        ui.add_space(6.0);
+        let width = ui.available_width().min(MAX_WIDTHS[usize::from(self.figure.wide)]);
+        let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
+        let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+        describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
+        if ui.is_rect_visible(rect) {
+            self.draw(ui, rect);
+        }
+        if let Some(text) = response.hover_pos().and_then(|at| self.value_at((at - rect.min) * 800.0 / width)) {
+            response.on_hover_text_at_pointer(text);
+        }
+        ui.horizontal_wrapped(|ui| {
+            paragraph(ui, RichText::new(&self.figure.title).strong());
+            let save = ui.small_button("Save…");
+            name(ui, &save, &format!("Save the figure: {}", self.figure.title));
+            let save = save.on_hover_text("Saves this figure alone, as SVG or PNG.");
+            let popup = Popup::from_toggle_button_response(&save).width(SAVING);
+            popup.close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| self.save(ui));
+        });
+        hint(ui, &self.figure.caption);
+    }
+
+    /// Returns the value nearest to a place in the figure, if one is there.
+    fn value_at(&self, at: Vec2) -> Option<&str> {
+        let distances = self.figure.values.iter().filter_map(|Plotted { center, half, text }| {
+            let away = (at - Vec2::new(center.0 as f32, center.1 as f32)).abs();
+            let near = Vec2::new(half.0 as f32, half.1 as f32) + Vec2::splat(NEAR);
+            (away.x <= near.x && away.y <= near.y).then(|| (away.length(), text.as_str()))
+        });
+        distances.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
+    }
+
+    /// Draws the controls that save the figure. Its ending chooses the format.
+    fn save(&mut self, ui: &mut egui::Ui) {
+        let (typed, saving) = &mut self.saving;
+        ui.horizontal_wrapped(|ui| {
+            let field = Field::new("Save the figure as").width(240.0).text(ui, typed);
+            if field.on_hover_text("End the name in .svg or .png, which chooses the format.").changed() {
+                *saving = Saving::default();
+            }
+            let path = PathBuf::from(typed.trim());
+            saving.export(ui, "Save", &path, &["svg", "png"], |writer, ending| match ending {
+                "svg" => writer.write(&path, self.figure.svg.as_bytes()),
+                _ => writer.write(&path, &png(&self.figure, &path)?),
+            });
+        });
+        saving.show(ui);
+    }
+
+    fn draw(&mut self, ui: &mut egui::Ui, rect: Rect) {
+        let px = (rect.width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
+        let dark = ui.visuals().dark_mode;
+        let (figure, key) = (&self.figure, (px, dark));
+        self.drawn.want(ui.ctx(), key, || {
+            let mut figure = figure.clone();
+            move || {
+                if dark {
+                    figure.svg = palette::on_dark(&figure.svg);
+                }
+                let pixels = figure.pixels(px).map_err(|error| error.to_string())?;
+                let size = [pixels.width as usize, pixels.height as usize];
+                Ok(Arc::new(ColorImage::from_rgb(size, &pixels.rgb)))
+            }
+        });
+        match self.drawn.get(&key) {
+            Some(Ok(image)) if self.shown.as_ref().is_none_or(|(made, _)| *made != Some(key)) => {
+                let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
+                self.shown = Some((Some(key), texture));
+            }
+            Some(Err(error)) => show_error(ui, error),
+            _ => {}
+        }
+        match &self.shown {
+            Some((Some(shown), texture)) if *shown == key => draw_centered(ui, texture, rect),
+            Some((_, texture)) => {
+                let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+                ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+            }
+            None => _ = ui.painter().rect_filled(rect, 0.0, theme::ink(ui).card),
+        }
+    }
+}
