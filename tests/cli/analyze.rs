@@ -7,7 +7,9 @@ use std::{
     process::Command,
 };
 
-use crate::common::{change_rating, fails, json, machband, session_csv, skip, split, succeeds, table, text};
+use crate::common::{
+    change_rating, fails, json, machband, number, records, session_csv, skip, split, succeeds, table, text,
+};
 
 /// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -31,17 +33,13 @@ fn analyze_writes_every_documented_file() {
 
     // Means computed directly from the rows.
     let mut sums: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
-    for entry in fs::read_dir(folder.path().join("results/bangay2003/data")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "csv") {
-            let (header, rows) = table(&path);
-            let column = |name: &str| header.iter().position(|known| known == name).unwrap();
-            for row in rows.iter().filter(|row| row[column("phase")] == "main") {
-                let levels = ["width", "depth", "orientation_deg"].map(|name| row[column(name)].clone());
-                let sum = sums.entry(levels.to_vec()).or_default();
-                sum.0 += row[column("rating")].parse::<f64>().unwrap();
-                sum.1 += 1.0;
-            }
+    let results = folder.path().join("results");
+    for csv in ["S001", "S002", "S003", "S004"].map(|subject| session_csv(&results, "bangay2003", subject)) {
+        for row in records(&csv).iter().filter(|row| row["phase"] == "main") {
+            let levels = ["width", "depth", "orientation_deg"].map(|name| row[name].clone());
+            let sum = sums.entry(levels.to_vec()).or_default();
+            sum.0 += number::<f64>(row, "rating");
+            sum.1 += 1.0;
         }
     }
     for row in &cells {
@@ -69,17 +67,16 @@ fn analyze_writes_every_documented_file() {
         assert!(row[5].is_empty() && known["p"].is_null(), "z is not normal with 4 participants");
     }
     assert_eq!(coefficients.len(), length("coefficients"));
-    let (header, tests) = table(&out.join("tests.csv"));
-    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
-    let compared = tests.iter().filter(|row| row[0] == "comparison");
+    let tests = records(&out.join("tests.csv"));
+    let compared = tests.iter().filter(|row| row["test"] == "comparison");
     for (row, known) in compared.zip(model["comparisons"].as_array().unwrap()) {
-        let told = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        let told = |name: &str| number::<f64>(row, name);
         let [estimate, se] = ["estimate", "se"].map(|name| known[name].as_f64().unwrap());
-        assert!(told("effect") == estimate && told("se") == se && row[column("df")].is_empty(), "{row:?}");
+        assert!(told("effect") == estimate && told("se") == se && row["df"].is_empty(), "{row:?}");
         assert!(told("ci_low") < estimate && estimate < told("ci_high"), "{row:?}");
     }
-    for kind in ["friedman", "likelihood-ratio", "proportional-odds"] {
-        assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
+    for expected in ["friedman", "likelihood-ratio", "proportional-odds"] {
+        assert!(tests.iter().any(|row| row["test"] == expected), "{expected}");
     }
     let (_, agreement) = table(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
@@ -368,6 +365,14 @@ fn links_out_of_a_data_set_are_followed_with_a_warning() {
     succeeds(folder.path(), &split("counts results --out counts2.csv"));
 }
 
+/// Returns whole numbers below a bound that look random but are the same on every machine.
+fn random(mut state: u32) -> impl FnMut(u32) -> u32 {
+    move |below: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) % below
+    }
+}
+
 /// Runs `analysis.R` in a folder. Returns what it printed, or `None` if there is no R with the package ordinal.
 fn run_script(folder: &Path) -> Option<String> {
     let r = |arguments: &[&str]| Command::new("Rscript").args(arguments).current_dir(folder).output();
@@ -379,6 +384,18 @@ fn run_script(folder: &Path) -> Option<String> {
     let all = text(&output.stdout) + &text(&output.stderr);
     assert!(output.status.success(), "{all}");
     Some(all)
+}
+
+/// Checks that the script of an analysis has a call, and that R finds the log-likelihood of the model and prints a name.
+fn assert_same_in_r(out: &Path, call: &str, name: &str) {
+    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
+    assert!(script.contains(call) && script.lines().count() <= 60, "{script}");
+    let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
+    if let Some(printed) = run_script(out) {
+        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+        let is_same = numbers.any(|number| (number - loglik).abs() < 0.02);
+        assert!(is_same && printed.contains(name), "{loglik}: {printed}");
+    }
 }
 
 /// The script calls R as the report says, and R finds the log-likelihood of the model.
@@ -403,22 +420,11 @@ fn the_script_finds_the_same_numbers_in_r() {
     ] {
         let line = format!("analyze results --out {out} --tables-only --draws 99 {options}");
         succeeds(folder.path(), &split(&line));
-        let script = fs::read_to_string(folder.path().join(out).join("analysis.R")).unwrap();
-        assert!(script.contains(call), "{script}");
-        assert!(script.lines().count() <= 60, "{script}");
-        let loglik = json(&folder.path().join(out).join("model.json"))["loglik"].as_f64().unwrap();
-        if let Some(printed) = run_script(&folder.path().join(out)) {
-            let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-            assert!(printed.contains(expected) && numbers.any(|number| (number - loglik).abs() < 0.02), "{printed}");
-        }
+        assert_same_in_r(&folder.path().join(out), call, expected);
     }
     // Pictures crossed with participants, and an age, which R's fit would not survive if it were not about its mean.
     let mut rows = String::from("subject_id,age,picture,style,rating\n");
-    let mut state = 7_u32;
-    let mut random = |below: u32| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) % below
-    };
+    let mut random = random(7);
     for (person, picture) in (0..16).flat_map(|person| (0..12).map(move |picture| (person, picture))) {
         let latent = person % 4 + [0, 5, 2, 4, 1, 3, 6, 2, 0, 4, 3, 1][picture as usize] + random(8);
         let style = ["old", "new"][picture as usize % 2];
@@ -427,15 +433,8 @@ fn the_script_finds_the_same_numbers_in_r() {
     fs::write(folder.path().join("pictures.csv"), rows).unwrap();
     let line = "analyze pictures.csv --factors style,age --items picture --out pictures --tables-only --draws 99";
     succeeds(folder.path(), &split(line));
-    let out = folder.path().join("pictures");
-    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
     let call = "clmm(rating ~ style + num_age_c + (1 | subject) + (1 | subject:style) + (1 | item),";
-    assert!(script.contains(call), "{script}");
-    if let Some(printed) = run_script(&out) {
-        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
-        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
-    }
+    assert_same_in_r(&folder.path().join("pictures"), call, "style");
     // Without division by its range, clmm stops far from the maximum.
     let mut rows = String::from("subject_id,isi,rating\n");
     for (person, step) in (0..8).flat_map(|person| (0..20).map(move |step| (person, step))) {
@@ -443,13 +442,7 @@ fn the_script_finds_the_same_numbers_in_r() {
     }
     fs::write(folder.path().join("isi.csv"), rows).unwrap();
     succeeds(folder.path(), &split("analyze isi.csv --terms num:isi --out isi --tables-only --draws 99"));
-    let out = folder.path().join("isi");
-    assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("/ diff(range(data$num_isi))"));
-    if let Some(printed) = run_script(&out) {
-        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
-        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
-    }
+    assert_same_in_r(&folder.path().join("isi"), "/ diff(range(data$num_isi))", "num_isi");
     // An option that contradicts the columns is refused.
     for (options, expected) in [
         ("--factors style,picture --items picture", "is also a factor"),
@@ -477,11 +470,8 @@ fn the_script_quotes_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = String::from("who is it,\"odd \"\"name\"\"\",time-ms,=group,answer\n");
     let levels = ["\"a\"\"b\"", "c\\d", "é — ü", "it's", ""];
-    let mut state = 1_u32;
-    let mut random = |below: usize| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as usize % below
-    };
+    let mut random = random(1);
+    let mut random = |below: usize| random(below as u32) as usize;
     for trial in 0..360 {
         let (who, level, time) = (trial % 9, random(levels.len()), random(4));
         let latent = [0, 4, 1, 3, 2][who % 5] + level + time * [0, 1, 2, 3][who % 4] + random(8);
@@ -751,10 +741,9 @@ fn thresholds_have_the_digits_of_their_intervals() {
     for (threshold, step) in [(589.0, 0.1), (3e6, 1e5), (1e-9, 1e-10)] {
         let rows = of_people(&[("c", 0..5)], threshold, step);
         let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
-        let [mean, low, high] = ["threshold", "threshold_low", "threshold_high"].map(|name| {
-            let (header, rows) = table(&folder.path().join("a/population.csv"));
-            rows[0][header.iter().position(|known| known == name).unwrap()].parse::<f64>().unwrap()
-        });
+        let population = records(&folder.path().join("a/population.csv")).remove(0);
+        let [mean, low, high]: [f64; 3] =
+            ["threshold", "threshold_low", "threshold_high"].map(|name| number(&population, name));
         let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
         let numbers: Vec<f64> = told
             .replace('−', "-")
@@ -810,9 +799,8 @@ fn requests_that_cannot_be_are_explained() {
     // One participant has no interval, and so no false alarms.
     let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
     assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
-    let (header, rows) = table(&folder.path().join("plan.csv"));
-    let places = ["found", "false_alarms", "ci_high"].map(|name| header.iter().position(|one| one == name).unwrap());
-    assert!(places.into_iter().all(|place| rows[2][place].is_empty()), "{rows:?}");
+    let rows = records(&folder.path().join("plan.csv"));
+    assert!(["found", "false_alarms", "ci_high"].iter().all(|name| rows[2][*name].is_empty()), "{rows:?}");
     for (line, status, expected) in [
         (
             "plan const.toml --participants 4 --trials 12".to_owned(),

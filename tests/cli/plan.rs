@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, golden_path, split, table, text};
+use crate::common::{command, fails, golden_path, records, split, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -264,8 +264,8 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
     let said = succeeds(folder.path(), line, "2");
-    let (header, rows) = table(&folder.path().join("p.csv"));
-    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
+    let rows = records(&folder.path().join("p.csv"));
+    let cell = |row: usize, name: &str| rows[row][name].clone();
     // The mixed model and Friedman's test for shader, then for mesh.
     let first = ["term", "test", "truth", "effect_logits", "above"].map(|name| cell(0, name));
     assert_eq!((rows.len(), first), (6, ["shader", "likelihood-ratio", "effect", "3", "gouraud"].map(str::to_owned)));
@@ -300,8 +300,8 @@ fn a_test_that_an_analysis_withholds_has_no_power() {
     let withheld =
         "With 6 participants, an analysis withholds the test of width in the mixed model: the design has too few";
     assert!(said.contains(withheld), "{said}");
-    let (header, rows) = table(&folder.path().join("p.csv"));
-    let cell = |row: usize, name: &str| rows[row][header.iter().position(|column| column == name).unwrap()].clone();
+    let rows = records(&folder.path().join("p.csv"));
+    let cell = |row: usize, name: &str| rows[row][name].clone();
     assert_eq!(
         ["term", "test", "found", "untested"].map(|name| cell(0, name)),
         ["width", "likelihood-ratio", "0", "20"]

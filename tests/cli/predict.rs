@@ -88,6 +88,8 @@ fn impossible_predictions_are_reported() {
     assert!(error.contains("those of quick; expected those of gray"), "{error}");
     for (line, status, part) in [
         ("predict --window=-1", 2, "--window"),
+        ("predict --width 0.2 --window 359", 2, "--window: with what surrounds the stimulus, the image extends over 3"),
+        ("predict --width 0.2 --window 359", 2, "degrees; expected at most 360"),
         ("predict bangay2003 --fit nowhere", 1, "nowhere"),
         ("predict --low 0 --high 0 --black 0", 1, "mach-band: "),
         ("predict --kind kanizsa --size 5000", 2, "too large"),
@@ -96,14 +98,6 @@ fn impossible_predictions_are_reported() {
         let error = fails(folder.path(), &split(line), status);
         assert!(error.contains(part), "{error}");
     }
-}
-
-#[test]
-fn a_window_that_is_too_wide_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let error = fails(folder.path(), &split("predict --width 0.2 --window 359"), 2);
-    assert!(error.contains("--window: with what surrounds the stimulus, the image extends over 3"), "{error}");
-    assert!(error.contains("degrees; expected at most 360"), "{error}");
 }
 
 /// What the table of a study's own pictures says is a level as it is written: `007` and `7` differ.

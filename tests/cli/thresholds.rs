@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{command, fails, golden_path, succeeds, table, text};
+use crate::common::{command, fails, golden_path, records, succeeds, table, text};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -14,9 +14,7 @@ fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
 
 /// Returns a column of a table as numbers.
 fn numbers(path: &Path, column: &str) -> Vec<f64> {
-    let (header, rows) = table(path);
-    let place = header.iter().position(|name| name == column).unwrap_or_else(|| panic!("{header:?}"));
-    rows.iter().map(|row| row[place].parse().unwrap_or(f64::NAN)).collect()
+    records(path).iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
 }
 
 /// The example of psignifit's documentation has psignifit's threshold, also as single trials, with decimal commas, and on

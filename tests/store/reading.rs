@@ -469,6 +469,7 @@ mod elsewhere {
     use zip::{ZipWriter, write::SimpleFileOptions};
 
     use super::*;
+    use crate::common::workbook;
 
     /// Reads a table with a response, a factor, and the usual name of the participants' column.
     fn study(path: &Path, response: &str, factor: &str, how: ReadOptions) -> Study {
@@ -563,37 +564,6 @@ mod elsewhere {
         packed.finish().unwrap()
     }
 
-    /// A workbook with these sheets, as XML.
-    fn workbook(sheets: &[(&str, &str)]) -> Vec<u8> {
-        const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
-        const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
-        let mut packed = ZipWriter::new(Cursor::new(Vec::new()));
-        let mut add = |name: &str, text: String| {
-            packed.start_file(name, SimpleFileOptions::default()).unwrap();
-            packed.write_all(text.as_bytes()).unwrap();
-        };
-        let (mut names, mut links) = (String::new(), String::new());
-        for (index, (name, rows)) in sheets.iter().enumerate() {
-            names += &format!("<sheet name=\"{name}\" sheetId=\"{0}\" r:id=\"r{0}\"/>", index + 1);
-            links += &format!(
-                "<Relationship Id=\"r{0}\" Type=\"{OFFICE}/worksheet\" Target=\"worksheets/s{0}.xml\"/>",
-                index + 1
-            );
-            add(
-                &format!("xl/worksheets/s{}.xml", index + 1),
-                format!("<worksheet {MAIN}><sheetData>{rows}</sheetData></worksheet>"),
-            );
-        }
-        let relations = "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"";
-        let of = format!("<Relationship Id=\"r\" Type=\"{OFFICE}/officeDocument\" Target=\"xl/workbook.xml\"/>");
-        add("_rels/.rels", format!("<Relationships {relations}>{of}</Relationships>"));
-        add("xl/_rels/workbook.xml.rels", format!("<Relationships {relations}>{links}</Relationships>"));
-        let styles = [0, 14, 22, 46, 21].map(|format| format!("<xf numFmtId=\"{format}\"/>")).concat();
-        add("xl/styles.xml", format!("<styleSheet {MAIN}><cellXfs count=\"5\">{styles}</cellXfs></styleSheet>"));
-        add("xl/workbook.xml", format!("<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets>{names}</sheets></workbook>"));
-        packed.finish().unwrap().into_inner()
-    }
-
     /// Dates and times of a workbook are texts as in ISO 8601 and no numbers of days; what is no date of Excel's is a number.
     #[test]
     fn dates_of_workbooks_are_dates() {
@@ -610,7 +580,8 @@ mod elsewhere {
         let head =
             ["subject", "day", "y"].map(|name| format!("<c t=\"inlineStr\"><is><t>{name}</t></is></c>")).concat();
         let sheet = format!("<row r=\"1\">{head}</row>{}", cells.map(row).collect::<String>());
-        let read = study(&file(&folder, "t.xlsx", workbook(&[("One", &sheet)])), "y", "day", ReadOptions::default());
+        let read =
+            study(&file(&folder, "t.xlsx", workbook(&[("One", &sheet)], "")), "y", "day", ReadOptions::default());
         let mut levels = read.measured.counts.factors[0].levels.clone();
         levels.sort_unstable();
         assert_eq!(levels, ["-3", "06:00:00", "2024-01-05", "2024-01-05T12:30:00", "37:00:01", "7.5"]);
@@ -635,9 +606,9 @@ mod elsewhere {
             + "<c r=\"G4\" t=\"str\"><f>IF(TRUE,\"\")</f><v></v></c>"
             + "</row>";
         let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
-        let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
+        let book = workbook(&[("Data &amp; more", &sheet), ("Notes", "")], "");
         for (name, bytes) in
-            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)]))]
+            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)], ""))]
         {
             let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
             let path = file(&folder, name, bytes);
@@ -656,13 +627,13 @@ mod elsewhere {
         // The lines of a workbook are its rows.
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
         let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
-        let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)]))], &how);
+        let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)], ""))], &how);
         assert_eq!(said, ["w.xlsx: cell A4: the row has 6 cells; expected 4, as in the header"]);
         // The quoted comma in B2 ends no cell.
         let wrong = sheet.replace("<c r=\"D2\"><v>1</v>", "<c r=\"D2\"><v>1.5</v>");
         let counted =
             ReadOptions { response: Some("c".to_owned()), count: Some("y".to_owned()), ..with_factors(&["note"]) };
-        let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)]))], &counted);
+        let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
         assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
 
         let zeros = vec![b'0'; (64 << 20) + 1];
@@ -686,24 +657,28 @@ mod elsewhere {
         for (name, bytes, expected) in [
             ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
             ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
-            ("far.xlsx", workbook(&[("One", &far)]), "the sheet has more than 67108864 bytes as CSV; expected fewer"),
+            (
+                "far.xlsx",
+                workbook(&[("One", &far)], ""),
+                "the sheet has more than 67108864 bytes as CSV; expected fewer",
+            ),
             ("cut.csv.gz", short[..short.len() - 9].to_vec(), "cannot be unpacked: "),
             ("no.xlsx", b"PK\x03\x04\0\0".to_vec(), "cannot be unpacked: "),
-            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))]), ""),
+            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))], ""), ""),
             (
                 "formula.xlsx",
-                workbook(&[("One", &formula)]),
+                workbook(&[("One", &formula)], ""),
                 "has no value of 1 of its formulas, such as that in D4; expected values",
             ),
             // A rectangle around these cells would have 17 billion.
             (
                 "corners.xlsx",
-                workbook(&[("One", &(row("A1") + &row("XFD1048576")))]),
+                workbook(&[("One", &(row("A1") + &row("XFD1048576")))], ""),
                 "has no value of 2 of its formulas, such as that in A1; expected values",
             ),
             (
                 "column.xlsx",
-                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")]),
+                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")], ""),
                 "is not an Excel workbook (.xlsx): its cells are not in order, or one has no place in a sheet",
             ),
             (
@@ -711,7 +686,11 @@ mod elsewhere {
                 document.finish().unwrap().into_inner(),
                 "is an OpenDocument file; expected an Excel workbook",
             ),
-            ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
+            (
+                "none.xlsx",
+                workbook(&[], ""),
+                "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV",
+            ),
         ] {
             let said = errors(&[&file(&folder, name, bytes)], &how);
             assert!(said.len() == 1 && said[0].starts_with(&format!("{name}: {expected}")), "{said:?}");

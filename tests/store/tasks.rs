@@ -15,7 +15,7 @@ use machband::{
 };
 
 use crate::{
-    common::{edit, fails, golden_path, json, machband, set_cell, succeeds, table, text, verified},
+    common::{edit, fails, golden_path, json, machband, number, records, set_cell, succeeds, table, text, verified},
     recording::{SEED, identity, rate, sitting},
 };
 
@@ -153,9 +153,8 @@ fn a_path_that_does_not_lead_to_the_value_is_named() {
         let body = tasks().into_iter().find(|(task, _)| *task == name).unwrap().1;
         sit(&folder.path().join(name), &protocol(&body), 5);
         let csv = csv(&folder.path().join(name));
-        let (header, rows) = table(&csv);
-        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
-        let (path, set) = (rows[3][at("path")].clone(), rows[3][at("response")].clone());
+        let row = records(&csv).remove(3);
+        let (path, set) = (&row["path"], &row["response"]);
         let late = format!("1000:{set}");
         for wrong in
             ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN", &late]
@@ -186,10 +185,9 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
         sidecar["sittings"][0].as_object_mut().unwrap().remove("seal");
         fs::write(csv.with_extension("json"), sidecar.to_string()).unwrap();
         let text = fs::read_to_string(&csv).unwrap();
-        let (header, rows) = table(&csv);
-        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
-        for row in (0..rows.len() - 5).filter(|row| rows[*row][at("phase")] == "main") {
-            let answer = match rows[row][at("response")].as_str() {
+        let rows = records(&csv);
+        for row in (0..rows.len() - 5).filter(|row| rows[*row]["phase"] == "main") {
+            let answer = match rows[row]["response"].as_str() {
                 "yes" => "no",
                 "no" => "yes",
                 "1" => "2",
@@ -197,8 +195,8 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
             };
             fs::write(&csv, &text).unwrap();
             set_cell(&csv, row + 2, "response", answer);
-            if !rows[row][at("correct")].is_empty() {
-                set_cell(&csv, row + 2, "correct", if rows[row][at("correct")] == "1" { "0" } else { "1" });
+            if !rows[row]["correct"].is_empty() {
+                set_cell(&csv, row + 2, "correct", if rows[row]["correct"] == "1" { "0" } else { "1" });
             }
             // Without a seal, the session as a whole is an error; only the rows count here.
             let found = verified(&csv).errors;
@@ -225,17 +223,10 @@ fn a_wrong_level_target_or_mark_is_named() {
     sit(folder.path(), &protocol(&body), usize::MAX);
     let csv = csv(folder.path());
     let text = fs::read_to_string(&csv).unwrap();
-    let (header, rows) = table(&csv);
-    for (column, value) in [
-        ("level", "0.16"),
-        ("level", "0.03"),
-        ("correct", "0"),
-        ("target", "3"),
-        ("response", "5"),
-        ("response", "yes"),
-    ] {
-        let at = header.iter().position(|name| name == column).unwrap();
-        let line = 2 + (4..rows.len()).find(|row| rows[*row][at] != value).unwrap();
+    let rows = records(&csv);
+    for change in ["level 0.16", "level 0.03", "correct 0", "target 3", "response 5", "response yes"] {
+        let (column, value) = change.split_once(' ').unwrap();
+        let line = 2 + (4..rows.len()).find(|row| rows[*row][column] != value).unwrap();
         fs::write(&csv, &text).unwrap();
         set_cell(&csv, line, column, value);
         let errors = verified(&csv).errors;
@@ -424,9 +415,8 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         assert!(report.contains("Repeat this analysis") && report.contains("<svg"), "{name}");
         if name == "two" {
             // Each level of the second parameter has its own threshold.
-            let (header, rows) = table(&folder.path().join("analysis/thresholds.csv"));
-            let second = header.iter().position(|column| column == "high").unwrap();
-            assert_eq!(rows.iter().map(|row| &*row[second]).collect::<BTreeSet<_>>(), BTreeSet::from(["0.5", "0.75"]));
+            let rows = records(&folder.path().join("analysis/thresholds.csv"));
+            assert_eq!(rows.iter().map(|row| &*row["high"]).collect::<BTreeSet<_>>(), BTreeSet::from(["0.5", "0.75"]));
         }
         let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
         assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
@@ -500,9 +490,8 @@ fn a_threshold_beyond_the_levels_is_no_number() {
     assert_eq!(printed.matches("was not measured").count(), 2, "{printed}");
     assert!(printed.contains("lies below the lowest level, 0.005"), "{printed}");
     assert!(!printed.contains("differ") && !printed.contains("on average"), "{printed}");
-    let (header, rows) = table(&folder.path().join("analysis/thresholds.csv"));
-    let beyond = header.iter().position(|name| name == "is_beyond").unwrap();
-    assert!(rows.iter().filter(|row| row[beyond] == "1").count() >= 14, "{rows:?}");
+    let rows = records(&folder.path().join("analysis/thresholds.csv"));
+    assert!(rows.iter().filter(|row| row["is_beyond"] == "1").count() >= 14, "{rows:?}");
     assert!(table(&folder.path().join("analysis/population.csv")).1.is_empty());
 }
 
@@ -606,15 +595,15 @@ fn unconnected_comparisons_have_scales_of_their_own() {
     let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "a", "--tables-only"]);
     assert_eq!(printed.matches("From the highest to the lowest").count(), 2, "{printed}");
     assert!(printed.contains("No comparison leads from one group of conditions to another"), "{printed}");
-    let (header, rows) = table(&folder.path().join("a/scale.csv"));
+    let (header, _) = table(&folder.path().join("a/scale.csv"));
     let names: BTreeSet<&String> = header.iter().collect();
     assert_eq!((names.len(), &*header[0], &*header[1]), (header.len(), "low_", "depth"), "{header:?}");
-    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    let rows = records(&folder.path().join("a/scale.csv"));
     for pair in rows.chunks(2) {
-        let values = pair.iter().map(|row| row[column("thurstone")].parse::<f64>().unwrap());
-        assert!(values.sum::<f64>().abs() < 1e-9 && pair[0][column("group")] == pair[1][column("group")], "{rows:?}");
+        let values = pair.iter().map(|row| number::<f64>(row, "thurstone"));
+        assert!(values.sum::<f64>().abs() < 1e-9 && pair[0]["group"] == pair[1]["group"], "{rows:?}");
     }
-    assert_ne!(rows[0][column("group")], rows[2][column("group")]);
+    assert_ne!(rows[0]["group"], rows[2]["group"]);
 }
 
 /// The rows of a session are not answers at levels: practice and catch trials and earlier attempts are among them.
