@@ -244,7 +244,8 @@ fn the_number_of_threads_does_not_change_a_plan() {
     let folder = tempfile::tempdir().unwrap();
     let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     let plan = |participants: &str, options: &str, threads| {
-        let line = format!("quick --participants {participants} --studies 3 --effect oblique=1 --out {options}");
+        let study = "quick --studies 3 --effect oblique=1 --terms orientation_deg";
+        let line = format!("{study} --participants {participants} --out {options}");
         succeeds(folder.path(), &line, threads)
     };
     let one = plan("3,2,3", "one.csv", "1");
@@ -256,7 +257,7 @@ fn the_number_of_threads_does_not_change_a_plan() {
     let rows = |name: &str| {
         csv(name).lines().filter(|line| line.starts_with("quick,3,")).map(str::to_owned).collect::<Vec<_>>()
     };
-    assert_eq!((rows("alone.csv"), rows("alone.csv").len()), (rows("one.csv"), 6));
+    assert_eq!((rows("alone.csv"), rows("alone.csv").len()), (rows("one.csv"), 2));
 }
 
 #[test]
@@ -280,10 +281,10 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     let said = succeeds(folder.path(), blind, "2");
     assert!(said.contains("9 of 9 studies could not test width with the mixed model"), "{said}");
     // The observer has no effect of any factor, so there is no power to report.
-    let small = "shaders --participants 2 --studies 5 --effect shader:gouraud=1 --slope shader=1";
+    let small = "shaders --participants 2 --studies 5 --effect shader:gouraud=1 --slope shader=1 --terms shader";
     let said = succeeds(folder.path(), small, "2");
     assert!(said.contains("(1 logit between") && said.contains("at each level of shader (sd 1 logit)"), "{said}");
-    let said = succeeds(folder.path(), "shaders --participants 2 --studies 5", "2");
+    let said = succeeds(folder.path(), "shaders --participants 2 --studies 5 --terms shader", "2");
     assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }
 
@@ -373,7 +374,7 @@ fn a_preregistration_says_what_was_planned() {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     // Three studies that all find the effect are no proof that most would.
-    let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3", "2");
+    let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3 --terms width", "2");
     assert!(said.contains("6 participants may be enough"), "{said}");
     // One participant stands for no people, and the report knows one level of significance.
     let line = "quick --participants 1 --effect width:0.1=3 --studies 3 --alpha 0.01 --preregistration one.md";
