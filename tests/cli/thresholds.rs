@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{command, fails, golden_path, records, succeeds, table, text};
+use crate::common::{command, fails, golden_path, records, split, succeeds, table, text};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -97,21 +97,15 @@ fn tables_of_other_programs_are_read() {
 #[test]
 fn studies_of_thresholds_are_planned() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = |words: &[&str]| {
-        succeeds(folder.path(), &[&["plan", "threshold-width", "--out=plan.csv", "--force"], words].concat());
+    let plan = |options: &str| {
+        succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
         folder.path().join("plan.csv")
     };
-    let none = plan(&["--participants=5", "--studies=100"]);
-    let false_alarms = numbers(&none, "false_alarms")[2];
+    let false_alarms = numbers(&plan("--participants 5 --studies 100"), "false_alarms")[2];
     assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
 
-    let large = plan(&[
-        "--participants=4,10",
-        "--trials=20,50",
-        "--studies=16",
-        "--effect=orientation_deg:90=0.3",
-        "--preregistration=p.md",
-    ]);
+    let large =
+        plan("--participants 4,10 --trials 20,50 --studies 16 --effect orientation_deg:90=0.3 --preregistration p.md");
     let (error, width, power) = (numbers(&large, "error"), numbers(&large, "half_width"), numbers(&large, "power"));
     // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
     assert_eq!(numbers(&large, "participants").len(), 12);
@@ -135,28 +129,27 @@ fn studies_of_thresholds_are_planned() {
     let two = definition.replace("high = 0.75\n", "").replace("[0, 90]", "[0, 90]\nhigh = [0.7, 0.75]");
     let definition = two.replace("[design]", "[design]\nmax_run = 1");
     fs::write(folder.path().join("run.toml"), definition).unwrap();
-    let told = fails(folder.path(), &["plan", "run.toml", "--participants=4"], 1);
-    assert!(told.contains("max_run = 1"), "{told}");
-
-    for (words, expected) in [
-        (&["--effect=orientation:90=0.3"][..], "orientation is not a factor; expected orientation_deg"),
-        (&["--effect=orientation_deg:45=0.3"], "orientation_deg has no level 45; expected one of 0, 90"),
-        (&["--effect=slop=3"], "the observer has no such parameter; expected one of threshold"),
-        (&["--effect=lapse=0.9"], "expected 0…0.5"),
-        (&["--terms=width"], "does not apply to thresholds"),
-        (&["--link=probit"], "does not apply to thresholds"),
-        (&["--alpha=0.01"], "expected 0.05, because a difference is found by its 95 % interval"),
-    ] {
-        let told = fails(folder.path(), &[&["plan", "threshold-width", "--participants=4"], words].concat(), 2);
-        assert!(told.contains(expected), "{told}");
-    }
-    let told = fails(folder.path(), &["plan", "quick", "--participants=4", "--trials=20"], 2);
-    assert!(told.contains("--trials: does not apply to ratings"), "{told}");
-    let told = fails(folder.path(), &["plan", "pairs-shaders", "--participants=4"], 2);
-    assert!(told.contains("expected a rating on a scale of categories, or a task with [adaptive]"), "{told}");
-    assert!(told.contains("run machband simulate pairs-shaders --participants 8"), "{told}");
     let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
     fs::write(folder.path().join("a.toml"), adjust).unwrap();
-    let told = fails(folder.path(), &["plan", "a.toml", "--participants=4"], 2);
-    assert!(told.contains("run machband simulate a.toml --participants 8"), "{told}");
+    for (line, status, expected) in [
+        ("run.toml", 1, "max_run = 1"),
+        ("a.toml", 2, "run machband simulate a.toml --participants 8"),
+        ("pairs-shaders", 2, "expected a rating on a scale of categories, or a task with [adaptive]"),
+        ("pairs-shaders", 2, "run machband simulate pairs-shaders --participants 8"),
+        ("quick --trials 20", 2, "--trials: does not apply to ratings"),
+        ("threshold-width --effect orientation:90=0.3", 2, "orientation is not a factor; expected orientation_deg"),
+        (
+            "threshold-width --effect orientation_deg:45=0.3",
+            2,
+            "orientation_deg has no level 45; expected one of 0, 90",
+        ),
+        ("threshold-width --effect slop=3", 2, "the observer has no such parameter; expected one of threshold"),
+        ("threshold-width --effect lapse=0.9", 2, "expected 0…0.5"),
+        ("threshold-width --terms width", 2, "does not apply to thresholds"),
+        ("threshold-width --link probit", 2, "does not apply to thresholds"),
+        ("threshold-width --alpha 0.01", 2, "expected 0.05, because a difference is found by its 95 % interval"),
+    ] {
+        let told = fails(folder.path(), &split(&format!("plan {line} --participants 4")), status);
+        assert!(told.contains(expected), "{line}: {told}");
+    }
 }
