@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::common::{
-    change_rating, fails, json, machband, number, records, session_csv, skip, split, succeeds, table, text,
+    change_rating, fails, json, machband, number, records, refuses, session_csv, skip, split, succeeds, table, text,
 };
 
 /// Returns a folder with the results of some simulated participants.
@@ -280,15 +280,12 @@ fn terms_select_the_model() {
     let probit = model("--terms width --link probit --random none");
     assert_eq!((&probit["link"], &probit["method"]), (&"probit".into(), &"clm".into()));
     assert_eq!(model("--terms width")["method"], "clmm-laplace");
-    for (options, expected) in [
-        ("--terms widht", "did you mean width"),
-        ("--terms num:depth", "num:inv_n"),
-        ("--terms width,depth,orientation_deg --slopes correlated", "expected at most 10"),
-        ("--link cloglog", "logit"),
-    ] {
-        let error = fails(folder.path(), &split(&format!("analyze results --out b {options}")), 2);
-        assert!(error.contains(expected) && !folder.path().join("b").exists(), "{options}: {error}");
-    }
+    let cases = r"
+        2: --terms widht => did you mean width
+        2: --terms num:depth => num:inv_n
+        2: --terms width,depth,orientation_deg --slopes correlated => expected at most 10
+        2: --link cloglog => logit";
+    refuses(folder.path(), "analyze results --out b {}", cases);
 }
 
 /// Errors are reported with file, line and column; the rest is analyzed, and the exit status is 1.
@@ -313,10 +310,11 @@ fn errors_are_reported_and_the_rest_is_analyzed() {
     assert_eq!(total, 71);
     fs::write(folder.path().join("nothing"), "").unwrap();
     fs::write(folder.path().join("columns.csv"), "a,b\n1,2\n").unwrap();
-    for (name, part) in [("nothing", "empty"), ("absent.csv", "absent.csv"), ("columns.csv", "subject_id")] {
-        let error = fails(folder.path(), &["analyze", name, "--out", "b"], 1);
-        assert!(error.contains(part) && error.contains("expected") && !folder.path().join("b").exists(), "{error}");
-    }
+    let cases = r"
+        1: nothing => empty
+        1: absent.csv => absent.csv
+        1: columns.csv => subject_id";
+    refuses(folder.path(), "analyze {} --out b", cases);
 }
 
 #[test]
@@ -444,16 +442,13 @@ fn the_script_finds_the_same_numbers_in_r() {
     succeeds(folder.path(), &split("analyze isi.csv --terms num:isi --out isi --tables-only --draws 99"));
     assert_same_in_r(&folder.path().join("isi"), "/ diff(range(data$num_isi))", "num_isi");
     // An option that contradicts the columns is refused.
-    for (options, expected) in [
-        ("--factors style,picture --items picture", "is also a factor"),
-        ("--items picture", "no factors were given"),
-        ("--factors style --direction style", "not numbers"),
-        ("--factors style --covariate style", "--covariate style: has levels that are not numbers"),
-        ("--factors style --levels style=odd,new", "odd"),
-    ] {
-        let errors = fails(folder.path(), &split(&format!("analyze pictures.csv --out refused {options}")), 2);
-        assert!(errors.contains(expected), "{options}: {errors}");
-    }
+    let cases = r"
+        2: --factors style,picture --items picture => is also a factor
+        2: --items picture => no factors were given
+        2: --factors style --direction style => not numbers
+        2: --factors style --covariate style => --covariate style: has levels that are not numbers
+        2: --factors style --levels style=odd,new => odd";
+    refuses(folder.path(), "analyze pictures.csv --out refused {}", cases);
     // Without a model, there is nothing to fit.
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));
@@ -790,8 +785,6 @@ fn requests_that_cannot_be_are_explained() {
     let expected = "all: there is no threshold of level: expected trials at two or more levels.";
     assert!(printed.contains(expected), "{printed}");
     fs::write(folder.path().join("answers.csv"), rows).unwrap();
-    let of_answers = "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b";
-    let of_ratings = "analyze answers.csv --response right --out b";
     let definition = "schema = 1\nname = \"const\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"gray\"\n[factors]\norientation_deg = \
         [0, 90]\n[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"constant\"\ntrials = 10\n\
         parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n";
@@ -801,30 +794,18 @@ fn requests_that_cannot_be_are_explained() {
     assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
     let rows = records(&folder.path().join("plan.csv"));
     assert!(["found", "false_alarms", "ci_high"].iter().all(|name| rows[2][*name].is_empty()), "{rows:?}");
-    for (line, status, expected) in [
-        (
-            "plan const.toml --participants 4 --trials 12".to_owned(),
-            2,
-            "error: --trials 12 is not a multiple of the 5 levels; expected each level equally often",
-        ),
-        (format!("{of_answers} --exclude p9"), 2, "--exclude p9 is not a participant; expected one of p0, p1, p2"),
-        (format!("{of_answers} --levels cond=c"), 2, "cond: is not among the factors; expected --factors"),
-        (format!("{of_answers} --factors cond --levels cond=nope"), 2, "nope is not a level of cond; expected c"),
-        (format!("{of_answers} --link probit"), 2, "expected only --subject, --factors, --levels, --exclude"),
-        (
-            format!("{of_ratings} --terms num:foo"),
-            1,
-            "the column foo is missing; expected one of subject_id, cond, level",
-        ),
-        (
-            format!("{of_ratings} --factors cond --items foo"),
-            1,
-            "the column foo is missing; expected one of subject_id",
-        ),
-    ] {
-        let error = fails(folder.path(), &split(&line), status);
-        assert!(error.contains(expected), "{line}: {error}");
-    }
+    let cases = "2: => --trials 12 is not a multiple of the 5 levels; expected each level equally often";
+    refuses(folder.path(), "plan const.toml --participants 4 --trials 12 {}", cases);
+    let cases = r"
+        2: --exclude p9 => --exclude p9 is not a participant; expected one of p0, p1, p2
+        2: --levels cond=c => cond: is not among the factors; expected --factors
+        2: --factors cond --levels cond=nope => nope is not a level of cond; expected c
+        2: --link probit => expected only --subject, --factors, --levels, --exclude";
+    refuses(folder.path(), "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b {}", cases);
+    let cases = r"
+        1: --terms num:foo => the column foo is missing; expected one of subject_id, cond, level
+        1: --factors cond --items foo => the column foo is missing; expected one of subject_id";
+    refuses(folder.path(), "analyze answers.csv --response right --out b {}", cases);
 }
 
 /// What is not a file cannot be read, like a file without permission, so nothing is written.

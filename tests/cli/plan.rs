@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, golden_path, records, split, table, text};
+use crate::common::{command, fails, golden_path, records, refuses, split, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -313,35 +313,23 @@ fn a_test_that_an_analysis_withholds_has_no_power() {
 #[test]
 fn wrong_usage_is_reported() {
     let folder = tempfile::tempdir().unwrap();
-    for (options, expected) in [
-        ("--participants 2 --effect oblik=1", "did you mean oblique?"),
-        (
-            "--participants 2 --effect oblique",
-            "'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE",
-        ),
-        ("--participants 2 --effect lapse=2", "lapse 2 is outside 0…1"),
-        ("--participants 2 --effect width=2", "width is a factor; expected width:LEVEL=LOGITS"),
-        ("--participants 2 --effect widht:0.1=2", "no such factor; expected one of width, depth"),
-        ("--participants 2 --effect width:0.3=2", "--effect width:0.3: no such level; expected one of 0.02"),
-        ("--participants 2 --effect fall=1 --effect fall=2", "--effect fall=2: fall is given twice"),
-        (
-            "--participants 2 --slope width=inf",
-            "'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number",
-        ),
-        (
-            "--participants 2 --slope width=-1",
-            "'--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits",
-        ),
-        ("--participants 2 --terms widht", "did you mean width?"),
-        ("--participants 2 --terms width,,depth", "width,,depth: an empty name"),
-        ("--participants 2 --terms depth,num:inv_n", "--terms num:inv_n: the term adds nothing to the other terms"),
-        ("--participants 0", "outside 1…10000"),
-        ("--participants 2 --alpha 0", "expected a number between 0 and 1"),
-        ("", "--participants"),
-    ] {
-        let errors = fails(folder.path(), &split(&format!("plan quick {options}")), 2);
-        assert!(errors.contains(expected), "{options}: {errors}");
-    }
+    let cases = r"
+        2: --participants 2 --effect oblik=1 => did you mean oblique?
+        2: --participants 2 --effect oblique => 'oblique' for '--effect <NAME=VALUE>': contains no =; expected NAME=VALUE
+        2: --participants 2 --effect lapse=2 => lapse 2 is outside 0…1
+        2: --participants 2 --effect width=2 => width is a factor; expected width:LEVEL=LOGITS
+        2: --participants 2 --effect widht:0.1=2 => no such factor; expected one of width, depth
+        2: --participants 2 --effect width:0.3=2 => --effect width:0.3: no such level; expected one of 0.02
+        2: --participants 2 --effect fall=1 --effect fall=2 => --effect fall=2: fall is given twice
+        2: --participants 2 --slope width=inf => 'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number
+        2: --participants 2 --slope width=-1 => '--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits
+        2: --participants 2 --terms widht => did you mean width?
+        2: --participants 2 --terms width,,depth => width,,depth: an empty name
+        2: --participants 2 --terms depth,num:inv_n => --terms num:inv_n: the term adds nothing to the other terms
+        2: --participants 0 => outside 1…10000
+        2: --participants 2 --alpha 0 => expected a number between 0 and 1
+        2: => --participants";
+    refuses(folder.path(), "plan quick {}", cases);
     std::fs::write(folder.path().join("bad.toml"), "schema = 1\noblique = \"much\"\n").unwrap();
     let errors = fails(folder.path(), &split("plan quick --participants 2 --observer-file bad.toml"), 1);
     assert!(errors.starts_with("error: bad.toml:2:"), "{errors}");

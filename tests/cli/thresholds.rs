@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{command, fails, golden_path, records, split, succeeds, table, text};
+use crate::common::{command, golden_path, records, refuses, split, succeeds, table, text};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -61,21 +61,18 @@ fn tables_of_other_programs_are_read() {
 
     fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
     let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:3:5: right is \"12\"; expected no more correct answers than trials"), "{told}");
-    assert!(told.contains("wrong.csv:4:1: x is \"high\"; expected a level, which is a number"), "{told}");
-    let told = fails(folder.path(), &[&columns[..], &["--log"]].concat(), 1);
-    assert!(told.contains("wrong.csv:3:5"), "{told}");
-    let told = fails(folder.path(), &[&columns[..], &["--link=probit"]].concat(), 2);
-    assert!(told.contains("--link: does not apply to answers at levels"), "{told}");
+    let refused = |cases: &str| refuses(folder.path(), &format!("{} {{}}", columns.join(" ")), cases);
+    refused(
+        r#"1: => wrong.csv:3:5: right is "12"; expected no more correct answers than trials
+           1: => wrong.csv:4:1: x is "high"; expected a level, which is a number
+           1: --log => wrong.csv:3:5
+           2: --link probit => --link: does not apply to answers at levels"#,
+    );
     // What is said of ratings is said of answers, too.
     fs::write(path("wrong.csv"), "x,right,n,who,x\n0.1,5,10,NA,9\n").unwrap();
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:1:15: the column x appears twice; expected it once"), "{told}");
+    refused("1: => wrong.csv:1:15: the column x appears twice; expected it once");
     fs::write(path("wrong.csv"), "x,right,n,participant\n0.1,5,10,NA\n").unwrap();
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:2:10: participant is \"NA\"; expected a participant"), "{told}");
-    assert!(!path("wrong").exists());
+    refused(r#"1: => wrong.csv:2:10: participant is "NA"; expected a participant"#);
     let rows: String = ["J\u{f6}rg", "S1", "s1"]
         .iter()
         .flat_map(|who| [1, 2, 4, 8].map(|level| format!("0,{level}\t{}\t10\t{who}\n", 5 + level / 2)))
@@ -131,25 +128,18 @@ fn studies_of_thresholds_are_planned() {
     fs::write(folder.path().join("run.toml"), definition).unwrap();
     let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
     fs::write(folder.path().join("a.toml"), adjust).unwrap();
-    for (line, status, expected) in [
-        ("run.toml", 1, "max_run = 1"),
-        ("a.toml", 2, "run machband simulate a.toml --participants 8"),
-        ("pairs-shaders", 2, "expected a rating on a scale of categories, or a task with [adaptive]"),
-        ("pairs-shaders", 2, "run machband simulate pairs-shaders --participants 8"),
-        ("quick --trials 20", 2, "--trials: does not apply to ratings"),
-        ("threshold-width --effect orientation:90=0.3", 2, "orientation is not a factor; expected orientation_deg"),
-        (
-            "threshold-width --effect orientation_deg:45=0.3",
-            2,
-            "orientation_deg has no level 45; expected one of 0, 90",
-        ),
-        ("threshold-width --effect slop=3", 2, "the observer has no such parameter; expected one of threshold"),
-        ("threshold-width --effect lapse=0.9", 2, "expected 0…0.5"),
-        ("threshold-width --terms width", 2, "does not apply to thresholds"),
-        ("threshold-width --link probit", 2, "does not apply to thresholds"),
-        ("threshold-width --alpha 0.01", 2, "expected 0.05, because a difference is found by its 95 % interval"),
-    ] {
-        let told = fails(folder.path(), &split(&format!("plan {line} --participants 4")), status);
-        assert!(told.contains(expected), "{line}: {told}");
-    }
+    let cases = r"
+        1: run.toml => max_run = 1
+        2: a.toml => run machband simulate a.toml --participants 8
+        2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
+        2: pairs-shaders => run machband simulate pairs-shaders --participants 8
+        2: quick --trials 20 => --trials: does not apply to ratings
+        2: threshold-width --effect orientation:90=0.3 => orientation is not a factor; expected orientation_deg
+        2: threshold-width --effect orientation_deg:45=0.3 => orientation_deg has no level 45; expected one of 0, 90
+        2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
+        2: threshold-width --effect lapse=0.9 => expected 0…0.5
+        2: threshold-width --terms width => does not apply to thresholds
+        2: threshold-width --link probit => does not apply to thresholds
+        2: threshold-width --alpha 0.01 => expected 0.05, because a difference is found by its 95 % interval";
+    refuses(folder.path(), "plan {} --participants 4", cases);
 }

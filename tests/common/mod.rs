@@ -173,6 +173,20 @@ pub fn fails<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S], status: i3
     errors
 }
 
+/// Runs commands that must fail and write nothing. A line has an exit status and `: `, what stands for `{}` in the command,
+/// ` => `, and a part of the error.
+pub fn refuses(folder: &Path, command: &str, cases: &str) {
+    let before = everything(folder);
+    for case in cases.lines().map(str::trim).filter(|case| !case.is_empty()) {
+        let (given, expected) = case.split_once(" => ").unwrap_or_else(|| panic!("{case}"));
+        let (status, words) = given.split_once(":").unwrap();
+        let line = command.replace("{}", words.trim());
+        let error = fails(folder, &split(&line), status.parse().unwrap());
+        assert!(error.contains(expected), "{line}: expected {expected}: {error}");
+    }
+    assert!(everything(folder) == before, "{command}");
+}
+
 /// Every file below a folder and its content, in a fixed order. The content of a link is its target.
 pub fn everything(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut found = Vec::new();
