@@ -1,8 +1,6 @@
 //! Scales from comparisons, detection and settings: against `choix`, `statsmodels` and SciPy (the values are in
 //! `tests/golden/tasks`, made by `scripts/golden_tasks.py`), and the coverage of their intervals.
 
-use std::collections::BTreeMap;
-
 use machband::{
     analysis::{
         comparisons::{Scaling, Triads, Wins},
@@ -13,33 +11,26 @@ use machband::{
     statistics::Interval,
 };
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
-use rand_distr::{Distribution as _, StandardNormal};
 
-use crate::common::{golden_path, table};
-
-fn read(name: &str) -> Vec<BTreeMap<String, String>> {
-    let (header, rows) = table(&golden_path("tasks").join(name));
-    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
-}
-
-fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
-    row[column].parse().unwrap()
-}
+use crate::{
+    common::number,
+    tasks::{contains, normal, rows},
+};
 
 #[test]
 fn scale_values_are_those_of_other_programs() {
-    let (data, expected) = (read("pairs_data.csv"), read("pairs.csv"));
+    let (data, expected) = (rows("pairs_data.csv"), rows("pairs.csv"));
     let mut sets = 0;
     for rows in expected.chunk_by(|a, b| a["dataset"] == b["dataset"]) {
         let mut wins = Wins::zeros(rows.len(), rows.len());
         for row in data.iter().filter(|row| row["dataset"] == rows[0]["dataset"]) {
-            wins[(number(row, "winner") as usize, number(row, "loser") as usize)] += number(row, "count");
+            wins[(number(row, "winner"), number(row, "loser"))] += number::<f64>(row, "count");
         }
         for (scaling, column) in [(Scaling::BradleyTerry, "bradley_terry"), (Scaling::Thurstone, "thurstone")] {
             let scale = scaling.fit(&wins).unwrap();
             assert!(!scale.is_limited);
             for (row, value) in rows.iter().zip(&scale.values) {
-                let expected = number(row, column) / scaling.jnd();
+                let expected = number::<f64>(row, column) / scaling.jnd();
                 assert!((value - expected).abs() < 1e-6, "{} {column}: {value}, expected {expected}", row["dataset"]);
             }
         }
@@ -71,9 +62,9 @@ fn circular_triads_are_counted() {
 
 #[test]
 fn detection_is_that_of_another_program() {
-    let rows = read("detection.csv");
+    let rows = rows("detection.csv");
     for row in &rows {
-        let count = |column: &str| number(row, column) as u32;
+        let count = |column: &str| number(row, column);
         let answers = Answers {
             hits: count("hits"),
             misses: count("misses"),
@@ -81,20 +72,16 @@ fn detection_is_that_of_another_program() {
             correct_rejections: count("correct_rejections"),
         };
         let found = answers.detection().unwrap();
-        assert!((found.d_prime - number(row, "d_prime")).abs() < 1e-9, "{row:?}");
-        assert!((found.criterion - number(row, "criterion")).abs() < 1e-9, "{row:?}");
+        assert!((found.d_prime - number::<f64>(row, "d_prime")).abs() < 1e-9, "{row:?}");
+        assert!((found.criterion - number::<f64>(row, "criterion")).abs() < 1e-9, "{row:?}");
     }
     assert!(rows.len() >= 20);
     assert!(Answers { hits: 3, misses: 1, ..Answers::default() }.detection().is_none());
 }
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(rng)
-}
-
 /// Returns the share of intervals that contain the truth.
 fn covered(intervals: &[(Interval, f64)]) -> f64 {
-    let inside = intervals.iter().filter(|(interval, truth)| interval.low <= *truth && *truth <= interval.high);
+    let inside = intervals.iter().filter(|(interval, truth)| contains(*interval, *truth));
     inside.count() as f64 / intervals.len() as f64
 }
 

@@ -269,12 +269,13 @@ fn one_subject_or_one_category_has_no_agreement() {
 /// Codes for missing answers are found beside every usual scale, and no scale has numbers that look like codes.
 #[test]
 fn codes_are_found_and_scales_are_not_taken_for_codes() {
-    let codes = |values: &[i32]| {
+    let found = |ratings: &mut dyn Iterator<Item = (String, u64)>| {
         let mut builder = MeasuredBuilder::new::<&str>(&[]);
-        values.iter().for_each(|value| builder.add_counts::<&str>("S1", &[], &value.to_string(), 2).unwrap());
+        ratings.for_each(|(rating, n)| builder.add_counts::<&str>("S1", &[], &rating, n).unwrap());
         let counts = builder.finish().counts;
         counts.codes().into_iter().map(|(code, n)| format!("{code}:{n}")).collect::<Vec<_>>().join(" ")
     };
+    let codes = |values: &[i32]| found(&mut values.iter().map(|value| (value.to_string(), 2)));
     for (scale, code) in [
         (vec![-99, 0, 1, 2, 3], "-99:2"),
         (vec![-9, 0, 1, 2, 3], "-9:2"),
@@ -290,13 +291,6 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
         assert_eq!(codes(&scale), code, "{scale:?}");
     }
     // Rare values outside the run of whole numbers are mistakes; a next number is not.
-    let strays = |scale: std::ops::RangeInclusive<i32>, each: u64, others: &[(&str, u64)]| {
-        let mut builder = MeasuredBuilder::new::<&str>(&[]);
-        scale.for_each(|value| builder.add_counts::<&str>("S1", &[], &value.to_string(), each).unwrap());
-        others.iter().for_each(|(value, n)| builder.add_counts::<&str>("S1", &[], value, *n).unwrap());
-        let counts = builder.finish().counts;
-        counts.codes().into_iter().map(|(code, n)| format!("{code}:{n}")).collect::<Vec<_>>().join(" ")
-    };
     for (each, others, expected) in [
         (20, &[("33", 1)][..], "33:1"),
         (20, &[("6", 1)], "6:1"),
@@ -308,7 +302,9 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
         // Half points do not make the next whole one far.
         (20, &[("1.5", 10), ("5", 1)], ""),
     ] {
-        assert_eq!(strays(0..=4, each, others), expected, "{others:?}");
+        let others = others.iter().map(|(value, n)| ((*value).to_owned(), *n));
+        let mut all = (0..=4).map(|value| (value.to_string(), each)).chain(others);
+        assert_eq!(found(&mut all), expected);
     }
     let every = |step: usize| (0..=100).step_by(step).collect::<Vec<i32>>();
     let negative = |most: i32| (-most..=most).collect::<Vec<i32>>();

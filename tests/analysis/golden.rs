@@ -2,7 +2,7 @@
 //! `krippendorff` and scikit-learn. The values are in `tests/golden/ordinal`; the scripts that made them, with
 //! versions, are `scripts/golden_ordinal.*`.
 
-use std::{collections::BTreeMap, fs};
+use std::fs;
 
 use machband::analysis::{
     Coefficient, Link, Model, ModelSpec, Note, Random, Slopes,
@@ -14,11 +14,10 @@ use machband::analysis::{
 };
 use machband::statistics::{Interval, holm};
 
-use crate::common::{golden_path, table};
+use crate::common::{self, Record, golden_path, number, table};
 
-/// Returns the header and the rows of a file.
-fn read(name: &str) -> (Vec<String>, Vec<Vec<String>>) {
-    table(&golden_path("ordinal").join(name))
+fn records(name: &str) -> Vec<Record> {
+    common::records(&golden_path("ordinal").join(name))
 }
 
 /// Reads the ratings of a data set: participant, factors, rating and count.
@@ -36,14 +35,6 @@ fn counts(name: &str) -> Counts {
         builder.add_counts(row[0], &row[1..last], row[last], row[last + 1].parse().unwrap()).unwrap();
     }
     builder.finish().counts
-}
-
-type Record = BTreeMap<String, String>;
-
-/// Returns the records of a file as maps from column names to values.
-fn records(file: &str) -> Vec<Record> {
-    let (header, rows) = read(file);
-    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
 }
 
 fn spec(record: &Record) -> ModelSpec {
@@ -113,7 +104,7 @@ fn compare(file: &str, fewest: usize) {
         let label = format!("{} {:?}", first["data"], spec(first));
         let mut coefficients = 0;
         for record in records.iter().filter(|record| record["quantity"] != "gradient") {
-            let expected: f64 = record["value"].parse().unwrap();
+            let expected: f64 = number(record, "value");
             let quantity = record["quantity"].as_str();
             let difference = (value(&model, quantity, &record["name"]) - expected).abs();
             let most = match quantity {
@@ -183,7 +174,7 @@ fn likelihood_ratio_tests_match_r() {
                 assert_eq!((test.lr, test.p), (None, None), "{what}");
                 continue;
             }
-            let number = |name: &str| record[name].parse::<f64>().unwrap();
+            let number = |name: &str| number::<f64>(record, name);
             let (lr, p) = (test.lr.unwrap() - number("lr"), test.p.unwrap() - number("p"));
             // If there is no finite maximum, R stops on the way to it.
             assert!(lr.abs() < 1e-4 * (1.0 + number("lr")) || (!location && lr > 0.0 && lr < 0.05), "{what}: {test:?}");
@@ -234,7 +225,7 @@ fn close(found: f64, expected: &str, what: &[String]) {
 
 #[test]
 fn friedman_matches_scipy() {
-    let (_, rows) = read("ranks.csv");
+    let (_, rows) = table(&golden_path("ordinal/ranks.csv"));
     let mut compared = 0;
     for row in rows.iter().filter(|row| row[0] == "friedman") {
         let counts = counts(&row[1]);
@@ -250,7 +241,7 @@ fn friedman_matches_scipy() {
 
 #[test]
 fn agreement_matches_krippendorff_and_scikit_learn() {
-    let (_, rows) = read("ranks.csv");
+    let (_, rows) = table(&golden_path("ordinal/ranks.csv"));
     let (mut alphas, mut intervals) = (0, 0);
     for row in rows.iter().filter(|row| row[0].starts_with("alpha")) {
         let counts = counts(&row[1]);

@@ -236,26 +236,6 @@ fn what_contradicts_a_withheld_test_is_withheld() {
     assert!(summary(&source(&[]), &once).findings[0].contains("likelihood-ratio test"));
 }
 
-/// Every p is the same in any order of factors and terms.
-#[test]
-fn the_order_of_terms_does_not_matter() {
-    let of = |names: [&str; 2], terms: &str| {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        let mut builder = MeasuredBuilder::new(&names).with_categories(&["0", "1", "2", "3"]);
-        for (person, level, side) in (0..72).map(|i| (i / 12, i / 6 % 2, i % 6 / 2)) {
-            let (level, side) = (["p", "q"][level], ["x", "y", "z"][side]);
-            let values = if names[0] == "level" { [level, side] } else { [side, level] };
-            builder.add_counts(&person.to_string(), &values, &rate(0.3 * person as f64, &mut rng), 1).unwrap();
-        }
-        let results = analyze(builder.finish(), &Options { terms: Some(Terms::parse(terms).unwrap()), ..quick() });
-        let report = results.model.unwrap();
-        let mut tests: Vec<(String, Option<f64>)> = report.terms.into_iter().map(|test| (test.term, test.p)).collect();
-        tests.sort_by(|a, b| a.0.cmp(&b.0));
-        tests
-    };
-    assert_eq!(of(["level", "side"], "level,side"), of(["side", "level"], "side,level"));
-}
-
 /// With three ratings from each of four people, a test of proportional odds rejected in 63 % of studies without any effect;
 /// where people differ in the effect, in 14 % (16 people, 20 ratings, standard deviation 1 at one of two levels).
 #[test]

@@ -17,26 +17,20 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Beta, Distribution, StandardNormal};
 use rayon::prelude::*;
 
-use crate::common::{golden_path, table};
+use crate::common::{Record, golden_path, number, records};
 
-/// The rows of a golden file as maps from column names to fields.
-fn rows(name: &str) -> Vec<BTreeMap<String, String>> {
-    let (header, rows) = table(&golden_path("tasks").join(name));
-    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
+pub fn rows(name: &str) -> Vec<Record> {
+    records(&golden_path("tasks").join(name))
 }
 
-fn number<T: std::str::FromStr<Err: std::fmt::Debug>>(row: &BTreeMap<String, String>, column: &str) -> T {
-    row[column].parse().unwrap()
-}
-
-fn point(row: &BTreeMap<String, String>) -> Point {
+fn point(row: &Record) -> Point {
     Point { x: number(row, "level"), correct: number(row, "correct"), total: number(row, "total") }
 }
 
 const MODEL: Model =
     Model { curve: Curve::Normal, guess: Guess::Fixed(0.5), falls: false, overdispersed: true, range: None };
 
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
@@ -61,7 +55,7 @@ fn study(model: &Model, truth: &Estimate, levels: u32, total: u32, rng: &mut Cha
     (0..levels).map(&mut point).collect()
 }
 
-fn contains(interval: Interval, value: f64) -> bool {
+pub fn contains(interval: Interval, value: f64) -> bool {
     interval.low <= value && value <= interval.high
 }
 

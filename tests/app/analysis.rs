@@ -23,7 +23,9 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{Role, Window, choose, click, home, leave, press, session_form, texts, type_into, value, wait_for},
+    window::{
+        Role, Window, choose, click, export_to, home, leave, press, session_form, texts, type_into, value, wait_for,
+    },
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -233,10 +235,8 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert_document(&mut window, &study, &results);
 
     let out = folder.path().join("out");
-    type_into(&mut window, "Export to the folder", out.to_str().unwrap());
     assert_has(&window, "The export includes only the data shown: 3 of 4 participants; width 0.1, 0.8.");
-    click(&mut window, "Export");
-    wait_for(&mut window, "files written to");
+    export_to(&mut window, &out);
     for file in ["report.html", "figure4a.svg", "figure4b.png", "by_width.csv", "tests.csv", "model.json"] {
         assert!(out.join(file).is_file(), "{file}");
     }
@@ -341,9 +341,7 @@ fn a_task_is_narrowed_and_exported() {
     wait_for(&mut window, "2 participants gave");
     assert_has(&window, "The export includes only the data shown: 2 of 3 participants.");
     let out = folder.path().join("out");
-    type_into(&mut window, "Export to the folder", out.to_str().unwrap());
-    click(&mut window, "Export");
-    wait_for(&mut window, "files written to");
+    export_to(&mut window, &out);
     let report = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(report.contains("Left out on request: S002"), "{report}");
     // Someone who took part meanwhile is read and can be left out, too.

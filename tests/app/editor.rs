@@ -10,7 +10,9 @@ use machband::{
     store::definition,
 };
 
-use crate::window::{self, Window, choose, click, is_chosen, open_study, press, texts, type_into, value, wait_for};
+use crate::window::{
+    self, Window, choose, click, is_chosen, open_study, press, save_as, texts, type_into, value, wait_for,
+};
 
 const SIZE: [f32; 2] = [1366.0, 768.0];
 
@@ -121,9 +123,7 @@ fn a_question_of_ones_own_is_named() {
     type_into(&mut window, "Label of Question 2", "Your dominant eye");
     choose(&mut window, "Add a question", "A question of your own");
     choose(&mut window, "Answers to Question 3", "a number");
-    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
-    click(&mut window, "Save");
-    let protocol = definition::open(folder.path().join("quick-copy.toml")).unwrap();
+    let protocol = save_as(&mut window, "quick-copy", folder.path());
     let fields = protocol.participant.0.iter().map(|field| (field.name.as_str(), field.kind()));
     let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("question_1", FieldKind::Number)];
     assert!(fields.eq(expected), "{:?}", protocol.participant);
@@ -162,7 +162,6 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
 #[test]
 fn texts_leave_with_their_task() {
     let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str| folder.path().join(format!("{name}.toml"));
     for (name, change) in
         [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])]
     {
@@ -172,12 +171,9 @@ fn texts_leave_with_their_task() {
             [list, entry] => choose(&mut window, list, entry),
         }
         assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
-        type_into(&mut window, "Name", name);
-        type_into(&mut window, "Folder", folder.path().to_str().unwrap());
-        click(&mut window, "Save");
-        let saved = std::fs::read_to_string(file(name)).unwrap();
+        let protocol = save_as(&mut window, name, folder.path());
+        let saved = std::fs::read_to_string(folder.path().join(format!("{name}.toml"))).unwrap();
         assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
-        let protocol = definition::open(file(name)).unwrap();
         assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
     }
     let mut window = duplicate("threshold-width");
@@ -249,7 +245,6 @@ fn a_task_and_its_method_are_chosen() {
     type_into(&mut window, "Question", "Which has a line?");
     click(&mut window, "Remove width");
     choose(&mut window, "Levels chosen by", "Staircase");
-    type_into(&mut window, "Name", "narrow");
     wait_for(&mut window, "One trial");
     type_into(&mut window, "First level", "7");
     window.get_by_label_contains("start 7 is outside");
@@ -257,11 +252,8 @@ fn a_task_and_its_method_are_chosen() {
     type_into(&mut window, "Steps", "0.3, 0.1");
     type_into(&mut window, "Stops after reversals", "9");
     wait_for(&mut window, "The levels of a simulated observer");
-    type_into(&mut window, "Folder", folder.path().to_str().unwrap());
-    click(&mut window, "Save");
-    let path = folder.path().join("narrow.toml");
+    let (protocol, path) = (save_as(&mut window, "narrow", folder.path()), folder.path().join("narrow.toml"));
     is_left(&mut window, path.to_str().unwrap());
-    let protocol = definition::open(&path).unwrap();
     let Task::Choice(choice) = &protocol.task else { panic!("{:?}", protocol.task) };
     assert_eq!((choice.shown, choice.reference.0["depth"].to_string()), (ChoiceShown::Places, "inf".to_owned()));
     let Some(Adaptive { common, method: Method::Staircase(stairs) }) = &protocol.adaptive else { panic!() };
@@ -284,9 +276,7 @@ fn a_task_and_its_method_are_chosen() {
         window.run_steps(3);
         assert!(window.query_all_by_label(shown).next().is_some(), "{task}: {:?}", texts(&window));
     }
-    type_into(&mut window, "Name", "rated");
-    click(&mut window, "Save");
-    let protocol = definition::open(folder.path().join("rated.toml")).unwrap();
+    let protocol = save_as(&mut window, "rated", folder.path());
     assert!(protocol.task.is_default() && protocol.adaptive.is_none());
 }
 

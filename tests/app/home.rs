@@ -13,7 +13,7 @@ use machband::{
 use crate::{
     common,
     window::{
-        self, Window, click, leave, press, request, session_form, type_into, value, wait_for, walk_to_first_trial,
+        self, Window, click, leave, press, request, session_form, type_into, value, wait_for, walk, walk_to_first_trial,
     },
 };
 
@@ -29,8 +29,12 @@ fn protocol(recovery_s: f64, window_deg: f64) -> Protocol {
 }
 
 fn harness(request: Request) -> Window {
-    window::builder(SIZE, STEP_S)
-        .build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }))
+    harness_of(SIZE, request)
+}
+
+fn harness_of(size: [f32; 2], request: Request) -> Window {
+    let launch = Launch { request: Some(request), ..Launch::default() };
+    window::builder(size, STEP_S).build_eframe(|cc| App::new(cc, launch))
 }
 
 fn rows(results: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
@@ -47,8 +51,7 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     let protocol = protocol(0.5, 10.0);
     let mut harness = harness(request(folder.path(), protocol.clone()));
     // The pages lead back too.
-    wait_for(&mut harness, "These findings are saved");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["These findings are saved"]);
     for (page, key) in [
         ("Welcome", Key::Space),
         ("The answers", Key::Space),
@@ -68,8 +71,7 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
     harness.run_steps(32);
     // The scale is shown during practice and can be clicked.
     harness.get_by_label_contains("Broad band").click();
-    wait_for(&mut harness, "Now the main part");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["Now the main part"]);
     harness.run_steps(35);
     press(&mut harness, Key::Num2);
     // The rating is undone during the following recovery and given again.
@@ -87,13 +89,11 @@ fn a_whole_session_with_a_break_a_pause_and_an_undone_rating() {
         wait_for(&mut harness, page);
         press(&mut harness, key);
     }
-    wait_for(&mut harness, "Paused");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["Paused"]);
     harness.run_steps(35);
     press(&mut harness, Key::Num3);
     wait_for(&mut harness, "Time for a break");
-    wait_for(&mut harness, "3 of 5 done");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["3 of 5 done"]);
     for _ in 0..2 {
         harness.run_steps(35);
         press(&mut harness, Key::Num1);
@@ -167,8 +167,7 @@ fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
     harness.run_steps(32);
     press(&mut harness, Key::Num1);
     wait_for(&mut harness, "Now the main part");
-    wait_for(&mut harness, "The scale is now hidden.");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["The scale is now hidden."]);
     harness.run_steps(35);
     let nothing = (0, Vec::new());
     press(&mut harness, Key::X);
@@ -207,14 +206,10 @@ fn keys_that_are_not_digits_are_named() {
     assert_eq!(keys(&own), "Press one.");
     let folder = tempfile::tempdir().unwrap();
     let mut harness = harness(request(folder.path(), read(letters)));
-    for page in ["These findings are saved", "Welcome"] {
-        wait_for(&mut harness, page);
-        press(&mut harness, Key::Space);
-    }
-    wait_for(&mut harness, "Answer with the keys J, K, L. ");
-    press(&mut harness, Key::Space);
-    wait_for(&mut harness, "First, some practice");
-    press(&mut harness, Key::Space);
+    walk(
+        &mut harness,
+        &["These findings are saved", "Welcome", "Answer with the keys J, K, L. ", "First, some practice"],
+    );
     harness.run_steps(20);
     let place = |label: &str| {
         let rect = harness.get_by_label_contains(label).rect();
@@ -226,12 +221,8 @@ fn keys_that_are_not_digits_are_named() {
     harness.get_by_label_contains("Answer with the keys J, K, L. ");
     // On the screen of a laptop, eleven answers leave room for the way on.
     let size = [1366.0, 768.0];
-    let launch = Launch { request: Some(request(&folder.path().join("eleven"), eleven)), ..Launch::default() };
-    let mut laptop = window::builder(size, STEP_S).build_eframe(|cc| App::new(cc, launch));
-    for page in ["These findings are saved", "Welcome"] {
-        wait_for(&mut laptop, page);
-        press(&mut laptop, Key::Space);
-    }
+    let mut laptop = harness_of(size, request(&folder.path().join("eleven"), eleven));
+    walk(&mut laptop, &["These findings are saved", "Welcome"]);
     wait_for(&mut laptop, "Page 2 of 2");
     assert!(laptop.get_by_label("Page 2 of 2").rect().bottom() < size[1]);
 }
@@ -251,10 +242,7 @@ fn the_last_page_has_a_plot_of_what_was_measured() {
         );
         let folder = tempfile::tempdir().unwrap();
         let mut harness = harness(request(folder.path(), definition::parse("panes", &text).unwrap()));
-        for page in ["These findings are saved", "Welcome", "The answers", "Now the main part"] {
-            wait_for(&mut harness, page);
-            press(&mut harness, Key::Space);
-        }
+        walk(&mut harness, &["These findings are saved", "Welcome", "The answers", "Now the main part"]);
         for _ in 0..2 {
             harness.run_steps(20);
             press(&mut harness, Key::Num1);
@@ -274,8 +262,7 @@ fn the_participant_is_asked_once() {
     let asking = definition::parse("asking", ASKING).unwrap();
     let protocol = protocol(0.2, 10.0).with(|definition| definition.participant = asking.participant.clone()).unwrap();
     let mut first = harness(request(folder.path(), protocol.clone()));
-    wait_for(&mut first, "These findings are saved");
-    press(&mut first, Key::Space);
+    walk(&mut first, &["These findings are saved"]);
     wait_for(&mut first, "About you");
     // A long question wraps beside its field.
     let fields = [LONG_QUESTION, "Age in years *"].map(|label| {
@@ -303,8 +290,7 @@ fn the_participant_is_asked_once() {
     drop(first);
 
     let mut second = harness(Request { resume: true, ..request(folder.path(), protocol) });
-    wait_for(&mut second, "These findings are saved");
-    press(&mut second, Key::Space);
+    walk(&mut second, &["These findings are saved"]);
     wait_for(&mut second, "Welcome");
 }
 
@@ -319,8 +305,7 @@ fn characters_without_a_font_are_reported_before_the_session() {
     // The last character of the last private area.
     let protocol = protocol(0.2, 10.0).with(|definition| definition.instructions.welcome.push('\u{10fffd}')).unwrap();
     let mut harness = harness(request(folder.path(), protocol));
-    wait_for(&mut harness, "No font on this computer has these characters of the participant's texts: U+10FFFD.");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["No font on this computer has these characters of the participant's texts: U+10FFFD."]);
     harness.run_steps(5);
     assert!(!folder.path().join("panes").exists());
 }
@@ -367,10 +352,8 @@ fn japanese_texts_fit_into_a_narrow_window() {
     let protocol = definition::open(path).unwrap().with(|definition| definition.viewing.window_deg = 5.0).unwrap();
     let texts = protocol.instructions.clone();
     let request = request(folder.path(), protocol);
-    let builder = window::builder([420.0, 900.0], STEP_S);
-    let mut harness = builder.build_eframe(|cc| App::new(cc, Launch { request: Some(request), ..Launch::default() }));
-    wait_for(&mut harness, "These findings are saved");
-    press(&mut harness, Key::Space);
+    let mut harness = harness_of([420.0, 900.0], request);
+    walk(&mut harness, &["These findings are saved"]);
     let fits = |harness: &mut Window, text: &str| {
         wait_for(harness, text);
         harness.run_steps(2);
@@ -433,8 +416,7 @@ fn no_answer_is_lost_when_the_folder_is_removed() {
     walk_to_first_trial(&mut harness);
     harness.run_steps(20);
     press(&mut harness, Key::Num1);
-    wait_for(&mut harness, "Now the main part");
-    press(&mut harness, Key::Space);
+    walk(&mut harness, &["Now the main part"]);
     // The folder is replaced by a file, so that the program cannot create it again.
     std::fs::remove_dir_all(&first).unwrap();
     std::fs::write(&first, "in the way").unwrap();
@@ -467,8 +449,7 @@ fn a_late_resumption_repeats_the_practice() {
     walk_to_first_trial(&mut first);
     first.run_steps(35);
     press(&mut first, Key::Num1);
-    wait_for(&mut first, "Now the main part");
-    press(&mut first, Key::Space);
+    walk(&mut first, &["Now the main part"]);
     first.run_steps(35);
     press(&mut first, Key::Num2);
     first.run_steps(5);
@@ -481,8 +462,7 @@ fn a_late_resumption_repeats_the_practice() {
     walk_to_first_trial(&mut second);
     second.run_steps(35);
     press(&mut second, Key::Num3);
-    wait_for(&mut second, "Now the main part");
-    press(&mut second, Key::Space);
+    walk(&mut second, &["Now the main part"]);
     for key in [Key::Num0, Key::Num1, Key::Num2] {
         second.run_steps(35);
         if second.query_by_label_contains("Time for a break").is_some() {

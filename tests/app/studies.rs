@@ -11,7 +11,7 @@ use machband::{
 
 use crate::{
     common,
-    window::{self, Window, click, is_chosen, open_study, press, request, texts, type_into, value, wait_for},
+    window::{self, Window, click, is_chosen, open_study, press, request, texts, type_into, value, wait_for, walk},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"five\"\ntitle = \"Five categories\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[design]\nrepetitions = 3\n[response]\nlabels = [\"none\", \"faint\", \"clear\", \"strong\", \"very strong\"]\nkeys = [\"1\", \"2\", \"3\", \"4\", \"5\"]\n[plan]\nparticipants = 3\nsessions = 2\n";
@@ -86,10 +86,7 @@ fn a_session_without_ratings_can_be_removed() {
     let protocol = definition::open(folder.path().join("five.toml")).unwrap();
     let mut session = window::builder([1000.0, 800.0], 1.0 / 60.0)
         .build_eframe(|cc| App::new(cc, Launch { request: Some(request(&results, protocol)), ..Launch::default() }));
-    for page in ["These findings are saved", "Welcome"] {
-        wait_for(&mut session, page);
-        press(&mut session, Key::Space);
-    }
+    walk(&mut session, &["These findings are saved", "Welcome"]);
     wait_for(&mut session, "The answers");
     // Every category is listed with its key.
     session.get_by_label("very strong");

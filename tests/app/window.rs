@@ -15,7 +15,7 @@ use machband::{
     display::DisplayProfile,
     experiment::{Identity, Protocol},
     light::CodeImage,
-    store::session::Changes,
+    store::{definition, session::Changes},
 };
 
 pub use eframe::egui::accesskit::Role;
@@ -159,12 +159,32 @@ pub fn request(results: &Path, protocol: Protocol) -> Request {
     }
 }
 
-/// Continues from the preflight to the first recovery field.
-pub fn walk_to_first_trial(window: &mut Window) {
-    for page in ["These findings are saved", "Welcome", "The answers", "First, some practice"] {
+/// Waits for each of these pages and continues with Space.
+pub fn walk(window: &mut Window, pages: &[&str]) {
+    for page in pages {
         wait_for(window, page);
         press(window, Key::Space);
     }
+}
+
+/// Continues from the preflight to the first recovery field.
+pub fn walk_to_first_trial(window: &mut Window) {
+    walk(window, &["These findings are saved", "Welcome", "The answers", "First, some practice"]);
+}
+
+/// Types a folder and exports the analysis into it.
+pub fn export_to(window: &mut Window, folder: &Path) {
+    type_into(window, "Export to the folder", folder.to_str().unwrap());
+    click(window, "Export");
+    wait_for(window, "files written to");
+}
+
+/// Names the definition in the editor, and saves it in a folder.
+pub fn save_as(window: &mut Window, name: &str, folder: &Path) -> Protocol {
+    type_into(window, "Name", name);
+    type_into(window, "Folder", folder.to_str().unwrap());
+    click(window, "Save");
+    definition::open(folder.join(format!("{name}.toml"))).unwrap()
 }
 
 /// Counts the pixels that differ between an image and the middle of a picture of the window. The picture has `size`

@@ -7,7 +7,9 @@ use std::{
     process::Command,
 };
 
-use crate::common::{change_rating, fails, json, machband, session_csv, skip, split, succeeds, table, text};
+use crate::common::{
+    change_rating, fails, json, machband, number, records, refuses, session_csv, skip, split, succeeds, table, text,
+};
 
 /// Returns a folder with the results of some simulated participants.
 fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
@@ -31,17 +33,13 @@ fn analyze_writes_every_documented_file() {
 
     // Means computed directly from the rows.
     let mut sums: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
-    for entry in fs::read_dir(folder.path().join("results/bangay2003/data")).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_some_and(|extension| extension == "csv") {
-            let (header, rows) = table(&path);
-            let column = |name: &str| header.iter().position(|known| known == name).unwrap();
-            for row in rows.iter().filter(|row| row[column("phase")] == "main") {
-                let levels = ["width", "depth", "orientation_deg"].map(|name| row[column(name)].clone());
-                let sum = sums.entry(levels.to_vec()).or_default();
-                sum.0 += row[column("rating")].parse::<f64>().unwrap();
-                sum.1 += 1.0;
-            }
+    let results = folder.path().join("results");
+    for csv in ["S001", "S002", "S003", "S004"].map(|subject| session_csv(&results, "bangay2003", subject)) {
+        for row in records(&csv).iter().filter(|row| row["phase"] == "main") {
+            let levels = ["width", "depth", "orientation_deg"].map(|name| row[name].clone());
+            let sum = sums.entry(levels.to_vec()).or_default();
+            sum.0 += number::<f64>(row, "rating");
+            sum.1 += 1.0;
         }
     }
     for row in &cells {
@@ -69,17 +67,16 @@ fn analyze_writes_every_documented_file() {
         assert!(row[5].is_empty() && known["p"].is_null(), "z is not normal with 4 participants");
     }
     assert_eq!(coefficients.len(), length("coefficients"));
-    let (header, tests) = table(&out.join("tests.csv"));
-    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
-    let compared = tests.iter().filter(|row| row[0] == "comparison");
+    let tests = records(&out.join("tests.csv"));
+    let compared = tests.iter().filter(|row| row["test"] == "comparison");
     for (row, known) in compared.zip(model["comparisons"].as_array().unwrap()) {
-        let told = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        let told = |name: &str| number::<f64>(row, name);
         let [estimate, se] = ["estimate", "se"].map(|name| known[name].as_f64().unwrap());
-        assert!(told("effect") == estimate && told("se") == se && row[column("df")].is_empty(), "{row:?}");
+        assert!(told("effect") == estimate && told("se") == se && row["df"].is_empty(), "{row:?}");
         assert!(told("ci_low") < estimate && estimate < told("ci_high"), "{row:?}");
     }
-    for kind in ["friedman", "likelihood-ratio", "proportional-odds"] {
-        assert!(tests.iter().any(|row| row[0] == kind), "{kind}");
+    for expected in ["friedman", "likelihood-ratio", "proportional-odds"] {
+        assert!(tests.iter().any(|row| row["test"] == expected), "{expected}");
     }
     let (_, agreement) = table(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
@@ -166,9 +163,9 @@ fn an_analysis_is_reproducible() {
 #[test]
 fn counts_give_the_same_analysis_as_rows() {
     let folder = study("bangay2003", 3);
-    for line in
-        ["analyze results/bangay2003 --out rows --tables-only --draws 99", "counts results/bangay2003 --out counts.csv"]
-    {
+    let options = "--slopes none --draws 99";
+    let of_rows = format!("analyze results/bangay2003 --out rows --tables-only {options}");
+    for line in [&of_rows, "counts results/bangay2003 --out counts.csv"] {
         let output = succeeds(folder.path(), &split(line));
         assert!(!output.contains("vision model"), "tables alone need no prediction: {output}");
     }
@@ -180,7 +177,7 @@ fn counts_give_the_same_analysis_as_rows() {
         assert!(output.status.success() && warnings.starts_with(&expected), "{warnings}");
         assert_eq!(warnings.lines().count(), 1, "{warnings}");
     };
-    from_counts("analyze counts.csv --out counts --draws 99", "counts.csv: is a table");
+    from_counts(&format!("analyze counts.csv --out counts {options}"), "counts.csv: is a table");
     let report = fs::read_to_string(folder.path().join("counts/report.html")).unwrap();
     assert!(report.contains("it is not known whether ratings are simulated"));
     let bytes = |out: &str, file: &str| fs::read(folder.path().join(out).join(file)).unwrap();
@@ -204,7 +201,7 @@ fn counts_give_the_same_analysis_as_rows() {
         fs::write(folder.path().join(name), format!("{}\n{}\n", lines[0], part.join("\n"))).unwrap();
     }
     let columns = "--subject who --response score --count n --terms width,depth,orientation_deg";
-    let line = format!("analyze p1.csv p2.csv {columns} --out named --tables-only --draws 99");
+    let line = format!("analyze p1.csv p2.csv {columns} --out named --tables-only {options}");
     from_counts(&line, "p1.csv: and 1 more are tables");
     let [a, b] = ["rows", "named"].map(|out| json(&folder.path().join(out).join("model.json")));
     assert_eq!((&a["coefficients"], &a["loglik"]), (&b["coefficients"], &b["loglik"]));
@@ -267,7 +264,7 @@ fn non_numeric_scales_need_an_order() {
 fn terms_select_the_model() {
     let folder = study("bangay2003", 3);
     let model = |options: &str| {
-        succeeds(folder.path(), &split(&format!("analyze results --out a --tables-only --force {options}")));
+        succeeds(folder.path(), &split(&format!("analyze results --draws 99 --out a --tables-only --force {options}")));
         json(&folder.path().join("a/model.json"))
     };
     for (terms, expected) in [
@@ -283,15 +280,12 @@ fn terms_select_the_model() {
     let probit = model("--terms width --link probit --random none");
     assert_eq!((&probit["link"], &probit["method"]), (&"probit".into(), &"clm".into()));
     assert_eq!(model("--terms width")["method"], "clmm-laplace");
-    for (options, expected) in [
-        ("--terms widht", "did you mean width"),
-        ("--terms num:depth", "num:inv_n"),
-        ("--terms width,depth,orientation_deg --slopes correlated", "expected at most 10"),
-        ("--link cloglog", "logit"),
-    ] {
-        let error = fails(folder.path(), &split(&format!("analyze results --out b {options}")), 2);
-        assert!(error.contains(expected) && !folder.path().join("b").exists(), "{options}: {error}");
-    }
+    let cases = r"
+        2: --terms widht => did you mean width
+        2: --terms num:depth => num:inv_n
+        2: --terms width,depth,orientation_deg --slopes correlated => expected at most 10
+        2: --link cloglog => logit";
+    refuses(folder.path(), "analyze results --out b {}", cases);
 }
 
 /// Errors are reported with file, line and column; the rest is analyzed, and the exit status is 1.
@@ -304,7 +298,7 @@ fn errors_are_reported_and_the_rest_is_analyzed() {
     let mut cells: Vec<&str> = line.split(',').collect();
     cells[16] = "4";
     fs::write(&path, rows.replace(line, &cells.join(","))).unwrap();
-    let output = machband(folder.path(), &split("analyze results --out a --tables-only"));
+    let output = machband(folder.path(), &split("analyze results --draws 99 --out a --tables-only"));
     let error = text(&output.stderr);
     // Two lines: the row, and a warning that the file was changed.
     assert_eq!((output.status.code(), error.lines().count()), (Some(1), 2), "{error}");
@@ -316,10 +310,11 @@ fn errors_are_reported_and_the_rest_is_analyzed() {
     assert_eq!(total, 71);
     fs::write(folder.path().join("nothing"), "").unwrap();
     fs::write(folder.path().join("columns.csv"), "a,b\n1,2\n").unwrap();
-    for (name, part) in [("nothing", "empty"), ("absent.csv", "absent.csv"), ("columns.csv", "subject_id")] {
-        let error = fails(folder.path(), &["analyze", name, "--out", "b"], 1);
-        assert!(error.contains(part) && error.contains("expected") && !folder.path().join("b").exists(), "{error}");
-    }
+    let cases = r"
+        1: nothing => empty
+        1: absent.csv => absent.csv
+        1: columns.csv => subject_id";
+    refuses(folder.path(), "analyze {} --out b", cases);
 }
 
 #[test]
@@ -336,7 +331,7 @@ fn changed_files_are_analyzed_with_a_warning() {
     let expected = "subject-S002_session-1_task-quick_data.csv: was changed since the session ended";
     warned("counts results --out counts.csv", expected);
     warned("predict quick --fit results", expected);
-    warned("analyze results --out a", expected);
+    warned("analyze results --draws 99 --out a", expected);
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
     let quality = report.find("id=\"health\"").unwrap();
     assert!(report[quality..].contains(expected));
@@ -368,6 +363,14 @@ fn links_out_of_a_data_set_are_followed_with_a_warning() {
     succeeds(folder.path(), &split("counts results --out counts2.csv"));
 }
 
+/// Returns whole numbers below a bound that look random but are the same on every machine.
+fn random(mut state: u32) -> impl FnMut(u32) -> u32 {
+    move |below: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) % below
+    }
+}
+
 /// Runs `analysis.R` in a folder. Returns what it printed, or `None` if there is no R with the package ordinal.
 fn run_script(folder: &Path) -> Option<String> {
     let r = |arguments: &[&str]| Command::new("Rscript").args(arguments).current_dir(folder).output();
@@ -379,6 +382,18 @@ fn run_script(folder: &Path) -> Option<String> {
     let all = text(&output.stdout) + &text(&output.stderr);
     assert!(output.status.success(), "{all}");
     Some(all)
+}
+
+/// Checks that the script of an analysis has a call, and that R finds the log-likelihood of the model and prints a name.
+fn assert_same_in_r(out: &Path, call: &str, name: &str) {
+    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
+    assert!(script.contains(call) && script.lines().count() <= 60, "{script}");
+    let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
+    if let Some(printed) = run_script(out) {
+        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
+        let is_same = numbers.any(|number| (number - loglik).abs() < 0.02);
+        assert!(is_same && printed.contains(name), "{loglik}: {printed}");
+    }
 }
 
 /// The script calls R as the report says, and R finds the log-likelihood of the model.
@@ -403,22 +418,11 @@ fn the_script_finds_the_same_numbers_in_r() {
     ] {
         let line = format!("analyze results --out {out} --tables-only --draws 99 {options}");
         succeeds(folder.path(), &split(&line));
-        let script = fs::read_to_string(folder.path().join(out).join("analysis.R")).unwrap();
-        assert!(script.contains(call), "{script}");
-        assert!(script.lines().count() <= 60, "{script}");
-        let loglik = json(&folder.path().join(out).join("model.json"))["loglik"].as_f64().unwrap();
-        if let Some(printed) = run_script(&folder.path().join(out)) {
-            let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-            assert!(printed.contains(expected) && numbers.any(|number| (number - loglik).abs() < 0.02), "{printed}");
-        }
+        assert_same_in_r(&folder.path().join(out), call, expected);
     }
     // Pictures crossed with participants, and an age, which R's fit would not survive if it were not about its mean.
     let mut rows = String::from("subject_id,age,picture,style,rating\n");
-    let mut state = 7_u32;
-    let mut random = |below: u32| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) % below
-    };
+    let mut random = random(7);
     for (person, picture) in (0..16).flat_map(|person| (0..12).map(move |picture| (person, picture))) {
         let latent = person % 4 + [0, 5, 2, 4, 1, 3, 6, 2, 0, 4, 3, 1][picture as usize] + random(8);
         let style = ["old", "new"][picture as usize % 2];
@@ -427,15 +431,8 @@ fn the_script_finds_the_same_numbers_in_r() {
     fs::write(folder.path().join("pictures.csv"), rows).unwrap();
     let line = "analyze pictures.csv --factors style,age --items picture --out pictures --tables-only --draws 99";
     succeeds(folder.path(), &split(line));
-    let out = folder.path().join("pictures");
-    let script = fs::read_to_string(out.join("analysis.R")).unwrap();
     let call = "clmm(rating ~ style + num_age_c + (1 | subject) + (1 | subject:style) + (1 | item),";
-    assert!(script.contains(call), "{script}");
-    if let Some(printed) = run_script(&out) {
-        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
-        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
-    }
+    assert_same_in_r(&folder.path().join("pictures"), call, "style");
     // Without division by its range, clmm stops far from the maximum.
     let mut rows = String::from("subject_id,isi,rating\n");
     for (person, step) in (0..8).flat_map(|person| (0..20).map(move |step| (person, step))) {
@@ -443,24 +440,15 @@ fn the_script_finds_the_same_numbers_in_r() {
     }
     fs::write(folder.path().join("isi.csv"), rows).unwrap();
     succeeds(folder.path(), &split("analyze isi.csv --terms num:isi --out isi --tables-only --draws 99"));
-    let out = folder.path().join("isi");
-    assert!(fs::read_to_string(out.join("analysis.R")).unwrap().contains("/ diff(range(data$num_isi))"));
-    if let Some(printed) = run_script(&out) {
-        let loglik = json(&out.join("model.json"))["loglik"].as_f64().unwrap();
-        let mut numbers = printed.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
-        assert!(numbers.any(|number| (number - loglik).abs() < 0.02), "{loglik}: {printed}");
-    }
+    assert_same_in_r(&folder.path().join("isi"), "/ diff(range(data$num_isi))", "num_isi");
     // An option that contradicts the columns is refused.
-    for (options, expected) in [
-        ("--factors style,picture --items picture", "is also a factor"),
-        ("--items picture", "no factors were given"),
-        ("--factors style --direction style", "not numbers"),
-        ("--factors style --covariate style", "--covariate style: has levels that are not numbers"),
-        ("--factors style --levels style=odd,new", "odd"),
-    ] {
-        let errors = fails(folder.path(), &split(&format!("analyze pictures.csv --out refused {options}")), 2);
-        assert!(errors.contains(expected), "{options}: {errors}");
-    }
+    let cases = r"
+        2: --factors style,picture --items picture => is also a factor
+        2: --items picture => no factors were given
+        2: --factors style --direction style => not numbers
+        2: --factors style --covariate style => --covariate style: has levels that are not numbers
+        2: --factors style --levels style=odd,new => odd";
+    refuses(folder.path(), "analyze pictures.csv --out refused {}", cases);
     // Without a model, there is nothing to fit.
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));
@@ -477,11 +465,8 @@ fn the_script_quotes_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let mut rows = String::from("who is it,\"odd \"\"name\"\"\",time-ms,=group,answer\n");
     let levels = ["\"a\"\"b\"", "c\\d", "é — ü", "it's", ""];
-    let mut state = 1_u32;
-    let mut random = |below: usize| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as usize % below
-    };
+    let mut random = random(1);
+    let mut random = |below: usize| random(below as u32) as usize;
     for trial in 0..360 {
         let (who, level, time) = (trial % 9, random(levels.len()), random(4));
         let latent = [0, 4, 1, 3, 2][who % 5] + level + time * [0, 1, 2, 3][who % 4] + random(8);
@@ -751,10 +736,9 @@ fn thresholds_have_the_digits_of_their_intervals() {
     for (threshold, step) in [(589.0, 0.1), (3e6, 1e5), (1e-9, 1e-10)] {
         let rows = of_people(&[("c", 0..5)], threshold, step);
         let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who");
-        let [mean, low, high] = ["threshold", "threshold_low", "threshold_high"].map(|name| {
-            let (header, rows) = table(&folder.path().join("a/population.csv"));
-            rows[0][header.iter().position(|known| known == name).unwrap()].parse::<f64>().unwrap()
-        });
+        let population = records(&folder.path().join("a/population.csv")).remove(0);
+        let [mean, low, high]: [f64; 3] =
+            ["threshold", "threshold_low", "threshold_high"].map(|name| number(&population, name));
         let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
         let numbers: Vec<f64> = told
             .replace('−', "-")
@@ -801,8 +785,6 @@ fn requests_that_cannot_be_are_explained() {
     let expected = "all: there is no threshold of level: expected trials at two or more levels.";
     assert!(printed.contains(expected), "{printed}");
     fs::write(folder.path().join("answers.csv"), rows).unwrap();
-    let of_answers = "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b";
-    let of_ratings = "analyze answers.csv --response right --out b";
     let definition = "schema = 1\nname = \"const\"\n[stimulus]\nkind = \"mach-band\"\ncolor = \"gray\"\n[factors]\norientation_deg = \
         [0, 90]\n[task]\nkind = \"choice\"\nreference = { depth = \"inf\" }\n[adaptive]\nmethod = \"constant\"\ntrials = 10\n\
         parameter = \"width\"\nlevels = [0.01, 0.02, 0.04, 0.08, 0.16]\n";
@@ -810,33 +792,20 @@ fn requests_that_cannot_be_are_explained() {
     // One participant has no interval, and so no false alarms.
     let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
     assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
-    let (header, rows) = table(&folder.path().join("plan.csv"));
-    let places = ["found", "false_alarms", "ci_high"].map(|name| header.iter().position(|one| one == name).unwrap());
-    assert!(places.into_iter().all(|place| rows[2][place].is_empty()), "{rows:?}");
-    for (line, status, expected) in [
-        (
-            "plan const.toml --participants 4 --trials 12".to_owned(),
-            2,
-            "error: --trials 12 is not a multiple of the 5 levels; expected each level equally often",
-        ),
-        (format!("{of_answers} --exclude p9"), 2, "--exclude p9 is not a participant; expected one of p0, p1, p2"),
-        (format!("{of_answers} --levels cond=c"), 2, "cond: is not among the factors; expected --factors"),
-        (format!("{of_answers} --factors cond --levels cond=nope"), 2, "nope is not a level of cond; expected c"),
-        (format!("{of_answers} --link probit"), 2, "expected only --subject, --factors, --levels, --exclude"),
-        (
-            format!("{of_ratings} --terms num:foo"),
-            1,
-            "the column foo is missing; expected one of subject_id, cond, level",
-        ),
-        (
-            format!("{of_ratings} --factors cond --items foo"),
-            1,
-            "the column foo is missing; expected one of subject_id",
-        ),
-    ] {
-        let error = fails(folder.path(), &split(&line), status);
-        assert!(error.contains(expected), "{line}: {error}");
-    }
+    let rows = records(&folder.path().join("plan.csv"));
+    assert!(["found", "false_alarms", "ci_high"].iter().all(|name| rows[2][*name].is_empty()), "{rows:?}");
+    let cases = "2: => --trials 12 is not a multiple of the 5 levels; expected each level equally often";
+    refuses(folder.path(), "plan const.toml --participants 4 --trials 12 {}", cases);
+    let cases = r"
+        2: --exclude p9 => --exclude p9 is not a participant; expected one of p0, p1, p2
+        2: --levels cond=c => cond: is not among the factors; expected --factors
+        2: --factors cond --levels cond=nope => nope is not a level of cond; expected c
+        2: --link probit => expected only --subject, --factors, --levels, --exclude";
+    refuses(folder.path(), "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b {}", cases);
+    let cases = r"
+        1: --terms num:foo => the column foo is missing; expected one of subject_id, cond, level
+        1: --factors cond --items foo => the column foo is missing; expected one of subject_id";
+    refuses(folder.path(), "analyze answers.csv --response right --out b {}", cases);
 }
 
 /// What is not a file cannot be read, like a file without permission, so nothing is written.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::common::{
     attacks::{FILES, HANGS, PANICS, withstood},
-    command, split, succeeds, text,
+    command, split, succeeds, text, workbook,
 };
 
 /// Maximum time in seconds for an input below 1 MB.
@@ -207,213 +207,132 @@ fn obj(points: usize, faces: usize, corners: usize) -> String {
     text
 }
 
-/// A workbook in which the cells of a row share a text of a megabyte.
-fn workbook(cells: usize) -> Vec<u8> {
-    const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
-    const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
-    let links = |links: &[(&str, &str)]| {
-        let link = |(kind, to): &(&str, &str)| {
-            format!("<Relationship Id=\"{kind}\" Type=\"{OFFICE}/{kind}\" Target=\"{to}\"/>")
-        };
-        let links: String = links.iter().map(link).collect();
-        format!(
-            "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">{links}</Relationships>"
-        )
-    };
-    let cells = "<c t=\"s\"><v>0</v></c>".repeat(cells);
-    let mut packed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    for (name, text) in [
-        ("_rels/.rels", links(&[("officeDocument", "xl/workbook.xml")])),
-        (
-            "xl/_rels/workbook.xml.rels",
-            links(&[("worksheet", "worksheets/s.xml"), ("sharedStrings", "sharedStrings.xml")]),
-        ),
-        (
-            "xl/workbook.xml",
-            format!(
-                "<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets><sheet name=\"s\" sheetId=\"1\" r:id=\"worksheet\"/></sheets></workbook>"
-            ),
-        ),
-        ("xl/worksheets/s.xml", format!("<worksheet {MAIN}><sheetData><row>{cells}</row></sheetData></worksheet>")),
-        ("xl/sharedStrings.xml", format!("<sst {MAIN}><si><t>{}</t></si></sst>", "x".repeat(1 << 20))),
-    ] {
-        packed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
-        std::io::Write::write_all(&mut packed, text.as_bytes()).unwrap();
-    }
-    packed.finish().unwrap().into_inner()
-}
+/// An input: its name, its content, and what the commands say about it, separated by ` | `: a command, ` => ` and a part of
+/// its first error; nothing if it must succeed, or `*` if it may succeed or fail. Words in capitals stand for commands.
+type Case = (&'static str, Vec<u8>, String);
 
-/// What a command says about an input: a part of its first message; empty if it must succeed, or `*` if it may succeed
-/// or fail.
-type Case = (&'static str, Vec<u8>, Vec<(&'static str, &'static str)>);
+const COMMANDS: [(&str, &str); 6] = [
+    ("ANALYZE", "analyze {} --out {}.out"),
+    ("COUNTS", "counts {} --out {}.csv"),
+    ("SHADE", "shade --shader gouraud --mesh {} --metrics {}.metrics.csv"),
+    ("CALIBRATE", "calibrate {} --out {}.toml"),
+    ("PLAN", "plan {} --participants 2 --studies 1"),
+    ("COMPARE", "compare {} {} --window 5"),
+];
 
 /// Inputs below 1 MB that are as expensive as possible, each with the commands that read it.
 fn cases(full: bool) -> Vec<Case> {
     use png::{BitDepth::*, ColorType::*};
-    let analyze = "analyze {} --out {}.out";
-    let (shade, calibrate) =
-        ("shade --shader gouraud --mesh {} --metrics {}.metrics.csv", "calibrate {} --out {}.toml");
-    let plan = "plan {} --participants 2 --studies 1";
-    let readings = |count: usize| -> Vec<u8> {
-        let row = |i: usize| {
-            format!("gray,{0},{1}\n", i as f64 / (count - 1) as f64, 0.1 + (i as f64 / count as f64).powf(2.2))
-        };
-        format!("channel,level,luminance_cd_m2\n{}", (0..count).map(row).collect::<String>()).into_bytes()
+    let readings = |count: usize| -> String {
+        let level = |i: usize| i as f64 / (count - 1) as f64;
+        let row = |i: usize| format!("gray,{},{}\n", level(i), 0.1 + (i as f64 / count as f64).powf(2.2));
+        format!("channel,level,luminance_cd_m2\n{}", (0..count).map(row).collect::<String>())
     };
     let widths = |count: usize| format!("width = [{}]", list(count, |i| 0.001 + 0.99 * i as f64 / count as f64));
     let mebibyte = 1 << 20;
     let (many, bombs) = if full { (20_000, 400 * mebibyte) } else { (2_000, 100 * mebibyte) };
-    let long = |before: &str| format!("subject_id,rating,count,width\n{before}S1,1,1,1\nS2,2,1,2\n").into_bytes();
+    let long = |cell: &str| format!("subject_id,rating,count,width\nS1,1,1,{cell}\nS1,1,1,1\nS2,2,1,2\n");
     let text_bomb = |keyword: &[u8]| bomb(keyword, bombs);
+    let case =
+        |name: &'static str, content: &dyn AsRef<[u8]>, said: &str| (name, content.as_ref().to_vec(), said.into());
+    // In each row, the cells share a text of a megabyte.
+    let texts = format!("<row>{}</row>", "<c t=\"s\"><v>0</v></c>".repeat(8000));
+    let runs = definition("width = [0.1, 0.2]", "order = \"random\"\nmax_run = 1");
+    let keys: String = (0..many).map(|i| format!("k{i} = [1]\n")).collect();
+    let curve = list(40_001, |i| i as f64 / 40_000.0);
+    let profile = "schema = 1\nname = \"x\"\ntransfer = \"table\"";
+    let [a, b] = ["a", "b"].map(|letter| letter.repeat(500_000));
     let mut cases: Vec<Case> = vec![
-        (
-            "levels.csv",
-            ratings(2 * many, 2, 1, many, 4).into(),
-            vec![(analyze, "the number of levels of f0 is"), ("counts {} --out {}.csv", "")],
-        ),
-        (
-            "cell.csv",
-            long(&format!("S1,1,1,{}\n", "x".repeat(200_000))),
-            vec![(analyze, "the number of bytes of the name"), ("counts {} --out {}.csv", "")],
-        ),
-        (
-            "row.csv",
-            long(&format!("S1,1,1,{}\n", "1,".repeat(450_000))),
-            vec![("counts {} --out {}.csv", "the row has")],
-        ),
-        (
-            "columns.csv",
-            ratings(2, 2, 3000, 2, 4).into(),
-            vec![(analyze, "the number of factors is"), ("check {}", "column 1")],
-        ),
-        (
-            "people.csv",
-            ratings(60_000, 30_000, 1, 2, 4).into(),
-            vec![(analyze, "the number of participants is"), ("counts {} --out {}.csv", "")],
-        ),
-        (
+        case("levels.csv", &ratings(2 * many, 2, 1, many, 4), "ANALYZE => the number of levels of f0 is | COUNTS"),
+        case("cell.csv", &long(&"x".repeat(200_000)), "ANALYZE => the number of bytes of the name | COUNTS"),
+        case("row.csv", &long(&"1,".repeat(450_000)), "COUNTS => the row has"),
+        case("columns.csv", &ratings(2, 2, 3000, 2, 4), "ANALYZE => the number of factors is | check {} => column 1"),
+        case("people.csv", &ratings(60_000, 30_000, 1, 2, 4), "ANALYZE => the number of participants is | COUNTS"),
+        case(
             "rows.csv",
-            format!("subject_id,rating,count,width\n{}", "1\n".repeat(400_000)).into(),
-            vec![(analyze, "the row has 1 cell")],
+            &format!("subject_id,rating,count,width\n{}", "1\n".repeat(400_000)),
+            "ANALYZE => the row has 1 cell",
         ),
-        (
+        case(
             "terms.csv",
-            ratings(4_800, 8, 5, 20, 4).into(),
-            vec![(analyze, "minutes of one processor; expected at most 5: use num:FACTOR")],
+            &ratings(4_800, 8, 5, 20, 4),
+            "ANALYZE => minutes of one processor; expected at most 5: use num:FACTOR",
         ),
-        (
+        case(
             "times.csv",
-            ratings(4_800, 8, 2, 3, 400).into(),
-            vec![
-                (
-                    "analyze {} --response rating --out {}.out",
-                    "the number of different values is 255 or more; expected",
-                ),
-                ("counts {} --response rating --out {}.csv", "the number of different values is 255 or more; expected"),
-            ],
+            &ratings(4_800, 8, 2, 3, 400),
+            "ANALYZE --response rating => the number of different values is 255 or more; expected | \
+             COUNTS --response rating => the number of different values is 255 or more; expected",
         ),
-        (
+        case(
             "quotes.csv",
-            format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)).into(),
-            vec![(analyze, "*"), ("check {}", "*")],
+            &format!("subject_id,rating,count,width\n{}\"", "\"a\"\"\n".repeat(100_000)),
+            "ANALYZE => * | check {} => *",
         ),
-        (
+        case(
             "texts.xlsx",
-            workbook(8000),
-            vec![("counts {} --out {}.csv", "the sheet has more than 67108864 bytes as CSV; expected fewer")],
+            &workbook(&[("s", &texts)], &"x".repeat(1 << 20)),
+            "COUNTS => the sheet has more than 67108864 bytes as CSV; expected fewer",
         ),
-        (
+        case(
             "readings.csv",
-            readings(many.max(5000)),
-            vec![(calibrate, "the number of readings is"), ("check {}", "the number of readings is")],
+            &readings(many.max(5000)),
+            "CALIBRATE => the number of readings is | check {} => the number of readings is",
         ),
-        (
+        case(
             "blocks.toml",
-            definition(&widths(50_000), "order = \"blocked:width\"").into(),
-            vec![
-                ("check {}", ""),
-                (plan, "the number of levels of width"),
-                ("predict {}", "the number of conditions is"),
-            ],
+            &definition(&widths(50_000), "order = \"blocked:width\""),
+            "check {} | PLAN => the number of levels of width | predict {} => the number of conditions is",
         ),
-        (
-            "runs.toml",
-            definition("width = [0.1, 0.2]", "order = \"random\"\nmax_run = 1")
-                .replace("repetitions = 1", "repetitions = 40000")
-                .into(),
-            vec![("check {}", "*")],
-        ),
-        (
-            "keys.toml",
-            definition(&(0..many).map(|i| format!("k{i} = [1]\n")).collect::<String>(), "").into(),
-            vec![("check {}", "unknown key")],
-        ),
-        ("deep.toml", format!("x = {}", "[".repeat(500_000)).into(), vec![("check {}", "is not valid TOML")]),
-        (
-            "number.toml",
-            definition(&format!("width = [{}]", "9".repeat(500_000)), "").into(),
-            vec![("check {}", "width")],
-        ),
-        (
+        case("runs.toml", &runs.replace("repetitions = 1", "repetitions = 40000"), "check {} => *"),
+        case("keys.toml", &definition(&keys, ""), "check {} => unknown key"),
+        case("deep.toml", &format!("x = {}", "[".repeat(500_000)), "check {} => is not valid TOML"),
+        case("number.toml", &definition(&format!("width = [{}]", "9".repeat(500_000)), ""), "check {} => width"),
+        case(
             "profile.toml",
-            format!(
-                "schema = 1\nname = \"x\"\ntransfer = \"table\"\nencoded = [{0}]\nlinear = [{0}]\n",
-                list(40_001, |i| i as f64 / 40_000.0)
-            )
-            .into(),
-            vec![("check {}", "*"), ("predict --display {}", "*")],
+            &format!("{profile}\nencoded = [{curve}]\nlinear = [{curve}]\n"),
+            "check {} => * | predict --display {} => *",
         ),
-        (
+        case(
             "wide.png",
-            png(8192, Sixteen, Rgb, None),
-            vec![("check {}", "no text chunk"), ("compare {} {} --window 5", "has 8192 × 8192 pixels")],
+            &png(8192, Sixteen, Rgb, None),
+            "check {} => no text chunk | COMPARE => has 8192 × 8192 pixels",
         ),
-        (
+        case(
             "ztxt.png",
-            png(64, Eight, Grayscale, Some((*b"zTXt", text_bomb(b"machband\0\0")))),
-            vec![("check {}", "no text chunk"), ("compare {} {} --window 5 --black 0", "no light")],
+            &png(64, Eight, Grayscale, Some((*b"zTXt", text_bomb(b"machband\0\0")))),
+            "check {} => no text chunk | COMPARE --black 0 => no light",
         ),
-        (
+        case(
             "iccp.png",
-            png(64, Eight, Grayscale, Some((*b"iCCP", text_bomb(b"p\0\0")))),
-            vec![("check {}", "no text chunk"), ("compare {} {} --window 5", "has a color profile that is too large")],
+            &png(64, Eight, Grayscale, Some((*b"iCCP", text_bomb(b"p\0\0")))),
+            "check {} => no text chunk | COMPARE => has a color profile that is too large",
         ),
-        ("corners.obj", obj(1024, 40, 1025).into(), vec![(shade, "the number of corners is 1025")]),
-        ("layers.obj", layers(39).into(), vec![(shade, "cover its outline")]),
-        (
+        case("corners.obj", &obj(1024, 40, 1025), "SHADE => the number of corners is 1025"),
+        case("layers.obj", &layers(39), "SHADE => cover its outline"),
+        case(
             "words.toml",
-            format!(
-                "schema = 1\nname = \"b\"\n{}= 1\n[stimulus]\nkind = \"{}\"\n",
-                "a".repeat(500_000),
-                "b".repeat(500_000)
-            )
-            .into(),
-            vec![("check {}", "aaaa … aaaa"), ("predict {}", "aaaa … aaaa")],
+            &format!("schema = 1\nname = \"b\"\n{a}= 1\n[stimulus]\nkind = \"{b}\"\n"),
+            "check {} => aaaa … aaaa | predict {} => aaaa … aaaa",
         ),
-        ("edges.obj", obj(50, 4 * many, 3).into(), vec![(shade, "*")]),
+        case("edges.obj", &obj(50, 4 * many, 3), "SHADE => *"),
     ];
     let all: String = (0..250).map(|category| format!("{category},")).collect();
-    let named = |terms: &str| -> &'static str {
-        format!("analyze {{}} --response rating --categories {all}250 {terms} --out {{}}.out").leak()
-    };
+    let named = format!("ANALYZE --response rating --categories {all}250");
     if full {
         cases.extend([
-            ("at_readings.csv", readings(4000), vec![(calibrate, "")]),
-            ("at_levels.csv", ratings(40_000, 20, 1, 120, 4).into(), vec![(analyze, "")]),
-            ("at_people.csv", ratings(60_000, 20_000, 1, 3, 4).into(), vec![(analyze, "")]),
-            (
-                "at_people_and_categories.csv",
-                ratings(48_000, 12_000, 2, 10, 250).into(),
-                vec![(named("--terms f0"), "")],
-            ),
-            ("at_factors.csv", ratings(5_000, 20, 10, 3, 4).into(), vec![(analyze, "")]),
-            ("at_coefficients.csv", ratings(5_000, 20, 6, 20, 4).into(), vec![(analyze, "minutes of one processor")]),
-            ("at_categories.csv", ratings(50_000, 20, 1, 8, 250).into(), vec![(named(""), "")]),
-            ("at_corners.obj", obj(1024, 150, 1024).into(), vec![(shade, "*")]),
-            ("at_pixels.png", png(4096, Sixteen, Rgb, None), vec![("check {}", "no text chunk")]),
-            ("at_conditions.toml", definition(&widths(500), "").into(), vec![("predict {}", "")]),
-            ("at_plan.toml", definition(&widths(120), "").into(), vec![(plan, "")]),
-        ] as [Case; 11]);
+            case("at_readings.csv", &readings(4000), "CALIBRATE"),
+            case("at_levels.csv", &ratings(40_000, 20, 1, 120, 4), "ANALYZE"),
+            case("at_people.csv", &ratings(60_000, 20_000, 1, 3, 4), "ANALYZE"),
+            case("at_people_and_categories.csv", &ratings(48_000, 12_000, 2, 10, 250), &format!("{named} --terms f0")),
+            case("at_factors.csv", &ratings(5_000, 20, 10, 3, 4), "ANALYZE"),
+            case("at_coefficients.csv", &ratings(5_000, 20, 6, 20, 4), "ANALYZE => minutes of one processor"),
+            case("at_categories.csv", &ratings(50_000, 20, 1, 8, 250), &named),
+            case("at_corners.obj", &obj(1024, 150, 1024), "SHADE => *"),
+            case("at_pixels.png", &png(4096, Sixteen, Rgb, None), "check {} => no text chunk"),
+            case("at_conditions.toml", &definition(&widths(500), ""), "predict {}"),
+            case("at_plan.toml", &definition(&widths(120), ""), "PLAN"),
+        ]);
     }
     cases
 }
@@ -424,10 +343,12 @@ fn cases(full: bool) -> Vec<Case> {
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();
     let mut runs = 0;
-    for (name, content, lines) in cases(measured().is_some()) {
+    for (name, content, said) in cases(measured().is_some()) {
         assert!(content.len() < 1 << 20, "{name}: {}", content.len());
         fs::write(folder.path().join(name), content).unwrap();
-        for (line, expected) in lines {
+        for said in said.split(" | ") {
+            let (line, expected) = said.split_once(" => ").unwrap_or((said, ""));
+            let line = COMMANDS.iter().fold(line.to_owned(), |line, (word, command)| line.replace(word, command));
             let line = line.replace("{}", name);
             let (status, messages, cost) = bounded(folder.path(), &line);
             runs += 1;

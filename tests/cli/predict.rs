@@ -4,7 +4,7 @@ use std::fs;
 
 use machband::store::definition;
 
-use crate::common::{fails, split, succeeds};
+use crate::common::{fails, refuses, split, succeeds};
 
 fn column(table: &str, name: &str) -> Vec<String> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
@@ -84,26 +84,16 @@ fn impossible_predictions_are_reported() {
     let gray = definition::BUILT_IN.iter().find(|one| one.name == "quick").unwrap().text.replace("yellow", "gray");
     fs::write(folder.path().join("gray.toml"), gray.replace("\"quick\"", "\"gray\"")).unwrap();
     succeeds(folder.path(), &split("simulate quick --participants 2"));
-    let error = fails(folder.path(), &split("predict gray.toml --fit results/quick"), 2);
-    assert!(error.contains("those of quick; expected those of gray"), "{error}");
-    for (line, status, part) in [
-        ("predict --window=-1", 2, "--window"),
-        ("predict bangay2003 --fit nowhere", 1, "nowhere"),
-        ("predict --low 0 --high 0 --black 0", 1, "mach-band: "),
-        ("predict --kind kanizsa --size 5000", 2, "too large"),
-        ("predict --criterion none.toml", 1, "none.toml"),
-    ] {
-        let error = fails(folder.path(), &split(line), status);
-        assert!(error.contains(part), "{error}");
-    }
-}
-
-#[test]
-fn a_window_that_is_too_wide_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let error = fails(folder.path(), &split("predict --width 0.2 --window 359"), 2);
-    assert!(error.contains("--window: with what surrounds the stimulus, the image extends over 3"), "{error}");
-    assert!(error.contains("degrees; expected at most 360"), "{error}");
+    let cases = r"
+        2: gray.toml --fit results/quick => those of quick; expected those of gray
+        2: --window=-1 => --window
+        2: --width 0.2 --window 359 => --window: with what surrounds the stimulus, the image extends over 3
+        2: --width 0.2 --window 359 => degrees; expected at most 360
+        2: --kind kanizsa --size 5000 => too large
+        1: bangay2003 --fit nowhere => nowhere
+        1: --low 0 --high 0 --black 0 => mach-band:
+        1: --criterion none.toml => none.toml";
+    refuses(folder.path(), "predict {}", cases);
 }
 
 /// What the table of a study's own pictures says is a level as it is written: `007` and `7` differ.

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{command, fails, golden_path, succeeds, table, text};
+use crate::common::{command, golden_path, records, refuses, split, succeeds, table, text};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -14,9 +14,7 @@ fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
 
 /// Returns a column of a table as numbers.
 fn numbers(path: &Path, column: &str) -> Vec<f64> {
-    let (header, rows) = table(path);
-    let place = header.iter().position(|name| name == column).unwrap_or_else(|| panic!("{header:?}"));
-    rows.iter().map(|row| row[place].parse().unwrap_or(f64::NAN)).collect()
+    records(path).iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
 }
 
 /// The example of psignifit's documentation has psignifit's threshold, also as single trials, with decimal commas, and on
@@ -63,21 +61,18 @@ fn tables_of_other_programs_are_read() {
 
     fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
     let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:3:5: right is \"12\"; expected no more correct answers than trials"), "{told}");
-    assert!(told.contains("wrong.csv:4:1: x is \"high\"; expected a level, which is a number"), "{told}");
-    let told = fails(folder.path(), &[&columns[..], &["--log"]].concat(), 1);
-    assert!(told.contains("wrong.csv:3:5"), "{told}");
-    let told = fails(folder.path(), &[&columns[..], &["--link=probit"]].concat(), 2);
-    assert!(told.contains("--link: does not apply to answers at levels"), "{told}");
+    let refused = |cases: &str| refuses(folder.path(), &format!("{} {{}}", columns.join(" ")), cases);
+    refused(
+        r#"1: => wrong.csv:3:5: right is "12"; expected no more correct answers than trials
+           1: => wrong.csv:4:1: x is "high"; expected a level, which is a number
+           1: --log => wrong.csv:3:5
+           2: --link probit => --link: does not apply to answers at levels"#,
+    );
     // What is said of ratings is said of answers, too.
     fs::write(path("wrong.csv"), "x,right,n,who,x\n0.1,5,10,NA,9\n").unwrap();
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:1:15: the column x appears twice; expected it once"), "{told}");
+    refused("1: => wrong.csv:1:15: the column x appears twice; expected it once");
     fs::write(path("wrong.csv"), "x,right,n,participant\n0.1,5,10,NA\n").unwrap();
-    let told = fails(folder.path(), &columns, 1);
-    assert!(told.contains("wrong.csv:2:10: participant is \"NA\"; expected a participant"), "{told}");
-    assert!(!path("wrong").exists());
+    refused(r#"1: => wrong.csv:2:10: participant is "NA"; expected a participant"#);
     let rows: String = ["J\u{f6}rg", "S1", "s1"]
         .iter()
         .flat_map(|who| [1, 2, 4, 8].map(|level| format!("0,{level}\t{}\t10\t{who}\n", 5 + level / 2)))
@@ -99,15 +94,15 @@ fn tables_of_other_programs_are_read() {
 #[test]
 fn studies_of_thresholds_are_planned() {
     let folder = tempfile::tempdir().unwrap();
-    let plan = |words: &[&str]| {
-        succeeds(folder.path(), &[&["plan", "threshold-width", "--out=plan.csv", "--force"], words].concat());
+    let plan = |options: &str| {
+        succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
         folder.path().join("plan.csv")
     };
-    let none = plan(&["--participants=5", "--studies=100"]);
-    let false_alarms = numbers(&none, "false_alarms")[2];
+    let false_alarms = numbers(&plan("--participants 5 --studies 100"), "false_alarms")[2];
     assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
 
-    let large = plan(&["--participants=4,10", "--trials=20,50", "--studies=16", "--effect=orientation_deg:90=0.3"]);
+    let large =
+        plan("--participants 4,10 --trials 20,50 --studies 16 --effect orientation_deg:90=0.3 --preregistration p.md");
     let (error, width, power) = (numbers(&large, "error"), numbers(&large, "half_width"), numbers(&large, "power"));
     // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
     assert_eq!(numbers(&large, "participants").len(), 12);
@@ -115,15 +110,12 @@ fn studies_of_thresholds_are_planned() {
     assert!(error[6] < 0.8 * error[0], "{error:?}");
     assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
 
-    let text = {
-        plan(&["--participants=4,10", "--studies=16", "--effect=orientation_deg:90=0.4", "--preregistration=p.md"]);
-        fs::read_to_string(folder.path().join("p.md")).unwrap()
-    };
+    let text = fs::read_to_string(folder.path().join("p.md")).unwrap();
     for expected in [
-        "orientation 90° − 0°: the threshold at the first of these levels is higher. The difference planned for is 0.4",
+        "orientation 90° − 0°: the threshold at the first of these levels is higher. The difference planned for is 0.3",
         "The level, width from 0.005 to 0.8, is chosen by QUEST+.",
         "Every participant answers in 2 conditions, the combinations of orientation (0°, 90°).",
-        "4 participants with 40 trials of each condition: orientation 90° − 0°, half-width",
+        "4 participants with 20 trials of each condition: orientation 90° − 0°, half-width",
         "the guess rate γ is .50",
         "machband analyze results/threshold-width --out analysis",
     ] {
@@ -134,28 +126,20 @@ fn studies_of_thresholds_are_planned() {
     let two = definition.replace("high = 0.75\n", "").replace("[0, 90]", "[0, 90]\nhigh = [0.7, 0.75]");
     let definition = two.replace("[design]", "[design]\nmax_run = 1");
     fs::write(folder.path().join("run.toml"), definition).unwrap();
-    let told = fails(folder.path(), &["plan", "run.toml", "--participants=4"], 1);
-    assert!(told.contains("max_run = 1"), "{told}");
-
-    for (words, expected) in [
-        (&["--effect=orientation:90=0.3"][..], "orientation is not a factor; expected orientation_deg"),
-        (&["--effect=orientation_deg:45=0.3"], "orientation_deg has no level 45; expected one of 0, 90"),
-        (&["--effect=slop=3"], "the observer has no such parameter; expected one of threshold"),
-        (&["--effect=lapse=0.9"], "expected 0…0.5"),
-        (&["--terms=width"], "does not apply to thresholds"),
-        (&["--link=probit"], "does not apply to thresholds"),
-        (&["--alpha=0.01"], "expected 0.05, because a difference is found by its 95 % interval"),
-    ] {
-        let told = fails(folder.path(), &[&["plan", "threshold-width", "--participants=4"], words].concat(), 2);
-        assert!(told.contains(expected), "{told}");
-    }
-    let told = fails(folder.path(), &["plan", "quick", "--participants=4", "--trials=20"], 2);
-    assert!(told.contains("--trials: does not apply to ratings"), "{told}");
-    let told = fails(folder.path(), &["plan", "pairs-shaders", "--participants=4"], 2);
-    assert!(told.contains("expected a rating on a scale of categories, or a task with [adaptive]"), "{told}");
-    assert!(told.contains("run machband simulate pairs-shaders --participants 8"), "{told}");
     let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
     fs::write(folder.path().join("a.toml"), adjust).unwrap();
-    let told = fails(folder.path(), &["plan", "a.toml", "--participants=4"], 2);
-    assert!(told.contains("run machband simulate a.toml --participants 8"), "{told}");
+    let cases = r"
+        1: run.toml => max_run = 1
+        2: a.toml => run machband simulate a.toml --participants 8
+        2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
+        2: pairs-shaders => run machband simulate pairs-shaders --participants 8
+        2: quick --trials 20 => --trials: does not apply to ratings
+        2: threshold-width --effect orientation:90=0.3 => orientation is not a factor; expected orientation_deg
+        2: threshold-width --effect orientation_deg:45=0.3 => orientation_deg has no level 45; expected one of 0, 90
+        2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
+        2: threshold-width --effect lapse=0.9 => expected 0…0.5
+        2: threshold-width --terms width => does not apply to thresholds
+        2: threshold-width --link probit => does not apply to thresholds
+        2: threshold-width --alpha 0.01 => expected 0.05, because a difference is found by its 95 % interval";
+    refuses(folder.path(), "plan {} --participants 4", cases);
 }

@@ -4,12 +4,14 @@
 #![allow(dead_code)]
 
 use std::{
+    collections::BTreeMap,
     ffi::OsStr,
     fmt::Debug,
     fs,
     io::Write as _,
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
+    str::FromStr,
 };
 
 use machband::{
@@ -76,6 +78,52 @@ pub fn table(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
     (header, reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect())
 }
 
+/// A row of a table: its cells by the names of their columns.
+pub type Record = BTreeMap<String, String>;
+
+/// The rows of a CSV file, without comments.
+pub fn records(path: &Path) -> Vec<Record> {
+    let (header, rows) = table(path);
+    rows.into_iter().map(|row| header.iter().cloned().zip(row).collect()).collect()
+}
+
+/// A cell as a number.
+#[track_caller]
+pub fn number<T: FromStr<Err: Debug>>(row: &Record, column: &str) -> T {
+    row[column].parse().unwrap_or_else(|error| panic!("{column} of {row:?}: {error:?}"))
+}
+
+/// A workbook with these sheets, as XML, and one text that cells may share.
+pub fn workbook(sheets: &[(&str, &str)], shared: &str) -> Vec<u8> {
+    const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
+    const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
+    let mut packed = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let mut add = |name: &str, text: String| {
+        packed.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        packed.write_all(text.as_bytes()).unwrap();
+    };
+    let link = |id: &str, kind: &str, to: &str| {
+        format!("<Relationship Id=\"{id}\" Type=\"{OFFICE}/{kind}\" Target=\"{to}\"/>")
+    };
+    let (mut names, mut links) = (String::new(), link("shared", "sharedStrings", "sharedStrings.xml"));
+    for (index, (name, rows)) in sheets.iter().enumerate() {
+        let (id, file) = (format!("r{}", index + 1), format!("worksheets/s{}.xml", index + 1));
+        names += &format!("<sheet name=\"{name}\" sheetId=\"{}\" r:id=\"{id}\"/>", index + 1);
+        links += &link(&id, "worksheet", &file);
+        add(&format!("xl/{file}"), format!("<worksheet {MAIN}><sheetData>{rows}</sheetData></worksheet>"));
+    }
+    let relations = "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"";
+    let of = link("r", "officeDocument", "xl/workbook.xml");
+    add("_rels/.rels", format!("<Relationships {relations}>{of}</Relationships>"));
+    add("xl/_rels/workbook.xml.rels", format!("<Relationships {relations}>{links}</Relationships>"));
+    // Plain numbers, and the formats of dates and times.
+    let styles = [0, 14, 22, 46, 21].map(|format| format!("<xf numFmtId=\"{format}\"/>")).concat();
+    add("xl/styles.xml", format!("<styleSheet {MAIN}><cellXfs count=\"5\">{styles}</cellXfs></styleSheet>"));
+    add("xl/sharedStrings.xml", format!("<sst {MAIN}><si><t>{shared}</t></si></sst>"));
+    add("xl/workbook.xml", format!("<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets>{names}</sheets></workbook>"));
+    packed.finish().unwrap().into_inner()
+}
+
 /// The path of a file in `tests/golden`.
 pub fn golden_path(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(file)
@@ -123,6 +171,20 @@ pub fn fails<S: AsRef<OsStr> + Debug>(folder: &Path, arguments: &[S], status: i3
     assert!(errors.starts_with("error: "), "{arguments:?}: {errors}");
     assert_eq!(text(&output.stdout), "", "{arguments:?}");
     errors
+}
+
+/// Runs commands that must fail and write nothing. A line has an exit status and `: `, what stands for `{}` in the command,
+/// ` => `, and a part of the error.
+pub fn refuses(folder: &Path, command: &str, cases: &str) {
+    let before = everything(folder);
+    for case in cases.lines().map(str::trim).filter(|case| !case.is_empty()) {
+        let (given, expected) = case.split_once(" => ").unwrap_or_else(|| panic!("{case}"));
+        let (status, words) = given.split_once(":").unwrap();
+        let line = command.replace("{}", words.trim());
+        let error = fails(folder, &split(&line), status.parse().unwrap());
+        assert!(error.contains(expected), "{line}: expected {expected}: {error}");
+    }
+    assert!(everything(folder) == before, "{command}");
 }
 
 /// Every file below a folder and its content, in a fixed order. The content of a link is its target.

@@ -6,29 +6,18 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use machband::{
-    experiment::Identity,
-    store::{
-        export::{Choice, Exported, Format, export},
-        ratings::Listed,
-        session::{SessionStore, repair},
-    },
+use machband::store::{
+    export::{Choice, Exported, Format, export},
+    ratings::Listed,
+    session::repair,
 };
 
 use crate::{
     common::{command, everything, fails, machband, rows, session_csv, skip, succeeds, text},
-    recording::{self, SEED, sitting, small},
+    recording::{record, small},
 };
 
 const FORMATS: [Format; 2] = [Format::Bids, Format::PsychDs];
-
-/// Records up to `limit` trials of a participant.
-fn record(results: &Path, subject: &str, limit: usize) -> SessionStore {
-    let (protocol, identity) = (small(), Identity::new(subject, "1").unwrap());
-    let mut store = SessionStore::create(results, &protocol, &identity, SEED, sitting()).unwrap();
-    recording::rate(&mut store, (&protocol, &identity), None, limit, false).unwrap();
-    store
-}
 
 fn csv(results: &Path, subject: &str) -> PathBuf {
     session_csv(results, "small-one", subject)
@@ -231,32 +220,6 @@ fn repair_does_not_leave_the_folder_through_a_link() {
         fs::remove_dir_all(&inside).unwrap();
     }
     assert_eq!(everything(&outside), before);
-}
-
-/// A row lost a part in its middle: the error of resuming names the command that helps.
-#[test]
-fn resuming_a_damaged_session_names_repair() {
-    let scratch = tempfile::tempdir().unwrap();
-    drop(record(scratch.path(), "S001", 4));
-    let csv = csv(scratch.path(), "S001");
-    fs::write(&csv, fs::read_to_string(&csv).unwrap().replacen("mach-band,", "", 1)).unwrap();
-    let error = recording::resume(scratch.path()).map(|_| ()).unwrap_err().to_string();
-    assert!(error.contains("machband repair moves such lines"), "{error}");
-    repair(&csv).unwrap();
-    assert_eq!(recording::resume(scratch.path()).unwrap().1.resumed.done.len(), 3);
-}
-
-#[test]
-fn levels_with_a_zero_byte_are_errors() {
-    let scratch = tempfile::tempdir().unwrap();
-    let rows: String = (0..80).map(|row| format!("S{},{},{}\n", row % 4, ["a", "b"][row / 2 % 2], row % 3)).collect();
-    let table = format!("subject_id,width,rating\n{rows}").replacen("S1,a", "S1,a\0", 1);
-    fs::write(scratch.path().join("nul.csv"), table).unwrap();
-    let arguments = ["analyze", "nul.csv", "--factors", "width", "--out", "out"];
-    let said = text(&machband(scratch.path(), &arguments).stderr);
-    assert!(said.contains("nul.csv:3:4: the cell contains a zero byte; expected text"), "{said}");
-    let script = fs::read(scratch.path().join("out/analysis.R")).unwrap();
-    assert!(!script.contains(&0));
 }
 
 /// What people do to the table by hand: no `sub-`, lower case, the line ends of an old spreadsheet. An export has the

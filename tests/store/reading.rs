@@ -128,6 +128,11 @@ fn with_factors(names: &[&str]) -> ReadOptions {
     ReadOptions { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..ReadOptions::default() }
 }
 
+/// The options of a table that names no program: its response and its factors.
+fn of(response: &str, factors: &[&str]) -> ReadOptions {
+    ReadOptions { response: Some(response.to_owned()), ..with_factors(factors) }
+}
+
 const LONG: &str = "who,width,depth,answer,n\nA,0.1,1,2,1\nB,0.4,inf,0,3\nA,NA,1,3,2\n";
 const LONG_ROWS: [&str; 3] = ["A 0.1|1 2 1", "B 0.4|inf 0 3", "A |1 3 2"];
 
@@ -469,11 +474,11 @@ mod elsewhere {
     use zip::{ZipWriter, write::SimpleFileOptions};
 
     use super::*;
+    use crate::common::workbook;
 
     /// Reads a table with a response, a factor, and the usual name of the participants' column.
-    fn study(path: &Path, response: &str, factor: &str, how: ReadOptions) -> Study {
-        let how = ReadOptions { response: Some(response.to_owned()), factors: with_factors(&[factor]).factors, ..how };
-        Study::read(&[path.to_owned()], &how).unwrap_or_else(|error| panic!("{error}"))
+    fn study(path: &Path, response: &str, factor: &str) -> Study {
+        Study::read(&[path.to_owned()], &of(response, &[factor])).unwrap_or_else(|error| panic!("{error}"))
     }
 
     fn warnings(study: &Study) -> Vec<String> {
@@ -500,20 +505,15 @@ mod elsewhere {
         let text = "subject,gr\u{f6}\u{df}e,note,y\nM\u{fc}ller,\u{80}5,\u{e4},1\nMay,x,ok,2\nMay,x,\u{fc},3\n";
         let latin: Vec<u8> = text.chars().map(|char| char as u8).collect();
         let path = file(&folder, "latin1.csv", &latin);
-        let read = study(&path, "y", "größe", ReadOptions::default());
+        let read = study(&path, "y", "größe");
         let expected = [("May", vec!["x"], "2", 1), ("May", vec!["x"], "3", 1), ("Müller", vec!["€5"], "1", 1)];
         assert_eq!((counts(&read), &read.source.errors), (expected.to_vec(), &vec![]));
         assert_eq!(warnings(&read), ["1:11: is not UTF-8 text and was read as Windows-1252; expected UTF-8"]);
         // Excel's "Unicode text".
         for (bom, bytes) in [([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]), ([0xfe, 0xff], u16::to_be_bytes)] {
             let text = text.replace(',', "\t").replace('\u{80}', "€");
-            let wide = text.encode_utf16().flat_map(bytes);
-            let wide = study(
-                &file(&folder, "wide.txt", bom.into_iter().chain(wide).collect::<Vec<u8>>()),
-                "y",
-                "größe",
-                ReadOptions::default(),
-            );
+            let wide: Vec<u8> = bom.into_iter().chain(text.encode_utf16().flat_map(bytes)).collect();
+            let wide = study(&file(&folder, "wide.txt", wide), "y", "größe");
             assert_eq!((counts(&wide), warnings(&wide)), (expected.to_vec(), vec![]));
         }
     }
@@ -523,7 +523,7 @@ mod elsewhere {
     fn a_column_that_is_not_used_drops_no_row() {
         let folder = tempfile::tempdir().unwrap();
         let text = b"subject,cond,note,y\nA,a,\0,1\nA,b,\xff\xfe\x81,2\nB,a,\0\xe4,3\nB,b,two,cells,2\n".to_vec();
-        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["cond"]) };
+        let how = of("y", &["cond"]);
         let path = file(&folder, "t.csv", text);
         assert_eq!(try_read(&[&path], &how).unwrap().1, ["A a 1 1", "A b 2 1", "B a 3 1"]);
         assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 5 cells; expected 4, as in the header"]);
@@ -542,16 +542,15 @@ mod elsewhere {
             let text = format!("{start}subject;c;y{end}A;0{point}5;1{end}A;1;2{point}5{end}B;2;x;{end}")
                 .replace(';', separator);
             let path = file(&folder, "t.csv", text);
-            let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
+            let how = of("y", &["c"]);
             assert_eq!(
                 try_read(&[&path], &how).unwrap().1,
                 ["A 0.5 1 1".to_owned(), "A 1 2.5 1".to_owned()],
                 "{start:?}"
             );
             assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 4 cells; expected 3, as in the header"]);
-            let how = ReadOptions { response: Some("answer".to_owned()), ..how };
             assert_eq!(
-                errors(&[&path], &how),
+                errors(&[&path], &of("answer", &["c"])),
                 ["t.csv:2:1: the column answer is missing; expected one of subject, c, y"]
             );
         }
@@ -561,37 +560,6 @@ mod elsewhere {
         let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
         packed.write_all(text).unwrap();
         packed.finish().unwrap()
-    }
-
-    /// A workbook with these sheets, as XML.
-    fn workbook(sheets: &[(&str, &str)]) -> Vec<u8> {
-        const MAIN: &str = "xmlns=\"http://schemas.openxmlformats.org/spreadsheetml/2006/main\"";
-        const OFFICE: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
-        let mut packed = ZipWriter::new(Cursor::new(Vec::new()));
-        let mut add = |name: &str, text: String| {
-            packed.start_file(name, SimpleFileOptions::default()).unwrap();
-            packed.write_all(text.as_bytes()).unwrap();
-        };
-        let (mut names, mut links) = (String::new(), String::new());
-        for (index, (name, rows)) in sheets.iter().enumerate() {
-            names += &format!("<sheet name=\"{name}\" sheetId=\"{0}\" r:id=\"r{0}\"/>", index + 1);
-            links += &format!(
-                "<Relationship Id=\"r{0}\" Type=\"{OFFICE}/worksheet\" Target=\"worksheets/s{0}.xml\"/>",
-                index + 1
-            );
-            add(
-                &format!("xl/worksheets/s{}.xml", index + 1),
-                format!("<worksheet {MAIN}><sheetData>{rows}</sheetData></worksheet>"),
-            );
-        }
-        let relations = "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"";
-        let of = format!("<Relationship Id=\"r\" Type=\"{OFFICE}/officeDocument\" Target=\"xl/workbook.xml\"/>");
-        add("_rels/.rels", format!("<Relationships {relations}>{of}</Relationships>"));
-        add("xl/_rels/workbook.xml.rels", format!("<Relationships {relations}>{links}</Relationships>"));
-        let styles = [0, 14, 22, 46, 21].map(|format| format!("<xf numFmtId=\"{format}\"/>")).concat();
-        add("xl/styles.xml", format!("<styleSheet {MAIN}><cellXfs count=\"5\">{styles}</cellXfs></styleSheet>"));
-        add("xl/workbook.xml", format!("<workbook {MAIN} xmlns:r=\"{OFFICE}\"><sheets>{names}</sheets></workbook>"));
-        packed.finish().unwrap().into_inner()
     }
 
     /// Dates and times of a workbook are texts as in ISO 8601 and no numbers of days; what is no date of Excel's is a number.
@@ -610,7 +578,7 @@ mod elsewhere {
         let head =
             ["subject", "day", "y"].map(|name| format!("<c t=\"inlineStr\"><is><t>{name}</t></is></c>")).concat();
         let sheet = format!("<row r=\"1\">{head}</row>{}", cells.map(row).collect::<String>());
-        let read = study(&file(&folder, "t.xlsx", workbook(&[("One", &sheet)])), "y", "day", ReadOptions::default());
+        let read = study(&file(&folder, "t.xlsx", workbook(&[("One", &sheet)], "")), "y", "day");
         let mut levels = read.measured.counts.factors[0].levels.clone();
         levels.sort_unstable();
         assert_eq!(levels, ["-3", "06:00:00", "2024-01-05", "2024-01-05T12:30:00", "37:00:01", "7.5"]);
@@ -634,14 +602,14 @@ mod elsewhere {
             // The value of this formula is an empty text.
             + "<c r=\"G4\" t=\"str\"><f>IF(TRUE,\"\")</f><v></v></c>"
             + "</row>";
-        let plain = study(&file(&folder, "t.csv", text), "y", "c", ReadOptions::default());
-        let book = workbook(&[("Data & more".replace('&', "&amp;").as_str(), &sheet), ("Notes", "")]);
+        let plain = study(&file(&folder, "t.csv", text), "y", "c");
+        let book = workbook(&[("Data &amp; more", &sheet), ("Notes", "")], "");
         for (name, bytes) in
-            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)]))]
+            [("d/t.csv.gz", gzip(text.as_bytes())), ("t.xlsx", book), ("e/u.xlsx", workbook(&[("One", &sheet)], ""))]
         {
             let hash: String = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
             let path = file(&folder, name, bytes);
-            let read = study(&path, "y", "c", ReadOptions::default());
+            let read = study(&path, "y", "c");
             assert_eq!((&read.measured, &read.source.errors), (&plain.measured, &vec![]), "{name}");
             assert_eq!(read.source.files[0].sha256, Some(hash));
             let note =
@@ -650,19 +618,18 @@ mod elsewhere {
         }
         // In a folder, too.
         file(&folder, "e/~$u.xlsx", "the name of who opened it");
-        for inside in ["d", "e"].map(|name| study(&folder.path().join(name), "y", "c", ReadOptions::default())) {
+        for inside in ["d", "e"].map(|name| study(&folder.path().join(name), "y", "c")) {
             assert_eq!((&inside.measured, inside.source.errors), (&plain.measured, vec![]));
         }
         // The lines of a workbook are its rows.
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
-        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
-        let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)]))], &how);
+        let how = of("y", &["c"]);
+        let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)], ""))], &how);
         assert_eq!(said, ["w.xlsx: cell A4: the row has 6 cells; expected 4, as in the header"]);
         // The quoted comma in B2 ends no cell.
         let wrong = sheet.replace("<c r=\"D2\"><v>1</v>", "<c r=\"D2\"><v>1.5</v>");
-        let counted =
-            ReadOptions { response: Some("c".to_owned()), count: Some("y".to_owned()), ..with_factors(&["note"]) };
-        let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)]))], &counted);
+        let counted = ReadOptions { count: Some("y".to_owned()), ..of("c", &["note"]) };
+        let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
         assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
 
         let zeros = vec![b'0'; (64 << 20) + 1];
@@ -686,24 +653,28 @@ mod elsewhere {
         for (name, bytes, expected) in [
             ("bomb.csv.gz", gzip(&zeros), "unpacks to more than 67108864 bytes; expected fewer"),
             ("bomb.xlsx", bomb.finish().unwrap().into_inner(), "unpacks to more than 67108864 bytes; expected fewer"),
-            ("far.xlsx", workbook(&[("One", &far)]), "the sheet has more than 67108864 bytes as CSV; expected fewer"),
+            (
+                "far.xlsx",
+                workbook(&[("One", &far)], ""),
+                "the sheet has more than 67108864 bytes as CSV; expected fewer",
+            ),
             ("cut.csv.gz", short[..short.len() - 9].to_vec(), "cannot be unpacked: "),
             ("no.xlsx", b"PK\x03\x04\0\0".to_vec(), "cannot be unpacked: "),
-            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))]), ""),
+            ("row.xlsx", workbook(&[("One", &sheet.replace("\"A2\"", "\"A99999999999\""))], ""), ""),
             (
                 "formula.xlsx",
-                workbook(&[("One", &formula)]),
+                workbook(&[("One", &formula)], ""),
                 "has no value of 1 of its formulas, such as that in D4; expected values",
             ),
             // A rectangle around these cells would have 17 billion.
             (
                 "corners.xlsx",
-                workbook(&[("One", &(row("A1") + &row("XFD1048576")))]),
+                workbook(&[("One", &(row("A1") + &row("XFD1048576")))], ""),
                 "has no value of 2 of its formulas, such as that in A1; expected values",
             ),
             (
                 "column.xlsx",
-                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")]),
+                workbook(&[("One", "<row><c r=\"ZZZZZ1\"><v>1</v></c></row>")], ""),
                 "is not an Excel workbook (.xlsx): its cells are not in order, or one has no place in a sheet",
             ),
             (
@@ -711,7 +682,11 @@ mod elsewhere {
                 document.finish().unwrap().into_inner(),
                 "is an OpenDocument file; expected an Excel workbook",
             ),
-            ("none.xlsx", workbook(&[]), "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV"),
+            (
+                "none.xlsx",
+                workbook(&[], ""),
+                "is not an Excel workbook (.xlsx): it has no sheets; expected one, or CSV",
+            ),
         ] {
             let said = errors(&[&file(&folder, name, bytes)], &how);
             assert!(said.len() == 1 && said[0].starts_with(&format!("{name}: {expected}")), "{said:?}");
@@ -722,14 +697,11 @@ mod elsewhere {
     fn trials_with_extreme_times_are_left_out_on_request() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "t.csv", "subject,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
-        let how =
-            ReadOptions { time: Some("rt".to_owned()), time_limits: (Some(0.2), Some(8.5)), ..ReadOptions::default() };
-        let read = study(&path, "y", "c", how.clone());
+        let how = ReadOptions { time: Some("rt".to_owned()), time_limits: (Some(0.2), Some(8.5)), ..of("y", &["c"]) };
+        let read = Study::read(std::slice::from_ref(&path), &how).unwrap();
         assert_eq!(read.measured.counts.categories, ["2", "3", "5"]);
         assert_eq!((read.source.left_out(Reason::TooFast), read.source.left_out(Reason::TooSlow)), ((1, 1), (1, 1)));
-        let how =
-            ReadOptions { time: None, response: Some("y".to_owned()), factors: with_factors(&["c"]).factors, ..how };
-        let said = errors(&[&path], &how);
+        let said = errors(&[&path], &ReadOptions { time: None, ..how });
         assert_eq!(said, ["t.csv:1:1: the column response_time_s is missing; expected one of subject, c, y, rt"]);
     }
 
@@ -759,8 +731,7 @@ mod elsewhere {
         let of_counts = ReadOptions { factors: None, ..how };
         assert_eq!(Study::read(&[count], &of_counts).unwrap().measured.counts, read.measured.counts);
         let long = file(&folder, "l.csv", "subject,group,level,y\nA,x,low,1\nA,x,high,2\nB,y,high,3\n");
-        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["group", "level"]) };
-        assert_eq!(Study::read(&[long], &how).unwrap().measured, read.measured);
+        assert_eq!(Study::read(&[long], &of("y", &["group", "level"])).unwrap().measured, read.measured);
     }
 
     #[test]
@@ -790,12 +761,7 @@ mod elsewhere {
         ];
         let levels = ["-2", "-2.0", "NA", "nan"].into_iter().cycle();
         let rows: String = ids.iter().zip(levels).map(|(id, level)| format!("{id},{level},1\n")).collect();
-        let read = study(
-            &file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")),
-            "score",
-            "cond",
-            ReadOptions::default(),
-        );
+        let read = study(&file(&folder, "ids.csv", format!("subject,cond,score\n{rows}")), "score", "cond");
         let expected = "the IDs 01, 1, 1.0, 001, +1, 1e0, \\u{feff}01; MAR1, mar1, mar\\u{200b}1; S1, S01; \u{e9}, e\u{301} differ only in capitals, in the form of a number or in how characters are encoded, and are different participants; expected one ID for each participant";
         let found = warnings(&read);
         assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 19));
@@ -812,7 +778,7 @@ mod elsewhere {
             ("opensesame", "response", "image_size", "subject_nr", (11, 3)),
         ] {
             let path = common::golden_path(&format!("programs/{name}.csv"));
-            let read = study(&path, response, factor, ReadOptions::default());
+            let read = study(&path, response, factor);
             let counts = &read.measured.counts;
             assert_eq!((counts.total(), read.source.left_out(Reason::NoResponse).0), (ratings, missing), "{name}");
             assert_eq!((counts.subjects.len(), &read.source.errors), (2, &vec![]), "{name}");
@@ -825,8 +791,7 @@ mod elsewhere {
         // Several columns with usual names, or none: the column must be named.
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "t.csv", "id,subject,Participant,y,c\n1,A,A,1,a\n");
-        let how = ReadOptions { response: Some("y".to_owned()), ..with_factors(&["c"]) };
-        let said = errors(&[&path], &how);
+        let said = errors(&[&path], &of("y", &["c"]));
         assert_eq!(
             said,
             [
@@ -1008,8 +973,7 @@ mod errors {
         file(&folder, "d/a.csv", text);
         file(&folder, "d/b.csv", format!("\u{feff}{}", text.replace(',', ";").replace('.', ",").replace('\n', "\r\n")));
         file(&folder, "d/c.csv", text.replace("0.5", "0.6"));
-        let how = ReadOptions { response: Some("score".to_owned()), ..with_factors(&["cond"]) };
-        let warnings = read(&[&folder.path().join("d")], &how).0.warnings;
+        let warnings = read(&[&folder.path().join("d")], &of("score", &["cond"])).0.warnings;
         let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         assert!(said.len() == 1 && said[0].contains("d/b.csv: has the same content as "), "{said:?}");
     }

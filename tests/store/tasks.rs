@@ -15,7 +15,7 @@ use machband::{
 };
 
 use crate::{
-    common::{edit, fails, golden_path, json, machband, set_cell, succeeds, table, text, verified},
+    common::{edit, fails, golden_path, json, machband, number, records, set_cell, succeeds, table, text, verified},
     recording::{SEED, identity, rate, sitting},
 };
 
@@ -153,9 +153,8 @@ fn a_path_that_does_not_lead_to_the_value_is_named() {
         let body = tasks().into_iter().find(|(task, _)| *task == name).unwrap().1;
         sit(&folder.path().join(name), &protocol(&body), 5);
         let csv = csv(&folder.path().join(name));
-        let (header, rows) = table(&csv);
-        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
-        let (path, set) = (rows[3][at("path")].clone(), rows[3][at("response")].clone());
+        let row = records(&csv).remove(3);
+        let (path, set) = (&row["path"], &row["response"]);
         let late = format!("1000:{set}");
         for wrong in
             ["garbage", "1:0.2", &format!("2:0.2 1:{set}"), &format!("-1:{set}"), &format!("1:{set} "), "1:NaN", &late]
@@ -186,10 +185,9 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
         sidecar["sittings"][0].as_object_mut().unwrap().remove("seal");
         fs::write(csv.with_extension("json"), sidecar.to_string()).unwrap();
         let text = fs::read_to_string(&csv).unwrap();
-        let (header, rows) = table(&csv);
-        let at = |name: &str| header.iter().position(|column| column == name).unwrap();
-        for row in (0..rows.len() - 5).filter(|row| rows[*row][at("phase")] == "main") {
-            let answer = match rows[row][at("response")].as_str() {
+        let rows = records(&csv);
+        for row in (0..rows.len() - 5).filter(|row| rows[*row]["phase"] == "main") {
+            let answer = match rows[row]["response"].as_str() {
                 "yes" => "no",
                 "no" => "yes",
                 "1" => "2",
@@ -197,8 +195,8 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
             };
             fs::write(&csv, &text).unwrap();
             set_cell(&csv, row + 2, "response", answer);
-            if !rows[row][at("correct")].is_empty() {
-                set_cell(&csv, row + 2, "correct", if rows[row][at("correct")] == "1" { "0" } else { "1" });
+            if !rows[row]["correct"].is_empty() {
+                set_cell(&csv, row + 2, "correct", if rows[row]["correct"] == "1" { "0" } else { "1" });
             }
             // Without a seal, the session as a whole is an error; only the rows count here.
             let found = verified(&csv).errors;
@@ -225,17 +223,10 @@ fn a_wrong_level_target_or_mark_is_named() {
     sit(folder.path(), &protocol(&body), usize::MAX);
     let csv = csv(folder.path());
     let text = fs::read_to_string(&csv).unwrap();
-    let (header, rows) = table(&csv);
-    for (column, value) in [
-        ("level", "0.16"),
-        ("level", "0.03"),
-        ("correct", "0"),
-        ("target", "3"),
-        ("response", "5"),
-        ("response", "yes"),
-    ] {
-        let at = header.iter().position(|name| name == column).unwrap();
-        let line = 2 + (4..rows.len()).find(|row| rows[*row][at] != value).unwrap();
+    let rows = records(&csv);
+    for change in ["level 0.16", "level 0.03", "correct 0", "target 3", "response 5", "response yes"] {
+        let (column, value) = change.split_once(' ').unwrap();
+        let line = 2 + (4..rows.len()).find(|row| rows[*row][column] != value).unwrap();
         fs::write(&csv, &text).unwrap();
         set_cell(&csv, line, column, value);
         let errors = verified(&csv).errors;
@@ -348,7 +339,9 @@ fn adaptive_pairs_compare_neighbors_most() {
     assert!(matches!(track.pick(0.5), Pick::Pair(_)) && !track.is_over());
 }
 
-/// Tables of a definition, where its error is, and a part of its message. Words in capitals stand for the tables above.
+/// Tables of a definition, where its only error is, and a part of its message, or nothing where there is none. Words in
+/// capitals stand for the tables above and below. What a trial could not show as asked is an error, and not a default; so
+/// is an option that would have no effect.
 const MISTAKES: &str = r##"
 [task]\nkind = "chioce"\n => 7:1 => kind "chioce" is not known; expected one of rating, choice, yes-no, pair, adjust; did you mean choice?
 [task]\nscale = "slider"\n => 6:2 => task.kind is missing; expected kind = …
@@ -365,7 +358,7 @@ DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
 DEPTHS[task]\nkind = "pair"\ntrials = 9\n => 12:1 => trials applies to adaptive pairs only
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
-DEPTHS[task]\nkind = "adjust"\nparameter = "depth"\n => 12:1 => depth is a factor
+HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.1\nhigh = 0.2\nstep = 5\n => 11:1 => step 5 goes from one end to the other
 [task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown
@@ -373,15 +366,15 @@ DEPTHS[task]\nkind = "adjust"\nparameter = "depth"\n => 12:1 => depth is a facto
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
 [task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "constant"\nparameter = "tanh_k"\nlevels = [1, 9]\n => 11:1 => tanh_k changes nothing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
-CHOICE[adaptive]\nmethod = "staircase"\nparameter = "width"\n => 9:2 => adaptive.start is missing
+CHOICESTAIRSparameter = "width"\nlow = 0.1\nhigh = 0.4\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is not known
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
-QUESTsecond = { parameter = "width", levels = [1, 2], gradient = [0] }\n => 13:12 => width is varied already
-QUESTlapse = [0.9]\n => 13:10 => lapse 0.9 is outside 0…0.5
+QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [0] }\n => 13:12 => width is varied already
+YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse 0.6 is outside 0…0.5
 QUESTfunction = "cubic"\n => 13:1 => function
 QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
 QUESTstop_width = 30\n => 13:1 => stop_width 30 is reached before the first trial
@@ -389,19 +382,71 @@ CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s is that of intervals
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
+CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 2.5, 3]\n => 14:14 => depth 2.5 is not a whole number
+CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 3, 4]\n => 
+CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => depth has whole numbers only
+CHOICESTAIRSparameter = "vertices"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => vertices is not known
+CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = inf\n => 15:1 => adaptive.high is inf; expected a finite number
+CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 14:1 => high 0.75 is below low, which is 0.9
+ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
+ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
+ADJUST"orientation_deg"\nlow = 0.1\nhigh = 190\n => 10:1 => goes around half a turn or more
+ADJUST"orientation_deg"\nlow = 0.1\nhigh = 180\n => 
+ADJUST"low"\nlow = 0.1\nhigh = 0.9\n => 10:1 => high 0.75 is below low, which is 0.9
+ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
+HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
+HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
+QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [0] }\n => 13:31 => high 0.75 is below low, which is 0.9
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 
+QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
+QUESTlapse = [0.49]\n => 
+CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
+[presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to intervals
+[response]\nquestion = " "\n => 7:1 => the question is empty
+[response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
+[response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
+[design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
+ORIENTEDpairs = "chain"\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => expected no pairs
+ORIENTEDtrials = 9\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => trials applies to adaptive pairs only
+DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to pairs = "chain" only
+[factors]\ndepth = [1]\n[task]\nkind = "choice"\nreference = { tanh_k = 10 }\n => 10:15 => tanh_k 10 changes nothing that is shown
+[factors]\ndepth = [2]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 10:15 => tanh_k 10 changes nothing that is shown
+[factors]\ndepth = [1, "inf"]\n[task]\nkind = "choice"\nreference = { tanh_k = 10 }\n => 10:1 => all stimuli of a trial are the same
+[factors]\ndepth = ["inf"]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 
+[factors]\ndepth = [1, 2]\nCHOICE => 
+[factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same
+[task]\nkind = "choice"\nreference = { depth = 2, tanh_k = 10 }\n => 8:26 => tanh_k 10 changes nothing that is shown
+[task]\nkind = "choice"\nreference = { depth = "inf", tanh_k = 5 }\n => 
+[task]\nkind = "choice"\nreference = { low = 0.9 }\n => 8:1 => high 0.75 is below low, which is 0.9
 "##;
 
 #[test]
 fn bad_tasks_are_named_with_their_place() {
+    let oriented = "[factors]\norientation_deg = [0, 90]\n[task]\nkind = \"pair\"\nreference = { depth = \"inf\" }\n";
+    let tables = [
+        ("QUEST", "CHOICE[adaptive]\nmethod = \"quest-plus\"\nLEVELS"),
+        ("CONSTANT", "[adaptive]\nmethod = \"constant\"\n"),
+        ("STAIRS", "[adaptive]\nmethod = \"staircase\"\n"),
+        ("ADJUST", "[task]\nkind = \"adjust\"\nparameter = "),
+        ("HIGHS", "[factors]\nhigh = [0.6, 0.75]\n"),
+        ("ORIENTED", oriented),
+        ("CHOICE", CHOICE),
+        ("YES_NO", YES_NO),
+        ("DEPTHS", DEPTHS),
+        ("LEVELS", LEVELS),
+        ("\\n", "\n"),
+    ];
     for mistake in MISTAKES.lines().filter(|line| line.contains(" => ")) {
-        let [body, place, message] = mistake.split(" => ").collect::<Vec<_>>()[..] else { panic!("{mistake}") };
-        let body = body.replace("QUEST", "CHOICE[adaptive]\nmethod = \"quest-plus\"\nLEVELS").replace("\\n", "\n");
-        let tables = [("CHOICE", CHOICE), ("YES_NO", YES_NO), ("DEPTHS", DEPTHS), ("LEVELS", LEVELS)];
+        let (body, expected) = mistake.split_once(" => ").unwrap();
         let text = tables.iter().fold(format!("{HEAD}{body}"), |text, (name, table)| text.replace(name, table));
-        let errors = definition::parse("t.toml", &text).map(drop).unwrap_err().to_string();
-        let is_told =
-            errors.lines().any(|line| line.starts_with(&format!("t.toml:{place}: ")) && line.contains(message));
-        assert!(is_told, "{text}\nexpected {place} {message}\n{errors}");
+        let errors = definition::parse("t.toml", &text).map(drop).err().map(|errors| errors.to_string());
+        let is_told = match (&errors, expected.split_once(" => ")) {
+            (Some(error), Some((place, message))) => {
+                error.starts_with(&format!("t.toml:{place}: ")) && error.contains(message) && error.lines().count() == 1
+            }
+            (errors, _) => errors.is_none(),
+        };
+        assert!(is_told, "{text}\nexpected {expected}\n{errors:?}");
     }
 }
 
@@ -423,9 +468,8 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         assert!(report.contains("Repeat this analysis") && report.contains("<svg"), "{name}");
         if name == "two" {
             // Each level of the second parameter has its own threshold.
-            let (header, rows) = table(&folder.path().join("analysis/thresholds.csv"));
-            let second = header.iter().position(|column| column == "high").unwrap();
-            assert_eq!(rows.iter().map(|row| &*row[second]).collect::<BTreeSet<_>>(), BTreeSet::from(["0.5", "0.75"]));
+            let rows = records(&folder.path().join("analysis/thresholds.csv"));
+            assert_eq!(rows.iter().map(|row| &*row["high"]).collect::<BTreeSet<_>>(), BTreeSet::from(["0.5", "0.75"]));
         }
         let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
         assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
@@ -499,101 +543,9 @@ fn a_threshold_beyond_the_levels_is_no_number() {
     assert_eq!(printed.matches("was not measured").count(), 2, "{printed}");
     assert!(printed.contains("lies below the lowest level, 0.005"), "{printed}");
     assert!(!printed.contains("differ") && !printed.contains("on average"), "{printed}");
-    let (header, rows) = table(&folder.path().join("analysis/thresholds.csv"));
-    let beyond = header.iter().position(|name| name == "is_beyond").unwrap();
-    assert!(rows.iter().filter(|row| row[beyond] == "1").count() >= 14, "{rows:?}");
+    let rows = records(&folder.path().join("analysis/thresholds.csv"));
+    assert!(rows.iter().filter(|row| row["is_beyond"] == "1").count() >= 14, "{rows:?}");
     assert!(table(&folder.path().join("analysis/population.csv")).1.is_empty());
-}
-
-/// What a trial could not show as asked is an error, and not a default; so is an option that would have no effect. One
-/// mistake is told once.
-#[test]
-fn what_no_trial_could_show_is_refused() {
-    let constant = |levels: &str| {
-        format!(
-            "[adaptive]\nmethod = \"constant\"\nparameter = \"depth\"\neasier = \"low\"\ntrials = 9\nlevels = {levels}\n"
-        )
-    };
-    let stairs =
-        "[adaptive]\nmethod = \"staircase\"\nparameter = \"depth\"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n";
-    let quest = format!("[adaptive]\nmethod = \"quest-plus\"\n{LEVELS}");
-    let second = |levels: &str| format!("second = {{ parameter = \"low\", levels = {levels}, gradient = [0] }}\n");
-    let adjust = |name: &str, high: f64| {
-        format!("[task]\nkind = \"adjust\"\nparameter = \"{name}\"\nlow = 0.1\nhigh = {high}\n")
-    };
-    let whole = adjust("depth", 8.0).replace("0.1", "1");
-    let steepness = |task: &str, depths: &str| {
-        format!("[factors]\ndepth = [{depths}]\n{}", task.replace("depth = \"inf\"", "tanh_k = 10"))
-    };
-    let with_levels = format!("{ORIENTATIONS}[task]\nkind = \"pair\"\nreference = {{ depth = \"inf\" }}\n");
-    for (body, expected) in [
-        (format!("{CHOICE}{}", constant("[2, 2.5, 3]")), Some("depth 2.5 is not a whole number")),
-        (format!("{CHOICE}{}", constant("[2, 3, 4]")), None),
-        (format!("{CHOICE}{stairs}"), Some("depth has whole numbers only")),
-        (whole, Some("depth has whole numbers only")),
-        (format!("{CHOICE}{quest}{}", second("[0.1, 0.9]")), Some("low")),
-        (format!("{CHOICE}{quest}{}", second("[0.1, 0.2]")), None),
-        (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.7)), Some("low")),
-        (format!("[factors]\nhigh = [0.6, 0.75]\n{}", adjust("low", 0.5)), None),
-        (format!("[presentation]\nduration_s = 1\n{CHOICE}"), Some("[presentation] does not apply to intervals")),
-        (adjust("foo", 0.5), Some("foo = 0.1 sets a parameter that mach-band does not have")),
-        (format!("{CHOICE}{}", stairs.replace("depth", "vertices")), Some("vertices is not known")),
-        (adjust("orientation_deg", 190.0), Some("goes around half a turn or more")),
-        (adjust("orientation_deg", 180.0), None),
-        (format!("{CHOICE}{quest}lapse = [0.5]\n"), Some("expected a sum below 1")),
-        (format!("{CHOICE}{quest}lapse = [0.49]\n"), None),
-        (format!("{}[response]\nkeys = [\"1\"]\n", adjust("low", 0.5)), Some("expected none")),
-        ("[response]\nquestion = \" \"\n".to_owned(), Some("the question is empty")),
-        ("[design]\norder = \"latin:width\"\n".to_owned(), Some("expected random, because there are none")),
-        (format!("{with_levels}pairs = \"chain\"\n{quest}"), Some("expected no pairs")),
-        (format!("{with_levels}trials = 9\n{quest}"), Some("trials applies to adaptive pairs only")),
-        (
-            format!("{DEPTHS}[task]\nkind = \"pair\"\nalong = \"depth\"\n"),
-            Some("along applies to pairs = \"chain\" only"),
-        ),
-        (steepness(CHOICE, "1"), Some("tanh_k 10 changes nothing that is shown")),
-        (steepness(YES_NO, "2"), Some("tanh_k 10 changes nothing that is shown")),
-        (steepness(CHOICE, "1, \"inf\""), Some("all stimuli of a trial are the same")),
-        (steepness(YES_NO, "\"inf\""), None),
-        (format!("[factors]\ndepth = [1, 2]\n{CHOICE}"), None),
-        (format!("[factors]\ndepth = [1, \"inf\"]\n{CHOICE}"), Some("all stimuli of a trial are the same")),
-        (CHOICE.replace("\"inf\"", "2, tanh_k = 10"), Some("tanh_k 10 changes nothing that is shown")),
-        (CHOICE.replace("\"inf\"", "\"inf\", tanh_k = 5"), None),
-        (
-            format!("{CHOICE}{}", quest.replace("0.02", "nan")),
-            Some("adaptive.levels.1 is NaN; expected a finite number"),
-        ),
-        (format!("{CHOICE}{}", quest.replace("quest-plus", "quest")), Some("method \"quest\" is not known")),
-        (format!("{CHOICE}{}", stairs.replace("20", "inf")), Some("adaptive.high is inf; expected a finite number")),
-        ("[response]\nlabels = [\"a\", \"a\"]\n".to_owned(), Some("label \"a\" appears twice")),
-        (
-            format!(
-                "[response]\nlabels = [{}]\n",
-                ('a'..='l').map(|label| format!("\"{label}\",")).collect::<String>()
-            ),
-            Some("the number of categories is 12"),
-        ),
-    ] {
-        let found = definition::parse("t.toml", &format!("{HEAD}{body}")).map(drop);
-        let errors = found.err().map(|errors| errors.0).unwrap_or_default();
-        let is_told = match expected {
-            Some(expected) => errors.len() == 1 && errors[0].message.contains(expected),
-            None => errors.is_empty(),
-        };
-        assert!(is_told, "{body}\nexpected {expected:?}\n{errors:?}");
-    }
-    // A level that contradicts another parameter is at fault itself, not the task.
-    let too_high =
-        "[adaptive]\nmethod = \"staircase\"\nparameter = \"low\"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n";
-    for (body, key) in [
-        (format!("{CHOICE}{too_high}"), "adaptive.high"),
-        (format!("{CHOICE}{quest}{}", second("[0.1, 0.9]")), "adaptive.second.levels"),
-        (adjust("low", 0.9), "task.high"),
-        (CHOICE.replace("depth = \"inf\"", "low = 0.9"), "task.reference"),
-    ] {
-        let errors = definition::parse("t.toml", &format!("{HEAD}{body}")).unwrap_err();
-        assert!(errors.0.len() == 1 && errors.0[0].key == key, "{key}: {errors:?}");
-    }
 }
 
 /// Conditions that no comparison connects have no common order, and every column has a name of its own.
@@ -607,15 +559,15 @@ fn unconnected_comparisons_have_scales_of_their_own() {
     let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "a", "--tables-only"]);
     assert_eq!(printed.matches("From the highest to the lowest").count(), 2, "{printed}");
     assert!(printed.contains("No comparison leads from one group of conditions to another"), "{printed}");
-    let (header, rows) = table(&folder.path().join("a/scale.csv"));
+    let (header, _) = table(&folder.path().join("a/scale.csv"));
     let names: BTreeSet<&String> = header.iter().collect();
     assert_eq!((names.len(), &*header[0], &*header[1]), (header.len(), "low_", "depth"), "{header:?}");
-    let column = |name: &str| header.iter().position(|known| known == name).unwrap();
+    let rows = records(&folder.path().join("a/scale.csv"));
     for pair in rows.chunks(2) {
-        let values = pair.iter().map(|row| row[column("thurstone")].parse::<f64>().unwrap());
-        assert!(values.sum::<f64>().abs() < 1e-9 && pair[0][column("group")] == pair[1][column("group")], "{rows:?}");
+        let values = pair.iter().map(|row| number::<f64>(row, "thurstone"));
+        assert!(values.sum::<f64>().abs() < 1e-9 && pair[0]["group"] == pair[1]["group"], "{rows:?}");
     }
-    assert_ne!(rows[0][column("group")], rows[2][column("group")]);
+    assert_ne!(rows[0]["group"], rows[2]["group"]);
 }
 
 /// The rows of a session are not answers at levels: practice and catch trials and earlier attempts are among them.

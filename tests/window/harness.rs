@@ -12,7 +12,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use machband::store::image;
+use machband::{light::CodeImage, store::image};
 use x11rb::{
     connection::Connection as _,
     protocol::randr::{ConnectionExt as _, ModeInfo, Rotation},
@@ -433,16 +433,21 @@ impl Harness {
         }
     }
 
-    /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.
-    pub fn compare_with_image(&self, row: &Row, size: u32) {
+    /// The image that `machband stimulus` writes with these settings.
+    pub fn image<'a>(&self, size: u32, settings: impl IntoIterator<Item = (&'a str, &'a str)>) -> CodeImage {
         let mut arguments = ["stimulus", "--force", "--out=stimulus.png"].map(str::to_owned).to_vec();
         arguments.push(format!("--size={size}"));
-        for name in ["width", "depth", "orientation_deg", "low", "high", "color"] {
-            arguments.push(format!("--{}={}", name.trim_end_matches("_deg"), row[name]));
-        }
+        let settings = settings.into_iter();
+        arguments.extend(settings.map(|(name, value)| format!("--{}={value}", name.trim_end_matches("_deg"))));
         let output = self.machband(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         assert!(output.status.success(), "{output:?}");
-        let expected = image::read(&self.dir.path().join("stimulus.png")).unwrap().image;
+        image::read(&self.dir.path().join("stimulus.png")).unwrap().image
+    }
+
+    /// Checks that the screen shows, byte for byte, the image that `machband stimulus` writes, on a uniform field.
+    pub fn compare_with_image(&self, row: &Row, size: u32) {
+        let names = ["width", "depth", "orientation_deg", "low", "high", "color"];
+        let expected = self.image(size, names.map(|name| (name, &*row[name])));
         let (width, height) = (u32::from(SCREEN.0), u32::from(SCREEN.1));
         let (x0, y0) = ((width - size) / 2, (height - size) / 2);
         let screen = self.screen();

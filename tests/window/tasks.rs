@@ -6,8 +6,6 @@ use std::{
     time::{Duration, Instant},
 };
 
-use machband::store::image;
-
 use crate::{
     common,
     harness::{Harness, Row, SCREEN, Shown, rows},
@@ -47,18 +45,11 @@ fn wait_for(harness: &mut Harness, at: [i64; 2], is_drawn: bool) -> Vec<u8> {
 
 /// Counts the pixels of a stimulus of `size` pixels that differ from the picture that `machband stimulus` writes.
 fn differing(harness: &Harness, screen: &[u8], settings: &[(&str, &str)], center: i64, size: u32) -> usize {
-    let mut arguments = ["stimulus", "--force", "--out=stimulus.png"].map(str::to_owned).to_vec();
-    arguments.push(format!("--size={size}"));
-    arguments.extend(settings.iter().map(|(name, value)| format!("--{}={value}", name.trim_end_matches("_deg"))));
-    let output = harness.machband(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
-    assert!(output.status.success(), "{output:?}");
-    let expected = image::read(&harness.dir.path().join("stimulus.png")).unwrap().image;
-    let (left, top) =
-        (i64::from(SCREEN.0) / 2 + center - i64::from(size) / 2, (i64::from(SCREEN.1) - i64::from(size)) / 2);
-    let shown = |x: u32, y: u32| {
-        let (x, y) = (left + i64::from(x) - i64::from(SCREEN.0) / 2, top + i64::from(y) - i64::from(SCREEN.1) / 2);
-        pixel(screen, [x, y])
-    };
+    let expected = harness.image(size, settings.iter().copied());
+    // From the center of the screen.
+    let half = i64::from(size) / 2;
+    let [left, top] = [center - half, (i64::from(SCREEN.1) - i64::from(size)) / 2 - i64::from(SCREEN.1) / 2];
+    let shown = |x: u32, y: u32| pixel(screen, [left + i64::from(x), top + i64::from(y)]);
     let wrong = |x: u32, y: u32| shown(x, y) != expected.pixel(x, y).map(|code| code as u8);
     (0..size).flat_map(|y| (0..size).map(move |x| (x, y))).filter(|(x, y)| wrong(*x, *y)).count()
 }

@@ -65,31 +65,6 @@ pub fn coverage(coefficients: &[Parameter]) -> f64 {
         / coefficients.len() as f64
 }
 
-/// Prints a table for the model without a random intercept and one for the model with it (Laplace approximation).
-pub fn run(studies: u32, seed: u64) -> Result<(), Fault> {
-    let all = f64::from(studies);
-    // Formats a share with its binomial standard error.
-    let share = |found: usize| {
-        let share = found as f64 / all;
-        format!("{share:.3} ± {:.3}", (share * (1.0 - share) / all).sqrt())
-    };
-    for (model, random) in [("clm", Random::None), ("clmm", Random::Subject)] {
-        let Recovery { coefficients, sd, false_alarms } = recover(random, studies, seed)?;
-        println!("| {model} | true | bias | sd of estimates | mean standard error | coverage of 95 % intervals |");
-        println!("|---|---|---|---|---|---|");
-        for parameter in coefficients.iter().chain(&sd) {
-            let mean = parameter.mean(|estimate, _| estimate);
-            let spread = (parameter.mean(|estimate, _| (estimate - mean).powi(2)) * all / (all - 1.0)).sqrt();
-            let (bias, se) = (mean - parameter.truth, parameter.mean(|_, se| se));
-            let covered = share(parameter.covered());
-            println!("| {} | {} | {bias:.3} | {spread:.3} | {se:.3} | {covered} |", parameter.name, parameter.truth);
-        }
-        println!("\n95 % intervals of all coefficients: coverage {:.3}", coverage(&coefficients));
-        println!("Test of orientation_deg, which has no effect: type I error {}\n", share(false_alarms));
-    }
-    Ok(())
-}
-
 /// Simulates the studies and fits each one. Without a random intercept, the simulated participants do not differ.
 pub fn recover(random: Random, studies: u32, seed: u64) -> Result<Recovery, Fault> {
     let spec = ModelSpec { random, ..ModelSpec::new(Terms::factors(&FACTORS)) };

@@ -36,14 +36,6 @@ enum Tool {
     },
     /// Print the tables of docs/tasks.md: how many trials each adaptive method needs.
     Efficiency,
-    /// Print how well the ordinal models recover known effects in simulated studies: bias, standard errors, coverage of
-    /// the 95 % intervals, type I error.
-    Coverage {
-        #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
-        studies: u32,
-        #[arg(long, default_value_t = 1)]
-        seed: u64,
-    },
     /// Print the table of docs/statistics.md: type I errors and coverage in the studies that
     /// scripts/calibration_studies.py wrote.
     Calibration {
@@ -96,7 +88,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         Tool::Facts => facts::run(),
         Tool::Thresholds { fit, verbose } => tools::thresholds::run(fit, verbose),
-        Tool::Coverage { studies, seed } => tools::coverage::run(studies, seed).map_err(|fault| fault as _),
         Tool::Calibration { folder, designs, studies, draws } => calibration::run(&folder, &designs, studies, draws),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
         Tool::SampleStudy { results } => sessions::sample(&results),

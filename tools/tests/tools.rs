@@ -126,7 +126,6 @@ fn the_mask_has_a_blue_noise_spectrum() {
     assert!((0.7..1.3).contains(&white), "{white}");
 }
 
-/// `tools coverage` runs the full number of studies.
 #[test]
 fn a_few_studies_recover_their_effects() {
     for random in [Random::None, Random::Subject] {
