@@ -198,7 +198,9 @@ fn term_parts(frame: &Frame, terms: &Terms, term: &Term) -> Result<Vec<Vec<TermP
         };
         let parts = levels.into_iter().map(|level| TermPart { variable: variable.clone(), level });
         let before = columns;
-        columns = parts.flat_map(|part| before.iter().map(move |own| [&own[..], &[part.clone()]].concat())).collect();
+        columns = parts
+            .flat_map(|part| before.iter().map(move |own| [&own[..], std::slice::from_ref(&part)].concat()))
+            .collect();
     }
     Ok(columns)
 }
