@@ -238,6 +238,10 @@ fn a_task_and_its_method_are_chosen() {
     let mut window = duplicate("orientation");
     click(&mut window, "Choice");
     window.get_by_label_contains("Choose a parameter in which it differs from the target.");
+    // The reference begins with a value that the target does not have.
+    choose(&mut window, "Add to reference", "High");
+    assert_ne!(value(&window, "Reference high"), "0.75");
+    click(&mut window, "Remove Reference high");
     click(&mut window, "Remove depth");
     choose(&mut window, "Add to reference", "Depth");
     assert_eq!(value(&window, "Reference depth"), "inf");
@@ -418,7 +422,7 @@ fn files_with_errors() {
     let mut window = window::home(SIZE, 1.0 / 60.0);
     open_study(&mut window, path.to_str().unwrap());
     click(&mut window, "Duplicate as…");
-    window.get_by_label_contains("none.toml:1:8: is not valid TOML");
-    press(&mut window, Key::Escape);
+    // The study's page says why, and the status line says that it is also why there is no form.
+    assert_eq!(window.query_all_by_label_contains("none.toml:1:8: is not valid TOML").count(), 2);
     assert!(is_chosen(&window, "none.toml"));
 }

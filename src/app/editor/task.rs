@@ -14,7 +14,7 @@ use crate::{
     },
     light::{Bits, Quantizer, Transfer},
     report::names::{self, capitalized},
-    stimulus::{Parameter, ParameterValue},
+    stimulus::{Parameter, ParameterValue, Stimulus},
     store::draft::{Draft, Typed},
 };
 
@@ -309,10 +309,13 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
     let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { form.factor(name) };
     field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
     if !chosen.is_empty() {
-        let now = form.value(&format!("stimulus.{chosen}"), "");
+        let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(&chosen));
+        let now = form.value(&format!("stimulus.{chosen}"), &default.map_or(String::new(), |value| value.to_string()));
+        let levels = form.draft().texts(&format!("factors.{chosen}")).unwrap_or_default();
         let hint = form.parameters().iter().find(|parameter| parameter.name == chosen);
-        // A value that differs from that of the target.
-        let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(|level| **level != now));
+        // A value that differs from those of the target.
+        let differs = |level: &&&str| **level != now && !levels.iter().any(|own| own == **level);
+        let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(differs));
         let value = other.map_or(now.as_str(), |level| level);
         form.edit(|draft| {
             if names.is_empty() {
