@@ -12,7 +12,7 @@ use std::{
 };
 
 use base64::{Engine as _, prelude::BASE64_STANDARD};
-use glam::{DAffine2, DMat3, DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 use gltf::{
     Accessor, Document, Gltf, Material, Primitive, Semantic,
     accessor::{DataType, sparse},
@@ -27,7 +27,7 @@ use serde_json::Value;
 use super::{
     MAX_FILE,
     faces::Faces,
-    texture::{self, MAX_TEXELS, Pixels},
+    texture::{self, MAX_TEXELS, Pixels, TexturePlace},
 };
 use crate::{
     light::Transfer,
@@ -287,33 +287,6 @@ impl Source<'_> {
             places.into_iter().zip(new).for_each(|(place, value)| all[place] = value);
         }
         Ok(all)
-    }
-}
-
-/// Where a texture lies: a set of texture coordinates, and what `KHR_texture_transform` does to them.
-#[derive(Clone, Copy, PartialEq)]
-struct TexturePlace {
-    set: u32,
-    placed: DAffine2,
-}
-
-impl TexturePlace {
-    fn new(set: u32, transform: Option<&Value>) -> Result<Self, String> {
-        let Some(transform) = transform else { return Ok(Self { set, placed: DAffine2::IDENTITY }) };
-        let read = || {
-            let two = |name: &str, missing: f64| match transform.get(name) {
-                None => Some(DVec2::splat(missing)),
-                Some(value) => Some(DVec2::new(value.get(0)?.as_f64()?, value.get(1)?.as_f64()?)),
-            };
-            let angle = transform.get("rotation").map_or(Some(0.0), Value::as_f64)?;
-            let set = transform.get("texCoord").map_or(Some(u64::from(set)), Value::as_u64)?;
-            // The angle turns the image clockwise, and v points down.
-            let placed = DAffine2::from_scale_angle_translation(two("scale", 1.0)?, -angle, two("offset", 0.0)?);
-            Some(Self { set: u32::try_from(set).ok()?, placed })
-        };
-        read().ok_or_else(|| {
-            "a KHR_texture_transform is not valid; expected two numbers for offset and scale, and a number for rotation".to_owned()
-        })
     }
 }
 

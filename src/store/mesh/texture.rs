@@ -1,8 +1,10 @@
-//! Decodes the textures of meshes.
+//! Decodes the textures of meshes, and says where on a mesh they lie.
 
 use std::io::Cursor;
 
+use glam::{DAffine2, DVec2};
 use png::{ColorType, Decoder, Transformations};
+use serde_json::Value;
 use zune_jpeg::{
     JpegDecoder,
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
@@ -16,6 +18,37 @@ pub(super) struct Pixels {
     pub width: u32,
     pub height: u32,
     pub codes: Vec<[u8; 3]>,
+}
+
+/// Where a texture lies: a set of texture coordinates, and what `KHR_texture_transform` does to them.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct TexturePlace {
+    pub set: u32,
+    pub placed: DAffine2,
+}
+
+impl TexturePlace {
+    /// Reads the extension of a material's texture whose own set is `set`.
+    ///
+    /// # Errors
+    /// The extension is not valid.
+    pub fn new(set: u32, transform: Option<&Value>) -> Result<Self, String> {
+        let Some(transform) = transform else { return Ok(Self { set, placed: DAffine2::IDENTITY }) };
+        let read = || {
+            let two = |name: &str, missing: f64| match transform.get(name) {
+                None => Some(DVec2::splat(missing)),
+                Some(value) => Some(DVec2::new(value.get(0)?.as_f64()?, value.get(1)?.as_f64()?)),
+            };
+            let angle = transform.get("rotation").map_or(Some(0.0), Value::as_f64)?;
+            let set = transform.get("texCoord").map_or(Some(u64::from(set)), Value::as_u64)?;
+            // The angle turns the image clockwise, and v points down.
+            let placed = DAffine2::from_scale_angle_translation(two("scale", 1.0)?, -angle, two("offset", 0.0)?);
+            Some(Self { set: u32::try_from(set).ok()?, placed })
+        };
+        read().ok_or_else(|| {
+            "a KHR_texture_transform is not valid; expected two numbers for offset and scale, and a number for rotation".to_owned()
+        })
+    }
 }
 
 /// Decodes a PNG or JPEG image of at most `most` pixels.

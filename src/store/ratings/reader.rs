@@ -13,8 +13,8 @@ use super::{
     cells::{Known, add_rows, texts},
     files::{self, Header},
     rows::{MAX_ROWS, RowError, Rows, Status},
-    selection::{Definitions, Input, RecordColumns, Selection, layout},
-    source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
+    selection::{Input, RecordColumns, Selection, layout},
+    source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values, workbook,
 };

@@ -1,24 +1,22 @@
 //! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{BTreeSet, HashSet},
     path::{Path, PathBuf},
-    sync::{Arc, Mutex, PoisonError},
+    sync::Arc,
 };
 
 use serde_json::{Map, Value};
 
 use super::{
     files::{Header, SUBJECT},
-    source::{Layout, ReadOptions, Shape},
+    source::{Definitions, Layout, ReadOptions, Shape},
     values,
 };
 use crate::{
     experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
     stimulus::is_direction,
-    store::{
-        FileError, FileErrors, StoreError, columns::Texts, definition, file::exists, session::seal, sidecar::Sidecar,
-    },
+    store::{FileError, StoreError, columns::Texts, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
 };
 
@@ -210,27 +208,6 @@ impl Columns {
     /// True if a column has IDs, which are not numbers.
     pub fn is_id(&self, column: usize) -> bool {
         [Some(self.subject), self.session, self.record.map(|own| own.session)].contains(&Some(column))
-    }
-}
-
-/// The definitions of all sessions. Sessions with the same definition share it, because there may be thousands of
-/// sessions.
-#[derive(Debug, Default)]
-pub(super) struct Definitions(Mutex<HashMap<String, (Arc<Protocol>, String)>>);
-
-impl Definitions {
-    /// Returns the definition in a sidecar, and its hash.
-    fn protocol(&self, file: &str, definition: &Value) -> Result<(Arc<Protocol>, String), FileErrors> {
-        let key = definition.to_string();
-        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known().get(&key) {
-            return Ok(found.clone());
-        }
-        let found = definition::from_json(file, definition)?;
-        let hash = definition::hash(&found);
-        let found = (Arc::new(found), hash);
-        known().insert(key, found.clone());
-        Ok(found)
     }
 }
 
