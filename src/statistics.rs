@@ -30,7 +30,6 @@ impl Interval {
     }
 
     /// Returns whether a value lies in the interval.
-    #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }

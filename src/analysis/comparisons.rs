@@ -33,7 +33,6 @@ const LEAST_DRAWN: f64 = 0.95;
 
 impl Scale {
     /// Returns the difference between the highest and the lowest value of a group.
-    #[must_use]
     pub fn span(&self, group: &[usize]) -> f64 {
         let [low, high] =
             [f64::min, f64::max].map(|end| group.iter().map(|item| self.values[*item]).fold(f64::NAN, end));
@@ -43,7 +42,6 @@ impl Scale {
 
 impl Scaling {
     /// Returns one JND on the model's own scale: z(.75), or ln 3.
-    #[must_use]
     pub fn jnd(self) -> f64 {
         match self {
             Self::Thurstone => 0.674_489_750_196_081_7,
@@ -54,7 +52,6 @@ impl Scaling {
     /// Finds the most likely scale values.
     ///
     /// Returns `None` if nothing was compared.
-    #[must_use]
     pub fn fit(self, wins: &Wins) -> Option<Scale> {
         let (groups, mut values) = (groups(wins), vec![f64::NAN; wins.nrows()]);
         let (mut log_likelihood, mut is_limited) = (0.0, false);
@@ -75,7 +72,6 @@ impl Scaling {
     /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution.
     /// `None` for fewer than two people; with fewer than five, also if many such studies compare other groups or, unlike
     /// these people's, are limited by the prior: the rest would be too much alike.
-    #[must_use]
     pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
         let all = self.fit(&people.iter().sum())?;
         if people.len() < 2 {
@@ -139,7 +135,6 @@ pub struct Triads {
 impl Triads {
     /// Counts the triads of one person (Kendall & Babington Smith 1940, Biometrika 31, 324). A pair that was compared
     /// several times is decided by the majority.
-    #[must_use]
     pub fn of(wins: &Wins) -> Self {
         let over = |i: usize, j: usize| wins[(i, j)] - wins[(j, i)];
         let items = wins.nrows();

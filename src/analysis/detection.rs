@@ -33,7 +33,6 @@ pub struct Detection {
 
 impl Detection {
     /// Returns d′, its standard error, c and its standard error; `None` for each without a detection.
-    #[must_use]
     pub fn numbers(found: Option<Self>) -> [Option<f64>; 4] {
         let of = |number: fn(Self) -> f64| found.map(number);
         [of(|own| own.d_prime), of(|own| own.d_prime_se), of(|own| own.criterion), of(|own| own.criterion_se)]
@@ -42,7 +41,6 @@ impl Detection {
 
 impl Answers {
     /// Returns sensitivity and criterion; `None` without targets or without catch trials.
-    #[must_use]
     pub fn detection(&self) -> Option<Detection> {
         let [targets, catches] = [self.hits + self.misses, self.false_alarms + self.correct_rejections];
         if targets == 0 || catches == 0 {

@@ -20,7 +20,6 @@ pub struct Settings {
 impl Settings {
     /// Summarizes settings, each with whether it began above; `None` if there are none. The values are on the scale to
     /// summarize on: logarithms, if ratios matter.
-    #[must_use]
     pub fn of(settings: &[(f64, Option<bool>)]) -> Option<Self> {
         let values: Vec<f64> = settings.iter().map(|(value, _)| *value).collect();
         let from = |above: bool| {

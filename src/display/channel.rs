@@ -31,19 +31,16 @@ impl Channel {
     }
 
     /// Returns red, green, blue or gray.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.names()[0]
     }
 
     /// Returns Red, Green, Blue or Gray.
-    #[must_use]
     pub fn capitalized(self) -> &'static str {
         self.names()[1]
     }
 
     /// Returns r, g, b or gray, as written in files.
-    #[must_use]
     pub fn key(self) -> &'static str {
         self.names()[2]
     }
@@ -61,7 +58,6 @@ impl Channel {
     }
 
     /// Returns the pixel with `code` in this channel (in all three for gray) and 0 in the others.
-    #[must_use]
     pub fn rgb(self, code: u8) -> [u8; 3] {
         match self {
             Self::Red => [code, 0, 0],
@@ -72,7 +68,6 @@ impl Channel {
     }
 
     /// Returns 0 for red, 1 for green and 2 for blue; `None` for gray.
-    #[must_use]
     pub fn index(self) -> Option<usize> {
         match self {
             Self::Red => Some(0),

@@ -35,20 +35,17 @@ pub type KnownRefresh = (Option<Refresh>, &'static str);
 
 impl Refresh {
     /// Makes a refresh from its interval in seconds; `None` unless the interval is above 0 and at most 10.
-    #[must_use]
     pub fn new(seconds: f64) -> Option<Self> {
         (seconds > 0.0 && seconds <= MAX_REFRESH_S).then_some(Self(seconds))
     }
 
     /// Makes a refresh from its rate in Hz; `None` unless the rate is finite and at least 0.1.
-    #[must_use]
     pub fn from_hz(hz: f64) -> Option<Self> {
         Self::new(1.0 / hz)
     }
 
     /// Returns the refresh to judge frames against, and where it is from: the one that the system reports, otherwise the
     /// one that frames with these durations follow; otherwise it is unknown.
-    #[must_use]
     pub fn known(reported_hz: Option<f64>, intervals_us: &[u32]) -> KnownRefresh {
         let named = |source| move |refresh| (Some(refresh), source);
         let reported = reported_hz.and_then(Self::from_hz).map(named("reported"));
@@ -58,7 +55,6 @@ impl Refresh {
 
     /// Returns the refresh that frames with these durations follow, as estimated by [`Refresh::estimate`]; `None` if
     /// the durations scatter.
-    #[must_use]
     pub fn measured(intervals_us: &[u32]) -> Option<Self> {
         Self::estimate(intervals_us).filter(|refresh| refresh.is_followed_by(intervals_us))
     }
@@ -69,7 +65,6 @@ impl Refresh {
     /// long, or if the rate is below 10 Hz, because the frames are then not synchronized with the screen. If the frames
     /// are not synchronized but all take equally long, the result is that time, because only the window system could
     /// provide a better value.
-    #[must_use]
     pub fn estimate(intervals_us: &[u32]) -> Option<Self> {
         if intervals_us.len() < MIN_ESTIMATE_INTERVALS {
             return None;
@@ -100,7 +95,6 @@ impl Refresh {
     /// number of refreshes, and at most 1 % were longer than [`DROPPED_ABOVE`] refreshes without being close to a whole
     /// number, which dropped frames always are. Frames that last as long as their work takes fall in between; calling
     /// some of them dropped would be meaningless.
-    #[must_use]
     pub fn is_followed_by(self, intervals_us: &[u32]) -> bool {
         let refreshes = intervals_us.iter().map(|us| f64::from(*us) * 1e-6 / self.0);
         let off = refreshes.filter(|taken| (taken - taken.round().max(1.0)).abs() > HELD_WITHIN);
@@ -109,32 +103,27 @@ impl Refresh {
         share(long.len()) <= HELD_LONG && share(short.len() + long.len()) <= HELD_JITTER
     }
 
-    #[must_use]
     pub fn seconds(self) -> f64 {
         self.0
     }
 
     /// Refreshes per second.
-    #[must_use]
     pub fn hz(self) -> f64 {
         1.0 / self.0
     }
 
     /// True if a frame shown for `interval` means that a frame was dropped: `interval` is longer than [`DROPPED_ABOVE`]
     /// refreshes.
-    #[must_use]
     pub fn is_dropped(self, interval: Duration) -> bool {
         interval.as_secs_f64() > DROPPED_ABOVE * self.0
     }
 
     /// Returns the number of refreshes within `interval` that showed no new frame: its number of refreshes minus one.
-    #[must_use]
     pub fn missed(self, interval: Duration) -> u64 {
         ((interval.as_secs_f64() / self.0).round() as u64).saturating_sub(1)
     }
 
     /// Returns a duration as the nearest whole number of refreshes: at least 1, except that a duration of 0 gives 0.
-    #[must_use]
     pub fn count(self, duration: Duration) -> u64 {
         let count = (duration.as_secs_f64() / self.0).round() as u64;
         count.max(u64::from(!duration.is_zero()))
@@ -143,13 +132,11 @@ impl Refresh {
     /// True if a frame that begins `elapsed` after the start of something that should last `duration` should end it.
     /// That is the first frame that begins at most half a refresh before the planned refresh, so that jitter never adds
     /// or drops a frame.
-    #[must_use]
     pub fn is_due(self, elapsed: Duration, duration: Duration) -> bool {
         elapsed.as_secs_f64() >= (self.count(duration) as f64 - 0.5) * self.0
     }
 
     /// True if such a frame begins more than half a refresh after the planned refresh.
-    #[must_use]
     pub fn is_late(self, elapsed: Duration, duration: Duration) -> bool {
         elapsed.as_secs_f64() > (self.count(duration) as f64 + 0.5) * self.0
     }
@@ -220,33 +207,28 @@ impl FrameTimes {
     }
 
     /// All intervals in microseconds, in order.
-    #[must_use]
     pub fn intervals_us(&self) -> &[u32] {
         &self.intervals_us
     }
 
     /// Dropped frames: intervals above [`DROPPED_ABOVE`] refreshes. `None` if no refresh was known.
-    #[must_use]
     pub fn dropped(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.dropped)
     }
 
     /// The number of refreshes without a new frame, Σ (round(interval / refresh) − 1): an interval of three refreshes
     /// counts as two. `None` if no refresh was known.
-    #[must_use]
     pub fn missed_refreshes(&self) -> Option<u64> {
         (self.judged > 0).then_some(self.missed)
     }
 
     /// The number of onsets that came later than their planned refresh.
-    #[must_use]
     pub fn late_onsets(&self) -> u32 {
         self.late_onsets
     }
 
     /// Returns the exact `p` quantile of the intervals, in seconds: a share `p`, 0…1, of them does not exceed it.
     /// `None` if there are no intervals.
-    #[must_use]
     pub fn quantile(&self, p: f64) -> Option<f64> {
         quantile(&self.intervals_us, p).map(|us| f64::from(us) * 1e-6)
     }

@@ -49,7 +49,6 @@ fn check(
 }
 
 /// Returns the distance in cm from which `size_cm` subtends `deg` degrees.
-#[must_use]
 pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
     size_cm / (2.0 * (deg.to_radians() / 2.0).tan())
 }
@@ -78,31 +77,26 @@ impl Screen {
     }
 
     /// Physical pixels per row.
-    #[must_use]
     pub fn width_px(&self) -> u32 {
         self.width_px
     }
 
     /// Rows of physical pixels.
-    #[must_use]
     pub fn height_px(&self) -> u32 {
         self.height_px
     }
 
     /// Width of the lit part in centimeters.
-    #[must_use]
     pub fn width_cm(&self) -> f64 {
         self.width_cm
     }
 
     /// Height of the lit part in centimeters.
-    #[must_use]
     pub fn height_cm(&self) -> f64 {
         f64::from(self.height_px) / self.px_per_cm()
     }
 
     /// Physical pixels per centimeter, the same in both directions.
-    #[must_use]
     pub fn px_per_cm(&self) -> f64 {
         f64::from(self.width_px) / self.width_cm
     }
@@ -125,46 +119,39 @@ impl Viewing {
         Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
     }
 
-    #[must_use]
     pub fn screen(&self) -> Screen {
         self.screen
     }
 
     /// Distance from the eye to the screen in centimeters.
-    #[must_use]
     pub fn distance_cm(&self) -> f64 {
         self.distance_cm
     }
 
     /// Returns the size in centimeters on the screen, centered on the line of sight, that subtends `deg` degrees (0 ≤
     /// `deg` < 180).
-    #[must_use]
     pub fn cm_from_deg(&self, deg: f64) -> f64 {
         2.0 * self.distance_cm * (deg.to_radians() / 2.0).tan()
     }
 
     /// Returns the size in physical pixels, centered on the line of sight, that subtends `deg` degrees (0 ≤ `deg` <
     /// 180). The result is not rounded.
-    #[must_use]
     pub fn px_from_deg(&self, deg: f64) -> f64 {
         self.cm_from_deg(deg) * self.screen.px_per_cm()
     }
 
     /// Returns the angle in degrees that `px` physical pixels, centered on the line of sight, subtend.
-    #[must_use]
     pub fn deg_from_px(&self, px: f64) -> f64 {
         2.0 * (px / self.screen.px_per_cm() / (2.0 * self.distance_cm)).atan().to_degrees()
     }
 
     /// Returns the physical pixels per degree where the line of sight meets the screen: the limit for small angles.
-    #[must_use]
     pub fn px_per_degree(&self) -> f64 {
         1f64.to_radians() * self.distance_cm * self.screen.px_per_cm()
     }
 
     /// Says why a stimulus of `deg` degrees cannot show a smooth ramp on this screen: it has too few pixels. `None` if
     /// it has enough.
-    #[must_use]
     pub fn coarseness(&self, deg: f64) -> Option<String> {
         let (side, per_degree) = (self.px_from_deg(deg).round(), self.px_per_degree());
         if side < MIN_STIMULUS_PX {

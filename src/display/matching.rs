@@ -45,13 +45,11 @@ pub struct Rows {
 
 impl Rows {
     /// The field's share of full light, 0…1.
-    #[must_use]
     pub fn share(&self) -> f64 {
         f64::from(self.lit) / f64::from(self.period)
     }
 
     /// The period in pixels.
-    #[must_use]
     pub fn period_px(&self) -> u32 {
         self.period * self.row_px
     }
@@ -61,7 +59,6 @@ impl Rows {
     ///
     /// The patch is shrunk until it spans whole periods, and it starts where a period starts, so whole periods border
     /// it above and below.
-    #[must_use]
     pub fn picture(&self, channel: Channel, patch: [u8; 3], [width, height]: [u32; 2], patch_px: u32) -> CodeImage {
         let period = self.period_px().max(1);
         let side = patch_px.min(width).min(height) / period * period;
@@ -79,7 +76,6 @@ impl Rows {
 
     /// Returns the 8-bit codes of a patch that vanishes in these rows on a display with `transfers` whose γ is off by
     /// `error`: 0 for the profile itself, ± 0.2 for an example of a wrong profile.
-    #[must_use]
     pub fn check_patch(&self, transfers: &Transfers, channel: Channel, error: f64) -> [u8; 3] {
         let share = self.share();
         let codes = transfers.encoded_from_linear([share; 3]).map(|encoded| {
@@ -125,19 +121,16 @@ impl Default for MatchSettings {
 
 impl MatchSettings {
     /// The field of rows.
-    #[must_use]
     pub fn rows(&self) -> Rows {
         Rows { lit: 1, period: self.period, row_px: self.row_px }
     }
 
     /// Total number of matches.
-    #[must_use]
     pub fn total(&self) -> usize {
         self.matches * self.channels.len()
     }
 
     /// Expected duration in seconds.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.total() as f64 * MATCH_S
     }
@@ -156,7 +149,6 @@ pub struct Match {
 
 impl Match {
     /// Draws the image: a square of `side` pixels with a square patch of about `patch_px` pixels.
-    #[must_use]
     pub fn picture(&self, side: u32, patch_px: u32) -> CodeImage {
         self.rows.picture(self.channel, self.channel.rgb(self.code), [side, side], patch_px)
     }
@@ -199,7 +191,6 @@ impl Matching {
     }
 
     /// The match on the screen; `None` when all are done.
-    #[must_use]
     pub fn shown(&self) -> Option<Match> {
         self.shown
     }
@@ -227,19 +218,16 @@ impl Matching {
     }
 
     /// Every match that counts, in order.
-    #[must_use]
     pub fn done(&self) -> &[Match] {
         &self.done
     }
 
     /// Total number of matches.
-    #[must_use]
     pub fn total(&self) -> usize {
         self.starts.len()
     }
 
     /// Expected remaining time in seconds.
-    #[must_use]
     pub fn remaining_s(&self) -> f64 {
         (self.total() - self.done.len()) as f64 * MATCH_S
     }
@@ -294,7 +282,6 @@ pub enum GammaError {
 }
 
 /// Estimates γ of each channel that has matches, in the order of [`Channel::ALL`].
-#[must_use]
 pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaError>)> {
     let of = |channel: Channel| {
         let own: Vec<Match> = matches.iter().filter(|one| one.channel == channel).copied().collect();
@@ -329,7 +316,6 @@ fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaE
 
 impl ChannelGamma {
     /// Returns a warning if γ is too uncertain.
-    #[must_use]
     pub fn warning(&self) -> Option<String> {
         let half = (self.interval[1] - self.interval[0]) / 2.0;
         (half > MAX_HALF_WIDTH).then(|| {
@@ -352,7 +338,6 @@ impl ChannelGamma {
 
 /// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the
 /// transfer function of gray for all three. `None` if a required channel is missing or has no γ.
-#[must_use]
 pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {
         let (_, found) = estimates.iter().find(|(channel, _)| *channel == wanted)?;

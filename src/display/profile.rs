@@ -43,19 +43,16 @@ pub struct LuminanceRange {
 
 impl LuminanceRange {
     /// Returns the luminance of the linear light `linear`, 0…1, in cd/m².
-    #[must_use]
     pub fn cd_m2(&self, linear: f64) -> f64 {
         self.black_cd_m2 + linear * (self.white_cd_m2 - self.black_cd_m2)
     }
 
     /// Returns the lowest intensity I₀ of equal-brightness steps: black relative to white, Shoaff §2.1.1.
-    #[must_use]
     pub fn lowest_intensity(&self) -> f64 {
         self.black_cd_m2 / self.white_cd_m2
     }
 
     /// Formats both luminances, as in "0.251 to 134 cd/m²".
-    #[must_use]
     pub fn sentence(&self) -> String {
         format!("{} to {} cd/m²", short(self.black_cd_m2), short(self.white_cd_m2))
     }
@@ -77,7 +74,6 @@ pub struct Primaries {
 
 impl Primaries {
     /// Returns the luminance of full red, green and blue relative to white; `None` if no screen has such primaries.
-    #[must_use]
     pub fn weights(&self) -> Option<[f64; 3]> {
         let xyz = |[x, y]: [f64; 2]| Vector3::new(x / y, 1.0, (1.0 - x - y) / y);
         Matrix3::from_columns(&[self.red, self.green, self.blue].map(xyz))
@@ -111,7 +107,6 @@ fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>
 
 impl Measurement {
     /// Returns the days from the measurement to `today`; `None` if the day of the measurement is unknown.
-    #[must_use]
     pub fn age_days(&self, today: Date) -> Option<i32> {
         let since = self.on?.until((jiff::Unit::Day, today)).ok()?;
         Some(since.get_days())
@@ -136,7 +131,6 @@ impl Default for DisplayProfile {
 
 impl DisplayProfile {
     /// Describes the profile in one sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let transfer = match self.transfers.uniform() {
             Some(transfer) => described(transfer),
@@ -160,7 +154,6 @@ impl DisplayProfile {
     }
 
     /// Says in one sentence why the profile may be unreliable on the day `today`; `None` if there is no reason.
-    #[must_use]
     pub fn warning(&self, today: Date) -> Option<String> {
         let Some(measured) = &self.measured else {
             return Some("This screen was not measured; its luminance is assumed.".to_owned());
@@ -186,7 +179,6 @@ fn described(transfer: &Transfer) -> String {
 }
 
 /// Formats a number with three significant digits and at most six decimals.
-#[must_use]
 pub fn short(value: f64) -> String {
     let digits = (2 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")

@@ -50,7 +50,6 @@ pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, T
 }
 
 /// Returns the steps as CSV with a header.
-#[must_use]
 pub fn csv(steps: &[Step]) -> String {
     let mut text = String::from("level,intensity,cd_m2,red_code,green_code,blue_code,emitted,nearest_level\n");
     for step in steps {

@@ -23,20 +23,17 @@ pub struct Course {
 
 impl Course {
     /// Begins a session.
-    #[must_use]
     pub fn new(protocol: Protocol, schedule: Schedule) -> Self {
         let tracks = tracks(&protocol, &schedule);
         Self { protocol, schedule, tracks, last: None }
     }
 
     /// Returns the definition.
-    #[must_use]
     pub fn protocol(&self) -> &Protocol {
         &self.protocol
     }
 
     /// Returns the planned order of the trials.
-    #[must_use]
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
     }
@@ -48,13 +45,11 @@ impl Course {
     }
 
     /// Returns whether a trial is left out, because its method has learned enough.
-    #[must_use]
     pub fn is_over(&self, trial: usize) -> bool {
         self.track(trial).is_some_and(|track| self.tracks[track].is_over())
     }
 
     /// Returns what a trial would show now.
-    #[must_use]
     pub fn presentation(&self, trial: usize) -> Presentation {
         self.present(trial, self.pick(trial))
     }
@@ -152,7 +147,6 @@ impl Course {
     }
 
     /// Returns what a trial could show, whatever the answers before, given the level that it has.
-    #[must_use]
     pub fn possible(&self, trial: usize, level: Option<f64>) -> Vec<Presentation> {
         let second = self.protocol.adaptive.as_ref().and_then(Adaptive::second);
         let second = second.map_or(vec![None], |second| second.levels.iter().map(Some).collect());

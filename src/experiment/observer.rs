@@ -295,7 +295,6 @@ impl VisionObserver {
     }
 
     /// Returns what the observer sees in a stimulus, in times threshold; 0 if the model does not say.
-    #[must_use]
     pub fn seen(&self, stimulus: &Stimulus) -> f64 {
         let key = stimulus.key();
         let known = self.seen.lock().ok().and_then(|seen| seen.get(&key).copied());

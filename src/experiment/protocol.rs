@@ -85,7 +85,6 @@ impl Protocol {
     /// Returns what is wrong with what a task varies: the reference does not differ from the target in what is shown, or the
     /// parameter that is adjusted or adapted changes nothing. This draws stimuli, so it is for definitions that are written;
     /// those of recorded sessions were checked. So was a definition `before` this one, if what it shows is the same.
-    #[must_use]
     pub fn reference_errors(&self, before: Option<&Self>) -> Vec<DefinitionError> {
         let mut errors = DefinitionErrors::default();
         let shown = |of: &Self| {
@@ -116,7 +115,6 @@ impl Protocol {
 
     /// Returns why the conditions are not what the trials show: an adaptive method chooses a parameter. `None` if they
     /// are.
-    #[must_use]
     pub fn chosen_later(&self) -> Option<String> {
         let names: Vec<&str> = self.adaptive.as_ref()?.parameters().collect();
         let names = names.join(" and ");
@@ -188,7 +186,6 @@ impl Protocol {
     /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
     /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its
     /// name is too long for the suffix.
-    #[must_use]
     pub fn in_gray(&self) -> Option<Self> {
         let [gray, same] = ["gray", "same"].map(ParameterValue::from);
         let (color, color_high) = (self.stimulus.get("color")?, self.stimulus.get("color_high"));

@@ -350,7 +350,6 @@ pub const STIM_FILE: &str = "stim_file";
 
 /// Returns whether a column of every file has this name and is not a parameter of the stimulus, or an analysis reads from it
 /// whether a program answered, so that a factor cannot have it.
-#[must_use]
 pub fn is_reserved(name: &str) -> bool {
     let is_parameter = name != STIMULUS[0] && STIMULUS.contains(&name);
     !is_parameter

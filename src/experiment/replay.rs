@@ -35,19 +35,16 @@ pub struct Replay<'a> {
 
 impl<'a> Replay<'a> {
     /// Begins a session. `has_gaps` if rows were removed by a repair.
-    #[must_use]
     pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
         Self { identity, course, has_gaps, next: 0 }
     }
 
     /// Returns the session after the rows so far.
-    #[must_use]
     pub fn course(&self) -> &Course {
         &self.course
     }
 
     /// Returns the session after the rows so far.
-    #[must_use]
     pub fn into_course(self) -> Course {
         self.course
     }

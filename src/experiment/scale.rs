@@ -58,7 +58,6 @@ impl Default for ResponseScale {
 
 impl ResponseScale {
     /// Creates a scale whose answers have these keys, as many as there are labels.
-    #[must_use]
     pub fn new(question: &str, labels: &[&str], keys: impl IntoIterator<Item = char>) -> Self {
         let categories = labels.iter().zip(keys).map(|(label, key)| Category { label: (*label).to_owned(), key });
         Self { question: question.to_owned(), categories: categories.collect() }

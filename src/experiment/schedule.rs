@@ -68,7 +68,6 @@ pub struct Trial {
 
 impl Trial {
     /// Returns the conditions that the trial compares, left and right, if the schedule of this protocol plans them.
-    #[must_use]
     pub fn planned_pair(&self, protocol: &Protocol) -> Option<[usize; 2]> {
         let pairs = protocol.pairs().filter(|_| protocol.task.ranking().is_none())?;
         Some(self.placed(pairs[self.condition]))

@@ -153,7 +153,6 @@ pub struct TrialResponse {
 
 impl TrialResponse {
     /// Returns the changes of a value as a row writes them.
-    #[must_use]
     pub fn path(&self) -> Option<String> {
         let steps = self.steps.as_ref().filter(|steps| !steps.is_empty())?;
         let step = |(at, value): &(Duration, f64)| format!("{:.3}:{value}", at.as_secs_f64());

@@ -33,26 +33,22 @@ fn product(m: &Matrix, [a, b, c]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Converts linear RGB to XYZ. Shoaff §2.2.4.
-#[must_use]
 pub fn xyz_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     product(&XYZ_FROM_RGB, rgb)
 }
 
 /// Converts XYZ to linear RGB; the result is outside 0…1 if the screen cannot show the color. Shoaff §2.2.4.
-#[must_use]
 pub fn rgb_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     product(&RGB_FROM_XYZ, xyz)
 }
 
 /// Converts xyY to XYZ: X = Y·x/y, Z = Y·(1 − x − y)/y. `y` must be above 0. Shoaff §2.2.3.
-#[must_use]
 pub fn xyz_from_xyy([x, y, luminance]: [f64; 3]) -> [f64; 3] {
     let total = luminance / y;
     [x * total, luminance, (1.0 - x - y) * total]
 }
 
 /// Returns the chromaticity x, y and the luminance Y. Black has no chromaticity: its x and y are NaN. Shoaff §2.2.3.
-#[must_use]
 pub fn xyy_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
     let total = x + y + z;
     [x / total, y / total, y]
@@ -73,7 +69,6 @@ fn lab_cube(root: f64) -> f64 {
 }
 
 /// L\* = 116 f(Y/Yn) − 16, a\* = 500 (f(X/Xn) − f(Y/Yn)) and b\* = 200 (f(Y/Yn) − f(Z/Zn)). CIE 15:2004 §8.2.1.1.
-#[must_use]
 pub fn lab_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = [0, 1, 2].map(|i| lab_root(xyz[i] / WHITE[i]));
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
@@ -81,7 +76,6 @@ pub fn lab_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
 
 /// f(X/Xn), f(Y/Yn) and f(Z/Zn) of [`lab_from_xyz`]: the cube roots from which Lab is computed. They are linear
 /// functions of L\*, a\* and b\*.
-#[must_use]
 #[inline]
 pub fn cube_roots([lightness, a, b]: [f64; 3]) -> [f64; 3] {
     let y = (lightness + 16.0) / 116.0;
@@ -89,7 +83,6 @@ pub fn cube_roots([lightness, a, b]: [f64; 3]) -> [f64; 3] {
 }
 
 /// The inverse of [`lab_from_xyz`]. CIE 15:2004 appendix D.
-#[must_use]
 #[inline]
 pub fn xyz_from_lab(lab: [f64; 3]) -> [f64; 3] {
     let roots = cube_roots(lab);
@@ -103,7 +96,6 @@ fn uniform_chromaticity([x, y, z]: [f64; 3]) -> [f64; 2] {
 }
 
 /// L\* as in Lab, u\* = 13 L\* (u′ − u′n) and v\* = 13 L\* (v′ − v′n). CIE 15:2004 §8.2.2.1. Black has u\* = v\* = 0.
-#[must_use]
 pub fn luv_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     let lightness = 116.0 * lab_root(xyz[1] / WHITE[1]) - 16.0;
     let ([u, v], [white_u, white_v]) = (uniform_chromaticity(xyz), uniform_chromaticity(WHITE));
@@ -115,7 +107,6 @@ pub fn luv_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
 }
 
 /// The inverse of [`luv_from_xyz`]; an L\* of 0 gives black.
-#[must_use]
 pub fn xyz_from_luv([lightness, u, v]: [f64; 3]) -> [f64; 3] {
     if lightness == 0.0 {
         return [0.0; 3];
@@ -133,7 +124,6 @@ fn extremes([r, g, b]: [f64; 3]) -> (f64, f64) {
 
 /// Returns the hue in degrees, at least 0 and less than 360. It is determined by the largest channel and the difference
 /// between the other two. Returns `None` for a gray (Shoaff's UNDEFINED). Shoaff §2.2.6.
-#[must_use]
 pub fn hue(rgb: [f64; 3]) -> Option<f64> {
     let ([r, g, b], (max, min)) = (rgb, extremes(rgb));
     let delta = max - min;
@@ -151,7 +141,6 @@ pub fn hue(rgb: [f64; 3]) -> Option<f64> {
 }
 
 /// Wraps the angle `degrees` into 0…360; 360 itself becomes 0.
-#[must_use]
 pub fn wrapped_deg(degrees: f64) -> f64 {
     let wrapped = degrees.rem_euclid(360.0);
     // An angle just below 0 wraps to 360. Adding 0 turns −0 into 0.
@@ -160,14 +149,12 @@ pub fn wrapped_deg(degrees: f64) -> f64 {
 
 /// Hue, saturation S = (max − min)/max and value V = max: a six-sided pyramid with black at its tip. Black has S = 0.
 /// Shoaff §2.2.6.
-#[must_use]
 pub fn hsv_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     let (max, min) = extremes(rgb);
     [hue(rgb).unwrap_or(0.0), if max > 0.0 { (max - min) / max } else { 0.0 }, max]
 }
 
 /// The inverse of [`hsv_from_rgb`] (Foley, van Dam, Feiner and Hughes 1990, fig. 13.34); accepts any angle as a hue.
-#[must_use]
 #[inline]
 pub fn rgb_from_hsv([hue, saturation, value]: [f64; 3]) -> [f64; 3] {
     let sixth = wrapped_deg(hue) / 60.0;
@@ -195,7 +182,6 @@ fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64;
 /// min)/2, S = (max − min)/(max + min) in the lower half and (max − min)/(2 − max − min) in the upper half. Shoaff
 /// §2.2.7, corrected: the code printed there divides by (2 − max + min), so saturated colors in the upper half never
 /// reach S = 1.
-#[must_use]
 pub fn hls_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     let (max, min) = extremes(rgb);
     let lightness = 0.5 * (max + min);
@@ -205,7 +191,6 @@ pub fn hls_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
 }
 
 /// The inverse of [`hls_from_rgb`] (Foley, van Dam, Feiner and Hughes 1990, fig. 13.37); accepts any angle as a hue.
-#[must_use]
 pub fn rgb_from_hls([hue, lightness, saturation]: [f64; 3]) -> [f64; 3] {
     let sixth = wrapped_deg(hue) / 60.0;
     let (sector, part) = (sixth.floor(), sixth - sixth.floor());
@@ -217,20 +202,17 @@ pub fn rgb_from_hls([hue, lightness, saturation]: [f64; 3]) -> [f64; 3] {
 
 /// Cyan, magenta and yellow, 1 − RGB: ideal inks, each absorbing one of the three primaries. This function is its own
 /// inverse. Shoaff §2.2.5.
-#[must_use]
 pub fn cmy_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|value| 1.0 - value)
 }
 
 /// Cyan, magenta, yellow and black: K = min(C, M, Y) is subtracted from each of the three inks. Shoaff §2.2.5.
-#[must_use]
 pub fn cmyk_from_rgb(rgb: [f64; 3]) -> [f64; 4] {
     let (cmy, (_, black)) = (cmy_from_rgb(rgb), extremes(cmy_from_rgb(rgb)));
     [cmy[0] - black, cmy[1] - black, cmy[2] - black, black]
 }
 
 /// The inverse of [`cmyk_from_rgb`]: adds black back to each of the three inks. Shoaff §2.2.5.
-#[must_use]
 pub fn rgb_from_cmyk([cyan, magenta, yellow, black]: [f64; 4]) -> [f64; 3] {
     cmy_from_rgb([cyan + black, magenta + black, yellow + black])
 }

@@ -129,7 +129,6 @@ named! {
 
 impl DitherMatrix {
     /// Dots per side, n.
-    #[must_use]
     pub const fn size(self) -> u32 {
         match self {
             Self::Bayer2 | Self::Clustered2 => 2,
@@ -143,7 +142,6 @@ impl DitherMatrix {
     /// Returns the rank, 0…n²−1, of the dot in column `x` and row `y`; the tile repeats indefinitely.
     ///
     /// Shoaff indexes D\[i\]\[j\] with i = x mod n and j = y mod n, so the rows as printed are columns here.
-    #[must_use]
     pub fn rank(self, x: u32, y: u32) -> u16 {
         let (x, y) = (x % self.size(), y % self.size());
         match self {
@@ -154,7 +152,6 @@ impl DitherMatrix {
     }
 
     /// Returns every rank, row by row from the top left.
-    #[must_use]
     pub fn ranks(self) -> Vec<u16> {
         let n = self.size();
         (0..n * n).map(|i| self.rank(i % n, i / n)).collect()
@@ -183,7 +180,6 @@ const MASK_BYTES: &[u8; 2 * MASK_SIZE as usize * MASK_SIZE as usize] = include_b
 /// array generation*, Proc. SPIE 1913 (1993).
 ///
 /// `cargo run -p tools -- blue-noise` regenerates the file; a test in `tools` compares the two byte for byte.
-#[must_use]
 pub fn mask() -> Vec<u16> {
     MASK_BYTES.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect()
 }
@@ -266,7 +262,6 @@ enum Source {
 
 impl Thresholds {
     /// Makes the thresholds for an image of `width` pixels per row. Returns `None` if there is no dither.
-    #[must_use]
     pub fn new(dither: &Dither, width: u32) -> Option<Self> {
         let width = width as usize;
         let periodic = |size: u32, ranks: Vec<u16>| Source::Periodic {

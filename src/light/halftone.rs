@@ -67,7 +67,6 @@ pub struct Halftone {
 impl Halftone {
     /// Makes a halftone with `screen` for a device that `transfers` describes. Bits outside 1…8, which no valid text
     /// contains, are clamped to that range.
-    #[must_use]
     pub fn new(screen: Screen, transfers: &Transfers) -> Self {
         let screen = Screen { bits: screen.bits.clamp(1, MAX_BITS), ..screen };
         let max = max_code(screen.bits);
@@ -81,14 +80,12 @@ impl Halftone {
 
     /// Returns the number of levels that a cell can show, n²·(2^m − 1) + 1. Three channels together show the cube of
     /// this number.
-    #[must_use]
     pub fn level_count(&self) -> u32 {
         self.dots() * u32::from(max_code(self.screen.bits)) + 1
     }
 
     /// Returns the level, 0…[`level_count`](Halftone::level_count) − 1, whose mean light is nearest to the relative
     /// luminance `linear` of a channel; in a tie, the lower level. NaN gives level 0.
-    #[must_use]
     pub fn level(&self, channel: usize, linear: f32) -> u32 {
         let levels = &self.levels[channel];
         let code = levels.at_most(linear);
@@ -98,7 +95,6 @@ impl Halftone {
     }
 
     /// Returns the codes of the cell of `level`, row by row. Levels above the last are treated as the last.
-    #[must_use]
     pub fn cell(&self, level: u32) -> Vec<u8> {
         let level = level.min(self.level_count() - 1);
         let (code, lit) = (level / self.dots(), level % self.dots());
@@ -109,7 +105,6 @@ impl Halftone {
     /// Returns `image` with a cell in place of every pixel, n times as wide and n times as high, in 8 bits: code c
     /// becomes c·255/(2^m − 1), rounded; this is exact for 1, 2, 4 and 8 bits. Check the size against [`MAX_PX`] before
     /// drawing, because a cell can have 16 × 16 dots.
-    #[must_use]
     pub fn enlarged(&self, image: &LinearImage) -> CodeImage {
         let size = self.screen.matrix.size();
         let (width, height) = (image.width * size, image.height * size);

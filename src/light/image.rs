@@ -18,13 +18,11 @@ pub struct LinearImage {
 
 impl LinearImage {
     /// Makes a black image of `width` × `height` pixels.
-    #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, data: vec![0.0; samples(width, height)] }
     }
 
     /// Makes the image whose pixel in column x and row y is `light(x, y)`; `light` is called row by row.
-    #[must_use]
     pub fn from_fn(width: u32, height: u32, mut light: impl FnMut(u32, u32) -> [f32; 3]) -> Self {
         let mut data = Vec::with_capacity(samples(width, height));
         for y in 0..height {
@@ -40,7 +38,6 @@ impl LinearImage {
     ///
     /// # Panics
     /// Panics if the pixel is outside the image.
-    #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
         let i = sample_index(self.width, self.height, x, y);
         [self.data[i], self.data[i + 1], self.data[i + 2]]
@@ -78,7 +75,6 @@ pub enum Samples {
 
 impl CodeImage {
     /// Returns the number of bits of a code: 8 or 16.
-    #[must_use]
     pub fn bits(&self) -> u32 {
         match self.samples {
             Samples::Eight(_) => 8,
@@ -87,7 +83,6 @@ impl CodeImage {
     }
 
     /// Returns the 8-bit codes, with red, green and blue interleaved; `None` if this image has 16 bits.
-    #[must_use]
     pub fn bytes(&self) -> Option<&[u8]> {
         match &self.samples {
             Samples::Eight(codes) => Some(codes),
@@ -96,7 +91,6 @@ impl CodeImage {
     }
 
     /// Returns the light that a screen with these transfer functions emits.
-    #[must_use]
     pub fn light(&self, transfers: &Transfers) -> LinearImage {
         let full = f64::from((1 << self.bits()) - 1);
         LinearImage::from_fn(self.width, self.height, |x, y| {
@@ -109,7 +103,6 @@ impl CodeImage {
     ///
     /// # Panics
     /// Panics if the pixel is outside the image.
-    #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> [u16; 3] {
         let i = sample_index(self.width, self.height, x, y);
         match &self.samples {

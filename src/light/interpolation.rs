@@ -148,7 +148,6 @@ const fn binomial(n: usize, k: usize) -> u128 {
 ///
 /// Intended for shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
 /// [`Interpolation::value`] has no such cancellation. Does not compile for N outside 1…32.
-#[must_use]
 pub const fn coefficients<const N: usize>() -> [f64; N] {
     const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }
     // (2n−1)·C(2n−2, n−1)·C(n−1, j)/(n+j) is a whole number below 2^93 for n ≤ 32.
@@ -178,13 +177,11 @@ pub enum Interpolation {
 impl Interpolation {
     /// Uses k = [`TANH_K`] if `depth` is infinite. A finite depth outside 1…32, which [`Depth::finite`] never makes, is
     /// clamped to that range.
-    #[must_use]
     pub fn new(depth: Depth) -> Self {
         Self::with_k(depth, TANH_K)
     }
 
     /// Uses the steepness `k` (> 0) if `depth` is infinite; a finite depth ignores `k`.
-    #[must_use]
     pub fn with_k(depth: Depth, k: f64) -> Self {
         match depth {
             Depth::Infinite => Self::Tanh { k },
@@ -200,7 +197,6 @@ impl Interpolation {
     ///
     /// The infinite depth jumps at both ends, from 0 to 1/(1+e^k) at u = 0 and back to 1 at u = 1;
     /// see [`TANH_K`].
-    #[must_use]
     #[inline]
     pub fn value(&self, u: f64) -> f64 {
         if u >= 1.0 {

@@ -29,7 +29,6 @@ enum Form {
 impl Levels {
     /// Returns the fewest levels that all codes of a picture have. They are of `known` bits if that is possible;
     /// otherwise, it must be unlikely that codes only happen to be among fewer levels.
-    #[must_use]
     pub fn of(image: &CodeImage, known: u32) -> Levels {
         let of = image.bits();
         let codes = match &image.samples {
@@ -45,7 +44,6 @@ impl Levels {
     }
 
     /// Returns the level of a code: 0, 1, 2, …
-    #[must_use]
     pub fn level(self, code: u32) -> u32 {
         match self.form {
             Form::Scaled => (f64::from(code) * full(self.bits) / full(self.of)).round() as u32,
@@ -64,7 +62,6 @@ impl Levels {
     }
 
     /// Returns the encoded value of a level, which may lie between two levels: 0…1.
-    #[must_use]
     pub fn encoded(self, level: f64) -> f64 {
         match self.form {
             Form::Scaled | Form::Repeated => level / full(self.bits),
@@ -86,7 +83,6 @@ const MANY: usize = 3;
 /// step from it, if the steps there are even, as after posterizing or stretching the contrast, and otherwise half a level.
 /// Steps are what most often lies between neighboring pixels, so that text over a ramp does not hide its steps, and flat
 /// areas of a few colors are none. Also returns whether most changes are larger than steps.
-#[must_use]
 pub fn reaches(channel: &[f64], width: usize) -> (Vec<[f64; 2]>, bool) {
     let beside = channel.chunks_exact(width).flat_map(|row| row.iter().zip(&row[1..]));
     let beside = beside.chain(channel.iter().zip(channel.iter().skip(width))).filter(|(a, b)| a != b);

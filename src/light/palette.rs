@@ -76,7 +76,6 @@ pub struct IndexedImage {
 
 impl IndexedImage {
     /// Returns the image with each index replaced by its color's codes.
-    #[must_use]
     pub fn codes(&self) -> CodeImage {
         let codes = self.indices.iter().flat_map(|&index| self.palette[usize::from(index)]).collect();
         CodeImage { width: self.width, height: self.height, samples: Samples::Eight(codes) }

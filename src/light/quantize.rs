@@ -22,7 +22,6 @@ named! {
 
 impl Bits {
     /// The code of full light.
-    #[must_use]
     pub const fn max_code(self) -> u16 {
         match self {
             Bits::Eight => u8::MAX as u16,
@@ -34,7 +33,6 @@ impl Bits {
 /// Returns the code of the relative luminance `linear`: round(encoded · largest code), clamped. NaN gets code 0.
 ///
 /// This is the definition. [`ChannelQuantizer::code`] gives the same code for every f32 but is faster.
-#[must_use]
 pub fn reference_code(transfer: &Transfer, bits: Bits, linear: f32) -> u16 {
     let scaled = transfer.encoded_from_linear(f64::from(linear)) * f64::from(bits.max_code());
     // encoded_from_linear clamps and `round` leaves a whole number, so the cast is exact; `as` turns NaN into 0.
@@ -60,7 +58,6 @@ pub struct ChannelQuantizer {
 impl ChannelQuantizer {
     /// Makes a quantizer for a channel that `transfer` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
     /// bits, so reuse the quantizer.
-    #[must_use]
     pub fn new(transfer: &Transfer, bits: Bits) -> Self {
         let max = bits.max_code();
         let thresholds: Vec<f32> = (0..=max).map(|code| find_threshold(transfer, bits, code)).collect();
@@ -72,7 +69,6 @@ impl ChannelQuantizer {
 
     /// Returns the code nearest, in encoded space, to the relative luminance `linear`: 0 for values below 0 and for
     /// NaN, and the largest code for values above 1.
-    #[must_use]
     #[inline]
     pub fn code(&self, linear: f32) -> u16 {
         if linear >= 1.0 {
@@ -88,7 +84,6 @@ impl ChannelQuantizer {
     }
 
     /// Returns the relative luminance that `code` produces. Codes above the largest produce full light.
-    #[must_use]
     pub fn linear(&self, code: u16) -> f64 {
         self.transfer.linear_from_encoded(f64::from(code) / f64::from(self.bits.max_code()))
     }
@@ -97,7 +92,6 @@ impl ChannelQuantizer {
     ///
     /// # Panics
     /// Panics if `code` is above the largest code.
-    #[must_use]
     pub fn threshold(&self, code: u16) -> f32 {
         self.thresholds[usize::from(code)]
     }
@@ -125,7 +119,6 @@ pub struct Quantizer {
 impl Quantizer {
     /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
     /// bits for each channel that differs from the others, so reuse the quantizer.
-    #[must_use]
     pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
         let transfers = transfers.into();
         let made = |transfer: &Transfer| Arc::new(ChannelQuantizer::new(transfer, bits));
@@ -141,13 +134,11 @@ impl Quantizer {
     }
 
     /// Returns the number of bits in a code.
-    #[must_use]
     pub fn bits(&self) -> Bits {
         self.bits
     }
 
     /// The display's transfer functions.
-    #[must_use]
     pub fn transfers(&self) -> &Transfers {
         &self.transfers
     }
@@ -156,27 +147,23 @@ impl Quantizer {
     ///
     /// # Panics
     /// Panics if `channel` is above 2.
-    #[must_use]
     #[inline]
     pub fn channel(&self, channel: usize) -> &ChannelQuantizer {
         &self.channels[channel]
     }
 
     /// Returns [`ChannelQuantizer::code`] for each channel.
-    #[must_use]
     #[inline]
     pub fn codes(&self, linear: [f32; 3]) -> [u16; 3] {
         std::array::from_fn(|channel| self.channels[channel].code(linear[channel]))
     }
 
     /// Returns [`ChannelQuantizer::linear`] for each channel.
-    #[must_use]
     pub fn linear(&self, codes: [u16; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.channels[channel].linear(codes[channel]))
     }
 
     /// Returns the codes of a whole image, without dither.
-    #[must_use]
     pub fn quantize(&self, image: &LinearImage) -> CodeImage {
         self.quantize_with(image, &Dither::None)
     }
@@ -186,7 +173,6 @@ impl Quantizer {
     ///
     /// The red, green and blue of a pixel share a threshold. [`dither`](super::dither) lists the properties of every
     /// kind.
-    #[must_use]
     pub fn quantize_with(&self, image: &LinearImage, dither: &Dither) -> CodeImage {
         let samples = match self.bits {
             // An 8-bit code fits: the largest is 255.

@@ -101,7 +101,6 @@ impl Transfer {
     /// The result never decreases as `linear` rises. For sRGB, the standard's rounded constants leave a gap of 2.3e-9
     /// at 0.00313 in the light that encoded values produce; light within the gap is encoded as its lower end, 0.04045.
     /// Everywhere else, this function and [`Transfer::linear_from_encoded`] are inverses.
-    #[must_use]
     pub fn encoded_from_linear(&self, linear: f64) -> f64 {
         let linear = linear.clamp(0.0, 1.0);
         match self {
@@ -120,7 +119,6 @@ impl Transfer {
 
     /// Returns the relative luminance, 0…1, that the encoded value `encoded` produces; `encoded` is first clamped to
     /// 0…1. NaN stays NaN.
-    #[must_use]
     pub fn linear_from_encoded(&self, encoded: f64) -> f64 {
         let encoded = encoded.clamp(0.0, 1.0);
         match self {
@@ -249,13 +247,11 @@ impl TransferTable {
     }
 
     /// The encoded values, rising from 0 to 1.
-    #[must_use]
     pub fn encoded(&self) -> &[f64] {
         &self.encoded
     }
 
     /// The relative luminances, rising from 0 to 1.
-    #[must_use]
     pub fn linear(&self) -> &[f64] {
         &self.linear
     }
@@ -277,38 +273,32 @@ pub struct Transfers([Transfer; 3]);
 
 impl Transfers {
     /// Makes the transfer functions of red, green and blue, in this order.
-    #[must_use]
     pub fn new(channels: [Transfer; 3]) -> Self {
         Self(channels)
     }
 
     /// The transfer functions of red, green and blue, in this order.
-    #[must_use]
     pub fn channels(&self) -> &[Transfer; 3] {
         &self.0
     }
 
     /// Returns the transfer function that all channels share; `None` if they differ.
-    #[must_use]
     pub fn uniform(&self) -> Option<&Transfer> {
         let [red, green, blue] = &self.0;
         (red == green && green == blue).then_some(red)
     }
 
     /// True if any channel is a measured table, which has no short text form.
-    #[must_use]
     pub fn has_table(&self) -> bool {
         self.0.iter().any(|transfer| matches!(transfer, Transfer::Table(_)))
     }
 
     /// Returns [`Transfer::encoded_from_linear`] for each channel.
-    #[must_use]
     pub fn encoded_from_linear(&self, linear: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.0[channel].encoded_from_linear(linear[channel]))
     }
 
     /// Returns [`Transfer::linear_from_encoded`] for each channel.
-    #[must_use]
     pub fn linear_from_encoded(&self, encoded: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|channel| self.0[channel].linear_from_encoded(encoded[channel]))
     }
@@ -373,7 +363,6 @@ pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, Transf
 ///
 /// The result is clamped to 0…n. An `i` of 0 or less, or NaN, gives level 0. `lowest` and `n` have the same meaning as
 /// in that function.
-#[must_use]
 pub fn nearest_equal_brightness_level(i: f64, lowest: f64, n: usize) -> usize {
     let level = (i / lowest).ln() / lowest.recip().ln() * n as f64;
     // `as` turns NaN and everything below 0 into 0.

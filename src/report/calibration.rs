@@ -4,7 +4,6 @@ use super::document::{Shown, TextTable};
 use crate::display::photometer::{Calibration, Family, FittedChannel};
 
 /// Returns the fitted models, channel by channel, and how well each predicts levels that were left out.
-#[must_use]
 pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
     let models = calibration.models.iter();
     let channels = models.clone().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));

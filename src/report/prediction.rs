@@ -144,7 +144,6 @@ pub fn compare_conditions(
 
 /// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
 /// value that the definition plans.
-#[must_use]
 pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
     let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
     let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
@@ -272,7 +271,6 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// Computes Spearman's correlation over complete pairs, with mean ranks for ties; `None` if a variable does not vary.
-#[must_use]
 pub fn rank_correlation(a: &[f64], b: &[f64]) -> Option<f64> {
     let pairs = a.iter().copied().zip(b.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite());
     let (a, b): (Vec<f64>, Vec<f64>) = pairs.unzip();

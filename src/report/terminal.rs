@@ -12,7 +12,6 @@ pub fn message(kind: &str, text: &str) {
 
 /// Escapes the characters that a terminal would act on instead of showing them, such as those that change its colors or
 /// its title, or the direction of text. File names and the content of files may contain them.
-#[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     let acts = |c: char| c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     if !text.contains(acts) {

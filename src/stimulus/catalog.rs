@@ -37,14 +37,12 @@ macro_rules! stimuli {
         })*
 
         /// True if some kind of stimulus has a parameter with exactly this name that is a direction.
-        #[must_use]
         pub fn is_direction(name: &str) -> bool {
             [$($name::PARAMETERS,)*].concat().iter().any(|parameter| parameter.name == name && parameter.is_direction)
         }
 
         impl Stimulus {
             /// Returns the name of this kind, one of [`KINDS`].
-            #[must_use]
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$name(_) => $name::KIND,)*
@@ -54,7 +52,6 @@ macro_rules! stimuli {
 
             /// Returns the stimulus of the kind `kind` with every parameter at its default, or `None` if there is no
             /// such kind.
-            #[must_use]
             pub fn default_of(kind: &str) -> Option<Stimulus> {
                 $(if kind == $name::KIND {
                     return Some(Self::$name($name::default()));
@@ -63,7 +60,6 @@ macro_rules! stimuli {
             }
 
             /// Returns every parameter that can be set, in the order in which files list them.
-            #[must_use]
             pub fn parameters(&self) -> &'static [Parameter] {
                 match self {
                     $(Self::$name(_) => $name::PARAMETERS,)*
@@ -85,7 +81,6 @@ macro_rules! stimuli {
             }
 
             /// Returns the value of the parameter `name`, or `None` if there is no such parameter.
-            #[must_use]
             pub fn get(&self, name: &str) -> Option<ParameterValue> {
                 match self {
                     $(Self::$name(stimulus) => stimulus.get(name),)*
@@ -181,19 +176,16 @@ impl Stimulus {
     }
 
     /// Returns a text that is the same for equal stimuli only.
-    #[must_use]
     pub fn key(&self) -> String {
         serde_json::to_string(self).unwrap_or_default()
     }
 
     /// Returns whether the stimulus varies only along its orientation.
-    #[must_use]
     pub fn is_line(&self) -> bool {
         matches!(self.drawing(), Drawing::Line(..))
     }
 
     /// Returns the light of a window of `size` × `size` pixels.
-    #[must_use]
     pub fn linear(&self, size: u32) -> LinearImage {
         match self.drawing() {
             Drawing::Line(orientation_deg, profile) => drawing::linear(&*profile, orientation_deg, size),
@@ -203,7 +195,6 @@ impl Stimulus {
     }
 
     /// Returns the codes of a window of `size` × `size` pixels. They equal the quantized light of [`Stimulus::linear`].
-    #[must_use]
     pub fn codes(&self, size: u32, quantizer: &Quantizer) -> CodeImage {
         match self.drawing() {
             Drawing::Line(orientation_deg, profile) if quantizer.bits() == Bits::Eight && profile.is_plain() => {
@@ -216,20 +207,17 @@ impl Stimulus {
     }
 
     /// Returns whether everything that is needed to draw the stimulus is known: of a study's own picture, the pixels.
-    #[must_use]
     pub fn is_drawable(&self) -> bool {
         if let Self::Image(picture) = self { picture.is_read() } else { true }
     }
 
     /// Returns the side of the window in pixels, if the stimulus has a size of its own.
-    #[must_use]
     pub fn side(&self) -> Option<u32> {
         if let Self::Image(picture) = self { picture.side() } else { None }
     }
 
     /// Returns the requested light at the centers of a row of `size` pixels through the center of the window, along the
     /// orientation.
-    #[must_use]
     pub fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         match self.drawing() {
             Drawing::Line(_, profile) => {
@@ -244,13 +232,11 @@ impl Stimulus {
     }
 
     /// Returns the light of a uniform field of relative luminance `level` in the color of this stimulus.
-    #[must_use]
     pub fn field_light(&self, level: f64) -> [f32; 3] {
         self.color().light(level).map(|light| light as f32)
     }
 
     /// Returns the channel with the most light: 0 for red, 1 for green, 2 for blue. In a tie, the first one wins.
-    #[must_use]
     pub fn strongest_channel(&self) -> usize {
         let weights = match self {
             // The brighter plateau decides if it has its own color.
@@ -279,13 +265,11 @@ pub struct Entry {
 
 impl Entry {
     /// Returns the stimulus with all parameters at their defaults.
-    #[must_use]
     pub fn default_stimulus(&self) -> Stimulus {
         Stimulus::default_of(self.kind).unwrap_or(MachBand::default().into())
     }
 
     /// Returns the stimulus with its defaults, followed by every variant.
-    #[must_use]
     pub fn stimuli(&self) -> Vec<Stimulus> {
         let variant = |settings: &&[(&str, &str)]| {
             let mut stimulus = self.default_stimulus();
@@ -301,13 +285,11 @@ impl Entry {
 }
 
 /// Returns every entry, in a good order for a first tour.
-#[must_use]
 pub fn all() -> &'static [Entry] {
     &ENTRIES
 }
 
 /// Returns the entry for a kind, or `None` if there is no such kind.
-#[must_use]
 pub fn entry(kind: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.kind == kind)
 }

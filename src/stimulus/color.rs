@@ -155,7 +155,6 @@ impl StimulusColor {
     pub const GRAY: StimulusColor = StimulusColor { rgb: [1.0, 1.0, 1.0] };
 
     /// Returns the weights of red, green and blue in linear light, 0…1.
-    #[must_use]
     pub const fn rgb(self) -> [f64; 3] {
         self.rgb
     }
@@ -166,7 +165,6 @@ impl StimulusColor {
     }
 
     /// Returns this color in every model, to three decimals. A gray has no hue and is written with hue 0.
-    #[must_use]
     pub fn in_models(self) -> Vec<String> {
         let (rgb, xyz) = (self.rgb, xyz_from_rgb(self.rgb));
         let models: [(&str, &[f64]); 8] = [

@@ -375,7 +375,6 @@ impl Grid {
 }
 
 /// Returns the position of the center of pixel `i` in a row of `size` pixels, in window sides from the window's center.
-#[must_use]
 pub fn place(i: u32, size: u32) -> f64 {
     (2.0 * f64::from(i) + 1.0 - f64::from(size)) / (2.0 * f64::from(size))
 }

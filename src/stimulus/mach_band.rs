@@ -66,7 +66,6 @@ impl MachBand {
     }
 
     /// Returns the profile across the ramp, prepared for repeated evaluation.
-    #[must_use]
     pub fn ramp(&self) -> Ramp<'_> {
         let color_high = self.color_high.unwrap_or(self.color);
         // In any space, a catch trial must be uniform to the last bit.
@@ -92,7 +91,6 @@ impl Ramp<'_> {
     ///
     /// A ramp of width 0 is the limit of narrow ramps: low before the line, high after it, and halfway between them on
     /// it.
-    #[must_use]
     pub fn luminance_at(&self, x: f64) -> f64 {
         let fraction = self.fraction_at(x);
         if fraction >= 1.0 {
@@ -104,7 +102,6 @@ impl Ramp<'_> {
     }
 
     /// Returns red, green and blue at `x`, 0…1.
-    #[must_use]
     pub fn light_at(&self, x: f64) -> [f64; 3] {
         match &self.color_ramp {
             Some(color_ramp) => color_ramp.light_at_fraction(self.fraction_at(x)),

@@ -118,19 +118,16 @@ impl ParameterError {
 impl Parameter {
     /// Returns the command-line option that sets this parameter, without the leading dashes. It omits the unit, which
     /// the help text states.
-    #[must_use]
     pub fn option(&self) -> String {
         self.name.trim_end_matches("_deg").replace('_', "-")
     }
 
     /// Returns the name in words, without its unit: `color high` for `color_high`.
-    #[must_use]
     pub fn words(&self) -> String {
         self.option().replace('-', " ")
     }
 
     /// Returns the label of its control, with its unit: `Orientation, °` for `orientation_deg`.
-    #[must_use]
     pub fn label(&self) -> String {
         let mut label = self.words();
         label[..1].make_ascii_uppercase();
@@ -325,7 +322,6 @@ macro_rules! kind {
             }
 
             /// Returns the value of the parameter `name`, or `None` if there is no such parameter.
-            #[must_use]
             pub fn get(&self, name: &str) -> Option<$crate::stimulus::parameter::ParameterValue> {
                 $(if name == stringify!($field) {
                     return Some($crate::stimulus::parameter::ParameterType::write(&self.$field));

@@ -195,7 +195,6 @@ impl Picture {
     }
 
     /// Returns the factors that the pictures have: the file, and those of the table, each with its levels.
-    #[must_use]
     pub fn factors(&self) -> Vec<(String, Vec<ParameterValue>)> {
         let pictures = &self.gallery.pictures;
         let files = pictures.iter().map(|picture| ParameterValue::Text(picture.file.clone())).collect();
@@ -256,7 +255,6 @@ impl Picture {
     }
 
     /// Returns the side of the smallest square that holds every picture pixel for pixel, if the pictures are shown so.
-    #[must_use]
     pub fn side(&self) -> Option<u32> {
         let sides = self.files().filter_map(|picture| picture.content.as_ref());
         let largest = sides.map(|content| content.codes.width.max(content.codes.height)).max();
@@ -264,7 +262,6 @@ impl Picture {
     }
 
     /// Returns whether the pixels are known.
-    #[must_use]
     pub fn is_read(&self) -> bool {
         self.chosen().is_some_and(|picture| picture.content.is_some())
     }

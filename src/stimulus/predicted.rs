@@ -33,7 +33,6 @@ pub enum Visible {
 
 impl Visible {
     /// Returns what raters are asked about, in times threshold: the bright band of a ramp, or the bands on a surface.
-    #[must_use]
     pub fn rated(&self) -> Option<f64> {
         match self {
             Self::Ramp(bands) => Some(bands.bright),

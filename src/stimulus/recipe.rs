@@ -34,19 +34,16 @@ pub struct Recipe {
 
 impl Recipe {
     /// Returns the requested light.
-    #[must_use]
     pub fn linear(&self) -> LinearImage {
         self.stimulus.linear(self.size)
     }
 
     /// Creates a quantizer for the recipe's display. It can be reused for further images.
-    #[must_use]
     pub fn quantizer(&self) -> Quantizer {
         Quantizer::new(&self.transfers, self.bits)
     }
 
     /// Returns the codes. `quantizer` must have the transfer functions and the bits of this recipe.
-    #[must_use]
     pub fn codes(&self, quantizer: &Quantizer) -> CodeImage {
         match &self.dither {
             Dither::None => self.stimulus.codes(self.size, quantizer),

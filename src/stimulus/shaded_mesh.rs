@@ -96,7 +96,6 @@ impl ShadedMesh {
     }
 
     /// Returns the shader with its options.
-    #[must_use]
     pub fn shade(&self) -> Shade {
         Shade {
             shader: self.shader,
@@ -109,7 +108,6 @@ impl ShadedMesh {
     }
 
     /// Returns the scene: how the mesh is viewed and lit.
-    #[must_use]
     pub fn scene(&self) -> Scene {
         Scene {
             rotate_deg: self.rotate.0,

@@ -37,20 +37,17 @@ pub struct Shot<'f> {
 
 impl Renderer {
     /// Creates a renderer that draws `shade` in linear light.
-    #[must_use]
     pub const fn new(shade: Shade) -> Renderer {
         Renderer { shade, naive: false }
     }
 
     /// Returns Gouraud's shader in linear light, the baseline for all comparisons.
-    #[must_use]
     pub const fn gouraud() -> Renderer {
         Renderer::new(Shade::new(Shader::Gouraud))
     }
 
     /// Returns whether this renderer draws the same image as [`Renderer::gouraud`]. Options that only other shaders use
     /// may differ.
-    #[must_use]
     pub fn is_gouraud(&self) -> bool {
         let Shade { depth, boundary, gradients, .. } = self.shade;
         *self == Renderer::new(Shade { depth, boundary, gradients, ..Renderer::gouraud().shade })
@@ -58,13 +55,11 @@ impl Renderer {
 
     /// Returns whether this renderer interpolates encoded values. Shaders that light every pixel never do: they encode
     /// the result.
-    #[must_use]
     pub fn is_naive(&self) -> bool {
         self.naive && !self.shade.shader.lights_pixels()
     }
 
     /// Draws `frame` for a display with `transfers`.
-    #[must_use]
     pub fn shoot<'f>(&self, frame: &'f Frame, transfers: &Transfers) -> Shot<'f> {
         let shade = self.shade;
         if self.is_naive() {
@@ -76,7 +71,6 @@ impl Renderer {
     }
 
     /// Returns every option, so that anyone can reproduce the rendering.
-    #[must_use]
     pub fn describe(&self) -> Value {
         let Shade { shader, depth, boundary, vertex, reweight, gradients } = self.shade;
         json!({
@@ -91,7 +85,6 @@ impl Renderer {
 }
 
 /// Returns every setting of a scene, so that anyone can reproduce it.
-#[must_use]
 pub fn describe_scene(scene: &Scene) -> Value {
     let mut all = json!({
         "rotate_deg": scene.rotate_deg,
@@ -135,13 +128,11 @@ pub struct Undershoot {
 impl Shot<'_> {
     /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
     /// either into codes.
-    #[must_use]
     pub fn image(&self) -> LinearImage {
         picture(&self.frame, &self.shade)
     }
 
     /// Returns the light that the display emits, limited to the range from black to white.
-    #[must_use]
     pub fn emitted(&self) -> LinearImage {
         // NaN becomes black, as on the screen.
         self.light(|light| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 })
@@ -158,7 +149,6 @@ impl Shot<'_> {
     }
 
     /// Returns how far the shader's light falls below what the lighting can give.
-    #[must_use]
     pub fn undershoot(&self) -> Undershoot {
         let (light, ambient) =
             (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
@@ -176,14 +166,12 @@ impl Shot<'_> {
     }
 
     /// Returns the creases in the light that the display emits.
-    #[must_use]
     pub fn creases(&self) -> Creases {
         Creases::of(&self.frame, &self.shade)
     }
 
     /// Divides the line from `from` to `to`, in pixels from the top left, into `count` equal segments and returns the
     /// light that the display emits at the center of each, or `None` where there is no surface.
-    #[must_use]
     pub fn along(&self, [from, to]: [DVec2; 2], count: usize) -> Vec<Option<DVec3>> {
         let line = to - from;
         let mut nearest: Vec<Option<(f64, usize, [f64; 3])>> = vec![None; count];

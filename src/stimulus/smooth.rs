@@ -37,7 +37,6 @@ const TAPER_DEG: f64 = 0.2;
 impl Judged {
     /// Prepares to judge pictures of `frame`, whose mesh approximates `truth`. Outlines and edges that are meant to be
     /// creases do not count; in the residual, terminators and what turns away by more than 72.5° do not, either.
-    #[must_use]
     pub fn new(frame: &Frame, truth: Option<&Truth>) -> Judged {
         let shown = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE).collect();
         let smooth = |truth: &Truth| Smooth {
@@ -50,20 +49,17 @@ impl Judged {
     }
 
     /// Prepares to judge pictures of `frame` against the surface that its mesh is known to approximate, if any.
-    #[must_use]
     pub fn known(frame: &Frame) -> Judged {
         Judged::new(frame, Truth::traced(frame).as_ref())
     }
 
     /// Returns true for the pixels that show the mesh, row by row.
-    #[must_use]
     pub fn shown(&self) -> &[bool] {
         &self.shown
     }
 
     /// Returns the share of the mesh's pixels where pictures are not compared with the smooth surface, 0…1; `None` if
     /// the surface is not known.
-    #[must_use]
     pub fn not_compared(&self) -> Option<f64> {
         let Smooth { common, .. } = self.truth.as_ref()?;
         let shown = self.shown.iter().filter(|shown| **shown).count();
@@ -73,7 +69,6 @@ impl Judged {
 
     /// Returns the number of pixels that show either the mesh or the smooth surface, as a share of those that show the
     /// mesh; `None` if the surface is not known.
-    #[must_use]
     pub fn apart(&self) -> Option<f64> {
         self.truth.as_ref().map(|truth| truth.apart)
     }
@@ -112,7 +107,6 @@ impl Judged {
     ///
     /// # Panics
     /// Panics if the picture does not have the size of the frame.
-    #[must_use]
     pub fn residual(&self, viewing: &ViewingConditions, picture: &LinearImage) -> Option<Residual> {
         let Smooth { picture: truth, mask, .. } = self.truth.as_ref().filter(|truth| truth.mask.contains(&true))?;
         let light = luminances(truth);

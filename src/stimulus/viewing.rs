@@ -33,25 +33,21 @@ impl ViewingConditions {
     pub const MAX_PICTURE_PX: u32 = 4096;
 
     /// Creates a window of this many degrees on a typical screen.
-    #[must_use]
     pub fn new(window_deg: f64) -> Self {
         Self { window_deg, white_cd_m2: Self::WHITE_CD_M2, black_cd_m2: Self::BLACK_CD_M2 }
     }
 
     /// Returns a sufficient size for `stimulus`, pixels.
-    #[must_use]
     pub fn px(stimulus: &Stimulus) -> u32 {
         if stimulus.is_line() { Self::LINE_PX } else { Self::PICTURE_PX }
     }
 
     /// Returns the luminance of light, 1 for white, in cd/m².
-    #[must_use]
     pub fn cd_m2(&self, light: f64) -> f64 {
         self.white_cd_m2 * light + self.black_cd_m2
     }
 
     /// Returns the luminance of each pixel in cd/m².
-    #[must_use]
     pub fn luminances(&self, image: &LinearImage) -> Vec<f64> {
         image.data.chunks_exact(3).map(|pixel| self.cd_m2(luminance([pixel[0], pixel[1], pixel[2]]))).collect()
     }
@@ -62,7 +58,6 @@ impl ViewingConditions {
     }
 
     /// Returns the pixels per degree of a picture that fills the window with this width.
-    #[must_use]
     pub fn px_per_deg(&self, px: u32) -> f64 {
         f64::from(px) / self.window_deg
     }

@@ -212,7 +212,6 @@ pub enum StoreError {
 
 impl StoreError {
     /// Returns the option that makes possible what is refused, if there is one.
-    #[must_use]
     pub fn remedy(&self) -> Option<&'static str> {
         match self {
             Self::Exists(_) => Some("resume"),

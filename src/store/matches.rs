@@ -59,7 +59,6 @@ impl MatchFile {
     }
 
     /// Returns the seed of the order.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }

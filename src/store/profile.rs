@@ -275,14 +275,12 @@ fn table(profile: &DisplayProfile) -> Table {
 }
 
 /// Returns the profile in the structure of its file, for a sidecar.
-#[must_use]
 pub fn value(profile: &DisplayProfile) -> serde_json::Value {
     serde_json::to_value(table(profile)).unwrap_or_default()
 }
 
 /// Returns the SHA-256 of the profile's content, in lowercase hexadecimal; it is the same for every file with the same
 /// content.
-#[must_use]
 pub fn hash(profile: &DisplayProfile) -> String {
     let canonical = value(profile).to_string();
     sha256(canonical.as_bytes())

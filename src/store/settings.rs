@@ -110,7 +110,6 @@ pub struct SettingsFile {
 
 impl SettingsFile {
     /// Returns the path of the user's own file; `None` if the user has no home folder.
-    #[must_use]
     pub fn default_path() -> Option<PathBuf> {
         config_folder().map(|folder| folder.join("settings.toml"))
     }

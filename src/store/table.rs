@@ -440,7 +440,6 @@ pub(super) fn line<S: AsRef<str>>(cells: impl IntoIterator<Item = S>) -> Vec<u8>
 }
 
 /// Joins names with commas, as a line of CSV: a name that contains a comma is quoted.
-#[must_use]
 pub fn list<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
     String::from_utf8_lossy(&line(names)).trim_end().to_owned()
 }

@@ -16,7 +16,6 @@ fn read() -> Option<Timestamp> {
 
 /// Returns the time of the clock. If the clock is before the year 0 or after the year 9998, returns the first or last
 /// time in these years: a session that is already running must not end because of it.
-#[must_use]
 pub fn now() -> Timestamp {
     read().unwrap_or(if SystemTime::now() < UNIX_EPOCH { FIRST } else { LAST })
 }
@@ -35,13 +34,11 @@ pub fn check_clock() -> Result<(), ClockError> {
 pub struct ClockError;
 
 /// Returns the time that is `earlier` than `time`, or the first possible time.
-#[must_use]
 pub fn before(time: Timestamp, earlier: Duration) -> Timestamp {
     time.checked_sub(earlier).unwrap_or(Timestamp::MIN)
 }
 
 /// Returns the time that is `later` than `time`, or the last possible time.
-#[must_use]
 pub fn after(time: Timestamp, later: Duration) -> Timestamp {
     time.checked_add(later).unwrap_or(Timestamp::MAX)
 }

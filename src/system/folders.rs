@@ -66,7 +66,6 @@ pub fn unless_missing<T>(result: io::Result<T>) -> io::Result<Option<T>> {
 }
 
 /// True if a file or folder is known to belong to another user.
-#[must_use]
 pub fn is_of_another_user(path: &Path) -> bool {
     #[cfg(unix)]
     return fs::symlink_metadata(path)
@@ -76,7 +75,6 @@ pub fn is_of_another_user(path: &Path) -> bool {
 }
 
 /// Returns whether this user may create files in a folder, as far as can be known without writing to it.
-#[must_use]
 pub fn may_write(folder: &Path) -> bool {
     #[cfg(unix)]
     return rustix::fs::access(folder, rustix::fs::Access::WRITE_OK | rustix::fs::Access::EXEC_OK).is_ok();
@@ -128,7 +126,6 @@ pub fn remove_tree(folder: &Path) -> io::Result<()> {
 
 /// Returns the program's folder in the user's folder for data, which may not exist yet: `$XDG_DATA_HOME/machband` or
 /// `~/.local/share/machband` on Linux, and the platform's own folder elsewhere. `None` if the user has no home folder.
-#[must_use]
 pub fn data_folder() -> Option<PathBuf> {
     choose_native_strategy().ok().map(|user| user.data_dir().join("machband"))
 }
@@ -136,7 +133,6 @@ pub fn data_folder() -> Option<PathBuf> {
 /// Returns the program's folder in the user's folder for configuration, which may not exist yet:
 /// `$XDG_CONFIG_HOME/machband` or `~/.config/machband` on Linux, and the platform's own folder elsewhere. `None` if the
 /// user has no home folder.
-#[must_use]
 pub fn config_folder() -> Option<PathBuf> {
     choose_native_strategy().ok().map(|user| user.config_dir().join("machband"))
 }

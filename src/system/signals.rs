@@ -16,7 +16,6 @@ pub struct Signal(u8);
 
 impl Signal {
     /// Returns the exit status that shells report for a program that this signal ended.
-    #[must_use]
     pub fn status(self) -> u8 {
         self.0.saturating_add(128)
     }
@@ -83,7 +82,6 @@ fn watched() -> impl Iterator<Item = i32> {
 }
 
 /// Returns the signal that asked the program to end, if there was one.
-#[must_use]
 pub fn received() -> Option<Signal> {
     let signal = u8::try_from(RECEIVED.get()?.load(Ordering::SeqCst)).ok()?;
     (signal > 0).then_some(Signal(signal))

@@ -25,7 +25,6 @@ pub enum Cell {
 
 impl Cell {
     /// Returns the number by which the value is sorted and drawn; `None` if it is not a number.
-    #[must_use]
     pub fn as_number(&self) -> Option<f64> {
         match self {
             Self::Whole(whole) => Some(*whole as f64),
@@ -35,7 +34,6 @@ impl Cell {
     }
 
     /// Returns the order of two values: numbers come first, then other values by their text, then missing ones.
-    #[must_use]
     pub fn compare(&self, other: &Self) -> Ordering {
         let rank = |cell: &Self| match cell {
             Self::Missing => 2,
@@ -49,7 +47,6 @@ impl Cell {
 
     /// Returns the value in JSON: finite numbers are numbers, missing values are null, and everything else is the text
     /// of the CSV cell.
-    #[must_use]
     pub fn json(&self) -> Value {
         match self {
             Self::Missing => Value::Null,
@@ -122,13 +119,11 @@ impl<T: Into<Self>> From<Option<T>> for Cell {
 
 /// Makes a text safe for spreadsheets: if a spreadsheet would treat it as a formula (it begins with `=`, `+`, `-`, `@`, a
 /// tab or a carriage return, and is not a number), it is prefixed with an apostrophe, which marks it as text.
-#[must_use]
 pub fn inert(cell: &str) -> Cow<'_, str> {
     if is_formula(cell) { Cow::Owned(format!("'{cell}")) } else { Cow::Borrowed(cell) }
 }
 
 /// True if a spreadsheet would evaluate a cell instead of showing it.
-#[must_use]
 pub fn is_formula(cell: &str) -> bool {
     cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && cell.parse::<f64>().is_err()
 }

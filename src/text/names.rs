@@ -71,7 +71,6 @@ macro_rules! named {
             pub const EXPECTED: &'static str = concat!("one of ", $first_name $(, ", ", $name)*);
 
             /// The name in commands and files.
-            #[must_use]
             pub const fn name(self) -> &'static str {
                 match self {
                     $enum::$first => $first_name,

@@ -41,7 +41,6 @@ impl Table {
     }
 
     /// Returns the column with this name.
-    #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
@@ -53,13 +52,11 @@ impl Table {
     }
 
     /// Writes the table as CSV in UTF-8.
-    #[must_use]
     pub fn csv(&self) -> Vec<u8> {
         csv(self.columns.iter().map(|column| column.name.as_str()), self.rows())
     }
 
     /// Returns an object for each row.
-    #[must_use]
     pub fn json(&self) -> Vec<Map<String, Value>> {
         let object = |row: Vec<&Cell>| {
             self.columns.iter().zip(row).map(|(column, cell)| (column.name.clone(), cell.json())).collect()

@@ -12,14 +12,12 @@ pub struct Criterion {
 
 impl Criterion {
     /// Returns the probabilities of the ratings 0…3 for this value, which is at least 0. At 0 there is nothing to see.
-    #[must_use]
     pub fn probabilities(&self, value: f64) -> [f64; 4] {
         let above = self.thresholds.map(|threshold| self.above(value, threshold));
         [1.0 - above[0], above[0] - above[1], above[1] - above[2], above[2]]
     }
 
     /// Returns the mean rating, 0…3, for this value.
-    #[must_use]
     pub fn mean(&self, value: f64) -> f64 {
         self.thresholds.iter().map(|threshold| self.above(value, *threshold)).sum()
     }

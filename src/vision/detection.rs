@@ -38,7 +38,6 @@ impl ContrastSpectrum {
     }
 
     /// Computes the spectrum of the contrast with a field, row by row, for `size` pixels `[across, down]`.
-    #[must_use]
     pub fn of(contrast: &[f64], given: [usize; 2], px_per_deg: f64) -> ContrastSpectrum {
         let size = coarser(given, px_per_deg / ENOUGH_PX_PER_DEG);
         let contrast = averaged(contrast.to_vec(), given, size);
@@ -56,7 +55,6 @@ impl ContrastSpectrum {
     /// Returns the contrast in multiples of the threshold at which `eye` tells the picture from a uniform field of its mean
     /// light: 1 is just visible (84 % correct in a choice between two), 0 is a uniform field. The eye looks at the middle
     /// of the picture.
-    #[must_use]
     pub fn detection(&self, eye: &Eye) -> f64 {
         self.pooled(&eye.sensitivity, |frequency| eye.sensitivity.at(frequency, eye.luminance))
     }
@@ -75,7 +73,6 @@ impl ContrastSpectrum {
 
     /// Returns the picture as the filter `gain`, a function of the frequency in cycles per degree, leaves it: each pixel's
     /// value, row by row.
-    #[must_use]
     pub fn filtered(&self, gain: impl Fn(f64) -> f64) -> Vec<f64> {
         let (response, [width, height]) = (self.response(gain), self.given);
         let place = |axis: usize, pixel: usize| self.first[axis] + pixel * self.size[axis] / self.given[axis];

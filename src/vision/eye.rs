@@ -42,20 +42,17 @@ impl Default for Eye {
 
 impl Eye {
     /// Creates an average eye that is adapted to `luminance` cd/m².
-    #[must_use]
     pub fn adapted_to(luminance: f64) -> Self {
         Self { luminance, sensitivity: Sensitivity::default(), masking: Masking::default() }
     }
 }
 
 /// Returns the luminance of a linear sRGB color, 1 for white (IEC 61966-2-1).
-#[must_use]
 pub fn luminance([red, green, blue]: [f32; 3]) -> f64 {
     0.2126 * f64::from(red) + 0.7152 * f64::from(green) + 0.0722 * f64::from(blue)
 }
 
 /// Returns the luminance of each pixel of an image.
-#[must_use]
 pub fn luminances(image: &LinearImage) -> Vec<f64> {
     image.data.chunks_exact(3).map(|pixel| luminance([pixel[0], pixel[1], pixel[2]])).collect()
 }

@@ -18,7 +18,6 @@ fn forward(length: usize) -> Arc<dyn Fft<f64>> {
 
 /// Returns the smallest number that is at least `least` and has no prime factor above 5. Transforms of such lengths are
 /// fast.
-#[must_use]
 pub fn next_fast_length(least: usize) -> usize {
     let is_smooth = |mut n: usize| {
         for factor in [2, 3, 5] {

@@ -269,14 +269,12 @@ pub struct Place {
 
 impl Difference<'_> {
     /// Returns the map of the difference.
-    #[must_use]
     pub fn map(&self) -> DifferenceMap {
         self.map_of(|_, response| response.abs())
     }
 
     /// Returns the map of a part of the response: `part` gets the place across the picture, 0…1, and the
     /// response there; it returns a number that is not negative.
-    #[must_use]
     pub fn map_of(&self, part: impl Fn(f64, f64) -> f64 + Sync) -> DifferenceMap {
         let Judge { eye, given, grid: Grid { size, .. }, places, padded, .. } = self.judge;
         let power = eye.sensitivity.pooling;
@@ -299,7 +297,6 @@ impl Difference<'_> {
     }
 
     /// Returns how visible the difference is for a gaze at the middle of the picture, in times threshold.
-    #[must_use]
     pub fn center(&self) -> f64 {
         let Judge { eye, grid, weight, across, .. } = self.judge;
         grid.pooled(&self.response, [[0; 2], grid.size], eye.sensitivity.pooling, weight, across.is_some())
@@ -308,7 +305,6 @@ impl Difference<'_> {
 
 impl DifferenceMap {
     /// Returns the largest value.
-    #[must_use]
     pub fn largest(&self) -> f64 {
         self.times.iter().copied().fold(0.0, f64::max)
     }
@@ -320,7 +316,6 @@ impl DifferenceMap {
     }
 
     /// Returns up to `number` peaks, the highest first, that are at least `apart` pixels from each other.
-    #[must_use]
     pub fn peaks(&self, number: usize, apart: f64) -> Vec<Place> {
         let [columns, rows] = self.places;
         let is_peak = |i: usize| {
@@ -345,7 +340,6 @@ impl DifferenceMap {
     }
 
     /// Returns the map with one value for each pixel of the picture, row by row.
-    #[must_use]
     pub fn enlarged(&self) -> Vec<f64> {
         let ([columns, rows], [width, height]) = (self.places, self.size);
         let near = |pixel: usize, side: usize, n: usize| {

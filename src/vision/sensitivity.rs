@@ -51,7 +51,6 @@ impl Default for Sensitivity {
 impl Sensitivity {
     /// Returns the gain of the filter for a horizontal or vertical grating of `frequency` cycles per degree, on a field
     /// of `luminance` cd/m². This is a response per unit of contrast; the threshold also depends on the grating's area.
-    #[must_use]
     pub fn at(&self, frequency: f64, luminance: f64) -> f64 {
         let bright = |luminance: f64| luminance / (luminance + BRIGHT_CD_M2);
         let finest = self.fine_cpd * (bright(luminance) / bright(STANDARD_CD_M2)).powf(self.bright_power);
@@ -60,14 +59,12 @@ impl Sensitivity {
     }
 
     /// Returns the highest gain at any frequency, for a field of `luminance` cd/m².
-    #[must_use]
     pub fn peak(&self, luminance: f64) -> f64 {
         // Sixteen steps per octave from 1/16 to 64 cycles per degree.
         (-64..=96).map(|step| self.at((f64::from(step) / 16.0).exp2(), luminance)).fold(0.0, f64::max)
     }
 
     /// Returns the factor for an oblique grating. `across` is the unit vector across its bars.
-    #[must_use]
     pub fn oblique(frequency: f64, across: [f64; 2]) -> f64 {
         1.0 - Self::obliqueness(frequency) * (2.0 * across[0] * across[1]).powi(2)
     }
@@ -78,7 +75,6 @@ impl Sensitivity {
     }
 
     /// Returns the factor for a place at `deg` degrees from the center of gaze.
-    #[must_use]
     pub fn eccentric(&self, deg: f64) -> f64 {
         (1.0 + (deg / self.fovea_deg).powi(2)).powf(-0.5 * self.fovea_power)
     }

@@ -12,7 +12,6 @@ const FINEST: f64 = 0.5;
 /// Returns the smoothest values that round to the codes of one channel, row by row. Values diffuse from place to place,
 /// from the scale of the whole picture down to that of a pixel, and each stays within what `reach` gives for its own code:
 /// how far values below and above it were rounded to it.
-#[must_use]
 pub fn unrounded(codes: &[f64], size: [usize; 2], reach: impl Fn(f64) -> [f64; 2] + Sync) -> Vec<f64> {
     let mut values = codes.to_vec();
     let mut sigma = 0.25 * size[0].max(size[1]) as f64;

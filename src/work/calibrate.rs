@@ -66,7 +66,6 @@ impl Calibrate {
 
 impl Calibrated {
     /// Returns all results as JSON.
-    #[must_use]
     pub fn json(&self) -> Value {
         let Self { calibration, family, .. } = self;
         let models = calibration.models.iter().map(|model| {

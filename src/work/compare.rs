@@ -422,7 +422,6 @@ impl Compare {
 
 impl Compared {
     /// Says what differs but is not judged: one picture is brighter as a whole, or colors of equal luminance differ.
-    #[must_use]
     pub fn note(&self) -> Option<String> {
         let percent = 100.0 * (self.mean_ratio - 1.0);
         let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
@@ -438,7 +437,6 @@ impl Compared {
     }
 
     /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
-    #[must_use]
     pub fn picture_of_map(&self) -> CodeImage {
         let most = self.times_threshold.max(1.0);
         let code = |times: &f64| crease::color(times / most).map(|encoded| (encoded * 255.0).round() as u8);
@@ -449,13 +447,11 @@ impl Compared {
 
 impl Steps {
     /// True if the steps of the picture in 8 bits are below threshold.
-    #[must_use]
     pub fn is_below(&self) -> bool {
         self.rounded.unwrap_or(self.steps) < 1.0
     }
 
     /// Says what is unusual about the codes.
-    #[must_use]
     pub fn note(&self) -> Option<String> {
         let Self { bits, file_bits, .. } = self;
         let bits =

@@ -18,7 +18,6 @@ pub struct Drawn {
 
 impl Drawn {
     /// Returns the options of a stimulus, without those that have the defaults of its kind.
-    #[must_use]
     pub fn of(stimulus: &Stimulus) -> Self {
         let default = Stimulus::default_of(stimulus.kind());
         let value = |name: &'static str| {

@@ -11,13 +11,11 @@ use crate::{
 
 impl Planned {
     /// Returns a term in words.
-    #[must_use]
     pub fn in_words(&self, term: &str) -> String {
         names::term(Some(self.protocol.stimulus.parameters()), term)
     }
 
     /// Returns the name of a test in a sentence.
-    #[must_use]
     pub fn test(&self, power: &Power) -> &'static str {
         match self.hypothesis(power).test {
             Test::Friedman => "Friedman's test",
@@ -28,7 +26,6 @@ impl Planned {
 
     /// Returns a sentence for each term and factor, followed by remarks. `fields` are the names of effects and of
     /// deviations where they are given.
-    #[must_use]
     pub fn sentences(&self, fields: [&str; 2]) -> Vec<String> {
         let indices: Vec<usize> = (0..self.plan.hypotheses.len()).collect();
         let term = |index: usize| &self.plan.hypotheses[index].term;

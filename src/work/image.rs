@@ -60,7 +60,6 @@ pub struct Encoded {
 
 impl Encoded {
     /// Returns a picture with the primaries of the display profile, if it has any.
-    #[must_use]
     pub fn shows(&self, picture: Picture) -> Picture {
         let primaries = self.profile.as_ref().and_then(|(profile, _)| profile.primaries);
         let weights = primaries.and_then(|own| own.weights()).unwrap_or(picture.weights);
@@ -69,7 +68,6 @@ impl Encoded {
 
     /// Returns how a window of this width looks: on a screen of the luminances that were asked for, otherwise of the
     /// profile's, otherwise of a typical one.
-    #[must_use]
     pub fn viewing(&self, window_deg: f64, asked: &Luminances) -> ViewingConditions {
         let typical = ViewingConditions::new(window_deg);
         let of_profile = self.profile.as_ref().and_then(|(profile, _)| profile.luminance);
@@ -105,14 +103,12 @@ impl Encoding {
 }
 
 /// Returns a warning if a measured profile should be measured again. `place` says where the profile comes from.
-#[must_use]
 pub fn outdated(place: &Path, profile: &DisplayProfile) -> Option<String> {
     let warning = profile.warning(today()).filter(|_| profile.measured.is_some());
     warning.map(|warning| format!("{}: {warning}", place.display()))
 }
 
 /// Returns today's date in UTC.
-#[must_use]
 pub fn today() -> jiff::civil::Date {
     jiff::tz::TimeZone::UTC.to_datetime(now()).date()
 }
@@ -140,7 +136,6 @@ pub struct Image {
 
 impl Image {
     /// Returns the dither with its seed.
-    #[must_use]
     pub fn dither(&self) -> Dither {
         self.dither.with_seed(self.seed)
     }

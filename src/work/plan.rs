@@ -252,14 +252,12 @@ fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
 
 impl Planned {
     /// Returns what a power is the power of.
-    #[must_use]
     pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
         &self.plan.hypotheses[power.hypothesis]
     }
 
     /// Returns whether this test is the one that stands for the conclusion of an analysis: that of the model or, if it is
     /// withheld, not simulated or without random slopes on request, Friedman's.
-    #[must_use]
     pub fn leads(&self, power: &Power) -> bool {
         let Hypothesis { term, test, .. } = self.hypothesis(power);
         let of_model = |other: &&Power| {
@@ -273,7 +271,6 @@ impl Planned {
     }
 
     /// Returns one row for each number of participants and each test.
-    #[must_use]
     pub fn table(&self) -> Table {
         let spec = &self.plan.spec;
         let slopes = self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd));

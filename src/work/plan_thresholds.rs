@@ -40,7 +40,6 @@ pub enum Found {
 
 impl Found {
     /// Returns the table that a CSV file has.
-    #[must_use]
     pub fn table(&self) -> Table {
         match self {
             Self::Ratings(planned) => planned.table(),
@@ -186,14 +185,12 @@ fn unknown_factor(name: &str, protocol: &Protocol) -> String {
 
 impl PlannedThresholds {
     /// Returns the unit of thresholds.
-    #[must_use]
     pub fn unit(&self) -> &'static str {
         let log = self.protocol.adaptive.as_ref().is_some_and(|adaptive| adaptive.common.log);
         if log { "log10 units" } else { "units of the level" }
     }
 
     /// Returns what a precision is that of: `threshold of a person`, `depth 2 − 1`.
-    #[must_use]
     pub fn name(&self, quantity: &Quantity) -> String {
         match *quantity {
             Quantity::Person => "threshold of one person".to_owned(),
@@ -206,7 +203,6 @@ impl PlannedThresholds {
     }
 
     /// Returns the smallest study of those planned that finds each true difference with the target power.
-    #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut told: Vec<&Quantity> = Vec::new();
         for quantity in self.found.iter().map(|one| &one.quantity) {
@@ -236,7 +232,6 @@ impl PlannedThresholds {
     }
 
     /// Returns one row for each number of participants and of trials, and each quantity.
-    #[must_use]
     pub fn table(&self) -> Table {
         const TRUTH: &str =
             "True difference, on the scale of the method: base-10 logarithms of the level if it is logarithmic.";

@@ -28,7 +28,6 @@ const EXCLUSIONS: &str = "Practice trials are not analyzed, and only the last at
 
 impl Plan {
     /// Writes the preregistration of a study that was planned with this request, in Markdown.
-    #[must_use]
     pub fn preregistration(&self, found: &Found) -> String {
         let (protocol, of_task, options) = match found {
             Found::Ratings(planned) => {
@@ -247,7 +246,6 @@ impl PlannedThresholds {
     }
 
     /// Returns what a precision is that of, in words.
-    #[must_use]
     pub fn told(&self, quantity: &Quantity) -> String {
         let Quantity::Difference { factor, level, .. } = *quantity else { return self.name(quantity) };
         let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));

@@ -85,7 +85,6 @@ pub enum ObserverKind {
 impl ObserverKind {
     /// The observer that answers if none is asked for: the paper's findings are about ratings, and its observer does not
     /// see what most other tasks vary.
-    #[must_use]
     pub fn usual(protocol: &Protocol) -> Self {
         if protocol.task.is_default() { Self::Paper } else { Self::Vision }
     }

@@ -80,7 +80,6 @@ impl Render {
 
 /// Returns the command that writes the image of a recipe. A measured table has no short text form, so the command names a
 /// file `PROFILE.toml` in its place.
-#[must_use]
 pub fn command(recipe: &Recipe) -> String {
     let Recipe { stimulus, size, transfers, bits, dither, seed, .. } = recipe;
     let is_default = transfers.has_table() || transfers.uniform() == Some(&Transfer::Srgb);

@@ -75,7 +75,6 @@ impl Verify {
 
 impl Found {
     /// Returns the data files of the sessions with an error in one of their files.
-    #[must_use]
     pub fn wrong(&self) -> BTreeSet<PathBuf> {
         let files = self.errors.iter().filter_map(|error| match error {
             StoreError::FileErrors(FileErrors(errors)) => Some(errors),

@@ -17,7 +17,6 @@ const FULL_WEIGHT: f64 = (1u64 << 48) as f64;
 const INITIAL_SHARE: usize = 10;
 
 /// Ranks in the format of the mask file: 16 bits each, little-endian.
-#[must_use]
 pub fn to_bytes(ranks: &[u16]) -> Vec<u8> {
     ranks.iter().flat_map(|rank| rank.to_le_bytes()).collect()
 }
@@ -29,7 +28,6 @@ pub fn to_bytes(ranks: &[u16]) -> Vec<u8> {
 ///
 /// # Panics
 /// If `size` is 0 or above 256, because a rank has 16 bits.
-#[must_use]
 pub fn void_and_cluster(size: u32, seed: u64) -> Vec<u16> {
     assert!((1..=256).contains(&size), "a mask of {size} × {size} pixels; expected a side of 1…256");
     let prototype = settled_pattern(size as usize, seed);

@@ -349,7 +349,6 @@ impl People {
 
     /// The differences between predicted and measured log10 sensitivity. Each data set of contrast sensitivity has a
     /// gain of its own; ModelFest and the edges have none.
-    #[must_use]
     pub fn errors(&self, sensitivity: &Sensitivity) -> Vec<f64> {
         self.errors_of(&ours(sensitivity))
     }
@@ -373,7 +372,6 @@ impl People {
     }
 
     /// The root mean square of the errors of these data sets.
-    #[must_use]
     pub fn rms(&self, errors: &[f64], sets: &[&str]) -> f64 {
         let own = self.measured.iter().zip(errors).filter(|(measured, _)| sets.contains(&measured.set.as_str()));
         let squares: Vec<f64> = own.map(|(_, error)| error * error).collect();
@@ -410,7 +408,6 @@ impl People {
     }
 
     /// Fits the parameters with the method of Levenberg and Marquardt, starting from `start`.
-    #[must_use]
     pub fn fit(&self, start: &Sensitivity) -> Sensitivity {
         let (mut best, mut damping) = (*start, 1e-3);
         let mut errors = self.weighted(&best);
@@ -441,7 +438,6 @@ impl People {
     /// To first order: the root mean square error of ModelFest if each stimulus is predicted by a fit to all the others
     /// (its error divided by one minus its leverage), and the change in the logarithm of each parameter that would still
     /// improve the fit.
-    #[must_use]
     pub fn linearized(&self, sensitivity: &Sensitivity) -> (f64, Vec<f64>) {
         let derivatives = self.derivatives(sensitivity);
         let Some(inverse) = derivatives.tr_mul(&derivatives).try_inverse() else { return (f64::NAN, Vec::new()) };
@@ -453,7 +449,6 @@ impl People {
     }
 
     /// log10 of the predicted threshold divided by the observers', and the deviance, for each edge.
-    #[must_use]
     pub fn edges(&self, sensitivity: &Sensitivity, masking: &Masking) -> Vec<(f64, f64)> {
         self.edges_of(&|edge| edge.threshold(sensitivity, masking))
     }
@@ -472,7 +467,6 @@ impl People {
 pub const CSF: [&str; 3] = ["rovamo1993", "hdr_csf", "hdr_csf_disc"];
 
 /// The fitted parameters in the order of [`NAMES`].
-#[must_use]
 pub fn parameters(of: &Sensitivity) -> [f64; NAMES.len()] {
     [of.gain, of.fine_cpd, of.fine_power, of.coarse_power, of.pooling, of.fovea_deg, of.fovea_power, of.bright_power]
 }
@@ -481,7 +475,6 @@ pub fn parameters(of: &Sensitivity) -> [f64; NAMES.len()] {
 ///
 /// # Panics
 /// Panics if there are too few.
-#[must_use]
 pub fn with(values: &[f64]) -> Sensitivity {
     Sensitivity {
         gain: values[0],
@@ -522,7 +515,6 @@ pub fn unit(sensitivity: &Sensitivity) -> Result<f64, Box<dyn Error>> {
 
 /// The mean error of the three data sets of contrast sensitivity in each octave of frequency from ¼ to 16 cycles per
 /// degree, with the center of the octave and the number of stimuli.
-#[must_use]
 pub fn octaves(people: &People, errors: &[f64]) -> Vec<(f64, f64, usize)> {
     let of = |k: i32| {
         let center = 2_f64.powi(k);
@@ -559,7 +551,6 @@ fn log_threshold(spectrum: &ContrastSpectrum, detect: &Detect) -> f64 {
 }
 
 /// Ramp width in degrees and log10 of the threshold contrast of trapezoidal gratings at 100 cd/m².
-#[must_use]
 pub fn trapezoids(sensitivity: &Sensitivity) -> Vec<(f64, f64)> {
     trapezoids_of(&ours(sensitivity))
 }
@@ -570,7 +561,6 @@ fn trapezoids_of(detect: &Detect) -> Vec<(f64, f64)> {
 
 /// The slope of log threshold over log width for ramps of at least half a degree, and how far the thresholds of narrower
 /// ramps are apart, log10 units: 1 and 0 for people (Campbell, Johnstone & Ross 1981, Vis. Res. 21:723).
-#[must_use]
 pub fn trapezoid_summary(thresholds: &[(f64, f64)]) -> [f64; 2] {
     let wide: Vec<[f64; 2]> =
         thresholds.iter().filter(|(width, _)| *width >= 0.5).map(|(width, log)| [width.log10(), *log]).collect();

@@ -373,7 +373,6 @@ impl Measured {
     }
 
     /// Returns the ratings without some factors, given by index: conditions that differ only in them are one.
-    #[must_use]
     pub fn without_factors(&self, left_out: &[usize]) -> Self {
         let counts = &self.counts;
         let kept: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
@@ -387,7 +386,6 @@ impl Measured {
 
     /// Returns the ratings by some participants in some conditions. Levels and participants without ratings are
     /// dropped; all categories stay.
-    #[must_use]
     pub fn filtered(&self, subject: impl Fn(u32) -> bool, condition: impl Fn(&[Option<u32>]) -> bool) -> Self {
         let counts = &self.counts;
         let kept: Vec<bool> = counts.conditions.iter().map(|levels| condition(levels)).collect();

@@ -97,7 +97,6 @@ impl Design {
     }
 
     /// Returns the design in which the coefficient of column `a` is the difference from that of column `b`.
-    #[must_use]
     pub fn joined(&self, a: usize, b: usize) -> Self {
         let mut joined = self.clone();
         let other = self.columns[a].values.clone();
@@ -107,7 +106,6 @@ impl Design {
 
     /// Returns the design in which some columns, given by index, have the given coefficients. What they add is centered as
     /// the columns were, so that the thresholds of a fit to these are a good start, whatever the origin of a number.
-    #[must_use]
     pub(super) fn held(&self, standard: &Standard, coefficients: &[(usize, f64)]) -> Self {
         let mut held = self.clone();
         let conditions = self.columns.first().map_or(0, |column| column.values.len());
@@ -133,7 +131,6 @@ impl Design {
     }
 
     /// Returns the design without the columns of a term, given by index.
-    #[must_use]
     pub fn without_columns(&self, term: usize) -> Self {
         let mut design = self.clone();
         design.columns.retain(|column| column.term != term);
@@ -148,7 +145,6 @@ impl Design {
 
     /// Keeps only the columns that are not combinations of an intercept, the columns of another design and the columns
     /// before them.
-    #[must_use]
     pub fn independent_of(&self, other: &Self, frame: &Frame) -> Self {
         let conditions = frame.conditions();
         let (theirs, ours) = (other.matrix(&conditions), self.matrix(&conditions));

@@ -179,7 +179,6 @@ impl Terms {
     }
 
     /// Returns all terms but this one.
-    #[must_use]
     pub fn without(&self, term: &Term) -> Self {
         Self(self.0.iter().filter(|other| !other.same(term)).cloned().collect())
     }

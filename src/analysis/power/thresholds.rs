@@ -46,7 +46,6 @@ pub struct ThresholdObserver {
 impl ThresholdObserver {
     /// Returns an observer whose threshold lies in the middle of the levels. People differ by a twentieth of the range,
     /// and the function rises within a third of it.
-    #[must_use]
     pub fn of(adaptive: &Adaptive) -> Self {
         let [low, high] = adaptive.range().map(|level| adaptive.common.scaled(level));
         let threshold = adaptive.common.level((low + high) / 2.0);
@@ -81,13 +80,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// Returns the true value of a difference; `None` for the thresholds themselves.
-    #[must_use]
     pub fn truth(&self) -> Option<f64> {
         if let Self::Difference { truth, .. } = self { Some(*truth) } else { None }
     }
 
     /// Returns whether there is a difference to find.
-    #[must_use]
     pub fn differs(&self) -> bool {
         self.truth().is_some_and(|truth| truth != 0.0)
     }
@@ -116,7 +113,6 @@ pub struct Precision {
 
 impl Precision {
     /// Returns the share of studies whose interval excludes 0, with its 95 % interval (Clopper and Pearson).
-    #[must_use]
     pub fn share(&self) -> (f64, Interval) {
         (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
     }
@@ -139,7 +135,6 @@ type Estimated = Option<(f64, Option<Interval>, f64)>;
 impl ThresholdPlan {
     /// Plans a study; `None` if its task has no method that varies a level. The names of shifts and slopes must be those
     /// of factors and levels.
-    #[must_use]
     pub fn new(
         protocol: &Protocol,
         observer: ThresholdObserver,
@@ -151,7 +146,6 @@ impl ThresholdPlan {
     }
 
     /// Returns the quantities that are estimated: a difference for each level of a factor but the first.
-    #[must_use]
     pub fn quantities(&self) -> Vec<Quantity> {
         let factors = self.protocol.factors.iter().enumerate();
         let differences = factors.flat_map(|(factor, of)| {

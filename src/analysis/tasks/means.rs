@@ -17,13 +17,11 @@ pub struct Mean {
 
 impl Mean {
     /// Returns the mean of one value of each person.
-    #[must_use]
     pub fn new(values: &[f64]) -> Self {
         Self { mean: mean_and_sd(values).0, interval: Interval::of_mean(values), people: values.len() }
     }
 
     /// Returns the mean of one value of each person, none of which can be outside these ends, and neither can its interval.
-    #[must_use]
     pub fn bounded(values: &[f64], ends: [f64; 2]) -> Self {
         let (mean, sd) = mean_and_sd(values);
         let interval = Interval::of_bounded_mean(values.len() as f64, mean, sd, ends);
@@ -31,7 +29,6 @@ impl Mean {
     }
 
     /// Returns p of the t test of a mean of 0; `None` without an interval.
-    #[must_use]
     pub fn p(&self) -> Option<f64> {
         let (Interval { low, high }, df) = (self.interval?, self.people as f64 - 1.0);
         Some(t_two_sided(self.mean / ((high - low) / 2.0 / t_quantile(df)), df))
@@ -39,7 +36,6 @@ impl Mean {
 
     /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair
     /// is one person.
-    #[must_use]
     pub fn of_differences(pairs: &[(f64, f64)]) -> Self {
         Self::new(&pairs.iter().map(|(first, second)| first - second).collect::<Vec<_>>())
     }

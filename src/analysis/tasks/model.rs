@@ -37,7 +37,6 @@ impl Point {
     }
 
     /// Returns whether the trials showed a target.
-    #[must_use]
     pub fn is_target(&self) -> bool {
         self.x.is_finite()
     }
@@ -144,7 +143,6 @@ impl Guess {
 
 impl Model {
     /// Returns what is known about the psychometric functions of a study; `None` if no levels are varied.
-    #[must_use]
     pub fn of(protocol: &Protocol) -> Option<Self> {
         let adaptive = protocol.adaptive.as_ref()?;
         if !matches!(protocol.task.measures(), Measures::Proportions | Measures::Detection) {
@@ -160,7 +158,6 @@ impl Model {
     }
 
     /// Returns the level of catch trials: at the end of the scale where F is 0, so that their answers tell γ.
-    #[must_use]
     pub fn unseen(&self) -> f64 {
         if self.falls { f64::INFINITY } else { f64::NEG_INFINITY }
     }
@@ -187,7 +184,6 @@ impl Model {
     }
 
     /// Returns these parameters as the experiment uses them; its threshold is that of [`Curve`].
-    #[must_use]
     pub fn parameters(&self, estimate: &Estimate) -> Psychometric {
         let (slope, half) = self.slope(estimate.width);
         let Estimate { threshold, lapse, guess, .. } = *estimate;

@@ -87,13 +87,11 @@ pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
 impl Fit {
     /// Returns the most probable threshold; `None` if it lies outside its interval, so that the answers do not determine
     /// it: where the density falls to one side only, its highest place is at an end.
-    #[must_use]
     pub fn determined_threshold(&self) -> Option<f64> {
         Some(self.estimate.threshold).filter(|threshold| self.threshold.contains(*threshold))
     }
 
     /// Returns the most probable slope; `None` if it lies outside its interval.
-    #[must_use]
     pub fn determined_slope(&self) -> Option<f64> {
         Some(self.slope).filter(|slope| self.slope_interval.contains(*slope))
     }

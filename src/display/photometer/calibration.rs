@@ -111,7 +111,6 @@ pub struct Calibration {
 
 impl Calibration {
     /// Fits all models to the readings and chooses one.
-    #[must_use]
     pub fn new(readings: &Readings) -> Self {
         let sample = Sample::new(readings);
         let mut models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
@@ -133,14 +132,12 @@ impl Calibration {
         calibration
     }
 
-    #[must_use]
     pub fn model(&self, family: Family) -> &FittedModel {
         // `models` has one model of each family, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
     }
 
     /// Returns black and white according to a model, in cd/m².
-    #[must_use]
     pub fn luminance_of(&self, family: Family) -> LuminanceRange {
         let channels = &self.model(family).channels;
         if let Some(gray) = channels.iter().find(|one| one.channel == Channel::Gray) {
@@ -152,7 +149,6 @@ impl Calibration {
     }
 
     /// Returns the transfer functions of a model. A channel that was not read gets the transfer function of gray.
-    #[must_use]
     pub fn transfers(&self, family: Family) -> Transfers {
         let channels = &self.model(family).channels;
         let read = |wanted: Channel| channels.iter().find(|one| one.channel == wanted);
@@ -164,7 +160,6 @@ impl Calibration {
     }
 
     /// Returns the display profile according to a model.
-    #[must_use]
     pub fn profile(&self, family: Family, name: &str, measured: Measurement) -> DisplayProfile {
         DisplayProfile {
             name: name.to_owned(),

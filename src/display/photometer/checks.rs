@@ -227,20 +227,17 @@ pub struct Sum {
 
 impl Sum {
     /// Gray minus the sum, cd/m².
-    #[must_use]
     pub fn deviation_cd_m2(&self) -> f64 {
         self.gray_cd_m2 - self.sum_cd_m2
     }
 
     /// Gray minus the sum, in percent of gray.
-    #[must_use]
     pub fn deviation_percent(&self) -> f64 {
         100.0 * self.deviation_cd_m2() / self.gray_cd_m2
     }
 }
 
 /// Compares gray with the sum of its channels at every level above 0 at which all four were read, from dark to light.
-#[must_use]
 pub fn additivity(readings: &Readings) -> Vec<Sum> {
     let [red, green, blue, gray] = Channel::ALL.map(|channel| readings.means(channel));
     let black = readings.black_cd_m2();
@@ -255,14 +252,12 @@ pub fn additivity(readings: &Readings) -> Vec<Sum> {
 }
 
 /// Returns the deviation farthest from 0; 0 if `sums` is empty.
-#[must_use]
 pub fn largest(sums: &[Sum], deviation: fn(&Sum) -> f64) -> f64 {
     sums.iter().map(deviation).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
 }
 
 /// Returns the change of white over the measurement in percent of its mean, from a straight line fitted to all readings
 /// of white; `None` unless level 1 of some channel was read at least three times, spread over the measurement.
-#[must_use]
 pub fn drift_percent(readings: &Readings) -> Option<f64> {
     let all = readings.all();
     let whites = |channel: &Channel| -> Vec<(f64, f64)> {

@@ -72,14 +72,12 @@ pub struct Curve {
 
 impl Curve {
     /// Returns the luminance of the encoded value `v`, 0…1, in cd/m².
-    #[must_use]
     pub fn cd_m2(&self, v: f64) -> f64 {
         self.black_cd_m2 + self.range_cd_m2 * self.transfer.linear_from_encoded(v)
     }
 
     /// Returns the encoded value that gives a luminance; 0 for black and below. Above white, where noise can put a
     /// reading, the curve continues as a straight line.
-    #[must_use]
     pub fn encoded(&self, cd_m2: f64) -> f64 {
         let light = (cd_m2 - self.black_cd_m2) / self.range_cd_m2;
         let last = 1.0 / 255.0;
@@ -88,7 +86,6 @@ impl Curve {
     }
 
     /// The exponent, if the curve has one.
-    #[must_use]
     pub fn gamma(&self) -> Option<f64> {
         match &self.transfer {
             Transfer::Gamma(gamma) => Some(*gamma),
@@ -98,7 +95,6 @@ impl Curve {
     }
 
     /// Gain and offset, if the curve has them.
-    #[must_use]
     pub fn gain_and_offset(&self) -> Option<(f64, f64)> {
         match &self.transfer {
             Transfer::Gog(gog) => Some((gog.gain, gog.offset)),

@@ -26,7 +26,6 @@ pub struct LevelMean {
 const SAME_LEVEL: f64 = 1e-6;
 
 /// True if two levels are the same patch.
-#[must_use]
 pub fn is_same_level(a: f64, b: f64) -> bool {
     (a - b).abs() < SAME_LEVEL
 }
@@ -46,38 +45,32 @@ impl Readings {
     }
 
     /// All readings in the order in which they were taken.
-    #[must_use]
     pub fn all(&self) -> &[Reading] {
         &self.all
     }
 
     /// The channels that were read.
-    #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
     /// The mean at each level of a channel, from dark to light.
-    #[must_use]
     pub fn means(&self, channel: Channel) -> Vec<LevelMean> {
         means(self.all.iter().filter(|one| one.channel == channel))
     }
 
     /// Luminance of black, cd/m²: the mean of the readings at level 0, which is the same patch in every channel.
-    #[must_use]
     pub fn black_cd_m2(&self) -> f64 {
         means(self.all.iter()).first().map_or(0.0, |black| black.luminance_cd_m2)
     }
 
     /// The largest luminance, cd/m².
-    #[must_use]
     pub fn largest_cd_m2(&self) -> f64 {
         self.all.iter().map(|one| one.luminance_cd_m2).fold(0.0, f64::max)
     }
 
     /// The step of the photometer's display, cd/m²: the largest power of ten, up to 100, of which every reading is a
     /// multiple; 0 if there is none down to 10⁻⁵.
-    #[must_use]
     pub fn resolution_cd_m2(&self) -> f64 {
         let is_multiple = |steps: f64| (steps - steps.round()).abs() <= 1e-9 * steps.abs().max(1.0);
         let fits = |step: &f64| self.all.iter().all(|one| is_multiple(one.luminance_cd_m2 / step));

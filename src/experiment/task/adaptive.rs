@@ -54,7 +54,6 @@ pub struct Adaptive {
 
 impl Adaptive {
     /// Returns the lowest and the highest level.
-    #[must_use]
     pub fn range(&self) -> [f64; 2] {
         match &self.method {
             Method::Staircase(stairs) => [stairs.low, stairs.high],
@@ -63,7 +62,6 @@ impl Adaptive {
     }
 
     /// Returns whether the method can choose a level.
-    #[must_use]
     pub fn can_show(&self, level: f64) -> bool {
         let [low, high] = self.range();
         if let Method::Staircase(_) = self.method {
@@ -79,7 +77,6 @@ impl Adaptive {
     }
 
     /// Returns the second parameter that the method varies.
-    #[must_use]
     pub fn second(&self) -> Option<&Second> {
         if let Method::QuestPlus(quest) = &self.method { quest.second.as_ref() } else { None }
     }

@@ -28,19 +28,16 @@ options! {
 
 impl Common {
     /// Returns a level on the scale on which the method counts.
-    #[must_use]
     pub fn scaled(&self, level: f64) -> f64 {
         if self.log { level.log10() } else { level }
     }
 
     /// Returns the level at a place of that scale.
-    #[must_use]
     pub fn level(&self, scaled: f64) -> f64 {
         significant(if self.log { f64::powf(10.0, scaled) } else { scaled })
     }
 
     /// Returns 1 if a higher level is easier, and −1 otherwise.
-    #[must_use]
     pub fn sign(&self) -> f64 {
         if self.easier == Easier::High { 1.0 } else { -1.0 }
     }

@@ -31,7 +31,6 @@ pub struct Psychometric {
 
 impl Curve {
     /// Returns F for z = β(x − t).
-    #[must_use]
     pub fn sigmoid(self, z: f64) -> f64 {
         match self {
             Self::Weibull => -f64::exp_m1(-f64::powf(10.0, z)),
@@ -41,14 +40,12 @@ impl Curve {
     }
 
     /// Returns ψ(x).
-    #[must_use]
     pub fn probability(self, x: f64, parameters: &Psychometric) -> f64 {
         let Psychometric { threshold, slope, guess, lapse } = *parameters;
         guess + (1.0 - guess - lapse) * self.sigmoid(slope * (x - threshold))
     }
 
     /// Returns z with F = `share`, 0 < share < 1.
-    #[must_use]
     pub fn inverse(self, share: f64) -> f64 {
         match self {
             Self::Weibull => (-(-share).ln_1p()).log10(),

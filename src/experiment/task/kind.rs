@@ -61,7 +61,6 @@ pub enum Layout {
 
 impl Layout {
     /// Returns the number of stimuli of a trial.
-    #[must_use]
     pub fn count(self) -> usize {
         match self {
             Self::Single => 1,
@@ -70,32 +69,27 @@ impl Layout {
     }
 
     /// Returns the number of intervals.
-    #[must_use]
     pub fn intervals(self) -> usize {
         if let Self::Intervals { count, .. } = self { count } else { 1 }
     }
 
     /// Returns the time from the onset of the first interval to that of the last, seconds.
-    #[must_use]
     pub fn lead_s(self) -> f64 {
         let Self::Intervals { count, duration_s, gap_s } = self else { return 0.0 };
         (count as f64 - 1.0) * (duration_s + gap_s)
     }
 
     /// Returns the gap between two stimuli that are shown at the same time, in pixels: a tenth of their side.
-    #[must_use]
     pub fn gap_px(side: u32) -> u32 {
         side.div_ceil(10)
     }
 
     /// Returns the width and the height of all stimuli that are shown at the same time, in pixels.
-    #[must_use]
     pub fn size_px(self, side: u32) -> [u32; 2] {
         self.grid().map(|count| count as u32 * (side + Self::gap_px(side)) - Self::gap_px(side))
     }
 
     /// Returns the number of columns and rows in which stimuli are on the screen at the same time.
-    #[must_use]
     pub fn grid(self) -> [usize; 2] {
         match self {
             Self::Places(4) => [2, 2],
@@ -123,7 +117,6 @@ impl Dial {
     pub const FINE: f64 = 10.0;
 
     /// Returns the value after `steps` steps.
-    #[must_use]
     pub fn turned(&self, value: f64, steps: f64) -> f64 {
         let by = self.step * steps;
         let turned = if self.log { value * f64::powf(10.0, by) } else { value + by };
@@ -131,14 +124,12 @@ impl Dial {
     }
 
     /// Returns the share of the range, 0…1, at a value; the inverse of [`Dial::at`].
-    #[must_use]
     pub fn share(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         if self.log { (value / low).ln() / (high / low).ln() } else { (value - low) / (high - low) }
     }
 
     /// Returns the value at a share of the range, 0…1.
-    #[must_use]
     pub fn at(&self, share: f64) -> f64 {
         let [low, high] = self.range;
         significant(if self.log { low * (high / low).powf(share) } else { low + share * (high - low) })
@@ -146,7 +137,6 @@ impl Dial {
 }
 
 /// Rounds to six significant digits, so that a level is the same on every machine, whatever its logarithms.
-#[must_use]
 pub fn significant(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
@@ -166,13 +156,11 @@ pub struct Presentation {
 
 impl Presentation {
     /// Shows one stimulus.
-    #[must_use]
     pub fn of(stimulus: Stimulus) -> Self {
         Self { stimuli: vec![stimulus], target: None, level: None, start: None }
     }
 
     /// Returns the stimulus that a row describes: the target if it is shown, and otherwise the first.
-    #[must_use]
     pub fn described(&self) -> &Stimulus {
         let place = self.target.map_or(0, |target| target.saturating_sub(1) as usize);
         &self.stimuli[place.min(self.stimuli.len() - 1)]

@@ -19,7 +19,6 @@ impl OptionReader for Defaults {
 }
 
 /// Returns an option as it is typed in a form; empty if there is none.
-#[must_use]
 pub fn typed(options: &Value, key: &str) -> String {
     let found = key.split('.').try_fold(options, |table, key| table.get(key));
     let plain = |value: &Value| match (value.as_str(), value.as_f64()) {
@@ -51,7 +50,6 @@ macro_rules! kinds {
             pub const ABOUT: &[&str] = &[$($doc),*];
 
             /// Returns the name in a definition.
-            #[must_use]
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $name,)*
@@ -60,7 +58,6 @@ macro_rules! kinds {
 
             /// Returns the options of the kind `name`, in the order in which a form lists them; none if there is no such
             /// kind.
-            #[must_use]
             pub fn options(name: &str) -> &'static [$crate::experiment::task::options::TaskOption] {
                 match name {
                     $($name => <$kind>::OPTIONS,)*

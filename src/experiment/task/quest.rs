@@ -163,7 +163,6 @@ impl QuestPlus {
     }
 
     /// Prepares a run.
-    #[must_use]
     pub fn prepare(&self, common: &Common, guess: Option<f64>) -> Quest {
         let grid = self.grid(common, guess);
         Quest::new(self.function, common.sign(), &self.stimuli(common), grid)
@@ -232,7 +231,6 @@ fn surprise(p: f64) -> f64 {
 impl Quest {
     /// Begins with equal probabilities. `sign` is −1 if higher levels are harder. A stimulus is its level and how far the
     /// second parameter is from its middle.
-    #[must_use]
     pub fn new(curve: Curve, sign: f64, stimuli: &[(f64, f64)], grid: Grid) -> Self {
         let cells: Vec<_> = grid.cells().collect();
         let likelihood_at = |&(x, y): &(f64, f64)| {
@@ -253,7 +251,6 @@ impl Quest {
 
     /// Returns the number of the stimulus whose outcome is expected to leave the least entropy. It is that of the
     /// posterior, plus the expected entropy of the outcome given the parameters, minus the entropy of the outcome.
-    #[must_use]
     pub fn choose(&self) -> usize {
         let expected = |(likelihood, entropy): (&Vec<f64>, &Vec<f64>)| {
             let (mut seen, mut inner) = (0.0, 0.0);
@@ -292,13 +289,11 @@ impl Quest {
     }
 
     /// Returns the mean of a function of the parameters.
-    #[must_use]
     pub fn mean(&self, of: impl Fn(&Psychometric) -> f64) -> f64 {
         self.posterior.iter().zip(&self.tables.cells).map(|(p, (one, _))| p * of(one)).sum()
     }
 
     /// Returns the width of the 95 % interval of the threshold, as far apart as the grid tells.
-    #[must_use]
     pub fn width(&self) -> f64 {
         self.width
     }

@@ -36,7 +36,6 @@ fn entropy(p: f64) -> f64 {
 
 impl Ranking {
     /// Begins without comparisons.
-    #[must_use]
     pub fn new(items: usize) -> Self {
         let covariance = DMatrix::identity(items, items) * PRIOR_SD.powi(2);
         Self { wins: Wins::zeros(items, items), mode: DVector::zeros(items), covariance }
@@ -53,7 +52,6 @@ impl Ranking {
 
     /// Returns the pair whose comparison is expected to reduce the uncertainty most (Lindley 1956): the entropy of the
     /// answer, minus its mean entropy given the scale values. `tie`, uniform in 0…1, decides between equal pairs.
-    #[must_use]
     pub fn choose(&self, tie: f64) -> [usize; 2] {
         let items = self.mode.len();
         let pairs: Vec<[usize; 2]> = (0..items).flat_map(|i| (i + 1..items).map(move |j| [i, j])).collect();

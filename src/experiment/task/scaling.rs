@@ -51,7 +51,6 @@ impl Scaling {
     /// Finds the most probable values by Newton's method, always from 0, so that they do not depend on the order of the
     /// comparisons. `precision` is the inverse variance of the priors; 0 finds the most likely values, which are finite
     /// only if every item was chosen over every other, directly or through others. `None` if they are not.
-    #[must_use]
     pub fn mode(self, wins: &Wins, precision: f64) -> Option<Mode> {
         let items = wins.nrows();
         let mut values = DVector::zeros(items);

@@ -69,7 +69,6 @@ pub struct Stairs {
 
 impl Stairs {
     /// Begins at the first level.
-    #[must_use]
     pub fn new(staircase: &Staircase) -> Self {
         Self { level: staircase.start, reversals: 0, right: 0, wrong: 0, harder: None }
     }
@@ -93,7 +92,6 @@ impl Stairs {
     }
 
     /// Returns whether it is over.
-    #[must_use]
     pub fn is_over(&self, staircase: &Staircase) -> bool {
         staircase.reversals.is_some_and(|most| self.reversals >= most)
     }

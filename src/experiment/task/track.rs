@@ -37,7 +37,6 @@ pub enum Track {
 
 impl Track {
     /// Begins the method of each of `count` conditions, of which each has a generator of its own.
-    #[must_use]
     pub fn begin(
         Adaptive { common, method }: &Adaptive,
         guess: Option<f64>,
@@ -66,7 +65,6 @@ impl Track {
     }
 
     /// Returns whether the method has learned enough.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         match self {
             Self::Stairs(staircase, _, stairs) => stairs.is_over(staircase),
@@ -77,7 +75,6 @@ impl Track {
     }
 
     /// Returns what the next trial shows. `draw` is uniform in 0…1.
-    #[must_use]
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
             Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),

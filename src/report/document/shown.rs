@@ -18,7 +18,6 @@ impl Shown {
     }
 
     /// Returns what is shown.
-    #[must_use]
     pub fn value(&self) -> &Cell {
         &self.value
     }

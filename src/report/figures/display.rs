@@ -20,7 +20,6 @@ const HEIGHTS: (f64, f64) = (400.0, 230.0);
 const MIN_CODES: f64 = 1.0;
 
 /// Draws `calibration`: readings, and the curves and residuals of a model.
-#[must_use]
 pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
     let model = calibration.model(family);
     let caption = format!(
@@ -83,7 +82,6 @@ fn series(channel: Channel) -> Series {
 }
 
 /// Draws `intervals`: every frame interval, and a line at the screen's refresh interval.
-#[must_use]
 pub fn intervals(intervals_us: &[u32], refresh: Option<Refresh>) -> Figure {
     let longest = intervals_us.iter().copied().max().unwrap_or(0);
     let refresh_ms = refresh.map(|refresh| refresh.seconds() * 1e3);

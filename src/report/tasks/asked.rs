@@ -50,25 +50,21 @@ impl Asked {
     }
 
     /// Returns the name of a factor or of another parameter in a sentence.
-    #[must_use]
     pub fn factor(&self, name: &str) -> String {
         names::factor(self.known(), name)
     }
 
     /// Returns whether participants rated on a slider.
-    #[must_use]
     pub fn is_slider(&self) -> bool {
         self.dial.as_ref().is_some_and(|dial| dial.parameter.is_none())
     }
 
     /// Formats a level of a factor.
-    #[must_use]
     pub fn level(&self, factor: &str, level: &str) -> String {
         names::level(self.known(), factor, level).to_string()
     }
 
     /// Returns the title of an axis for a parameter, or for its logarithm.
-    #[must_use]
     pub fn axis(&self, name: &str, log: bool) -> String {
         match log {
             true => format!("{} (base-10 logarithm)", names::heading(self.known(), name)),

@@ -395,7 +395,6 @@ pub const MODEL_OF_DIFFERENCES: &str =
     "Conditions are compared by the differences between the contributions of the participants who have both.";
 
 /// Says how the answers of one person in one condition are modeled.
-#[must_use]
 pub fn model_of_a_person(model: &Model) -> String {
     let curve = match model.curve {
         Curve::Weibull => "Weibull",

@@ -21,7 +21,6 @@ use crate::{
 const DRAWN: usize = 81;
 
 /// Draws every chart for which there are data.
-#[must_use]
 pub fn figures(study: &TaskStudy, results: &TaskResults) -> Vec<Figure> {
     let kinds = [functions, thresholds, shares, detection, scale, settings];
     kinds.into_iter().filter_map(|kind| kind(study, results)).collect()

@@ -96,7 +96,6 @@ pub struct Comparisons {
 
 impl Comparisons {
     /// Returns the groups of conditions that were compared, each from the highest to the lowest on the scale.
-    #[must_use]
     pub fn order(&self) -> Vec<Vec<usize>> {
         let Scale { values, mut groups, .. } = self.scales[0].clone();
         groups.iter_mut().for_each(|group| group.sort_by(|a, b| values[*b].total_cmp(&values[*a])));
@@ -111,13 +110,11 @@ impl PersonFunction {
     }
 
     /// Returns the fitted function, if a function of the assumed kind describes the answers.
-    #[must_use]
     pub fn described(&self) -> Option<&Fit> {
         self.fit.as_ref().ok().filter(|_| self.misfit.is_none())
     }
 
     /// Returns where beyond the levels the threshold lies, if its whole interval lies there.
-    #[must_use]
     pub fn side(&self) -> Option<Beyond> {
         let Interval { low, high } = self.described()?.threshold;
         self.beyond.filter(|place| match *place {
@@ -127,13 +124,11 @@ impl PersonFunction {
     }
 
     /// Returns the most probable threshold, if the answers determine one within the levels.
-    #[must_use]
     pub fn threshold(&self) -> Option<f64> {
         self.described()?.determined_threshold().filter(|_| self.beyond.is_none())
     }
 
     /// Returns the number of trials with a target.
-    #[must_use]
     pub fn trials(&self) -> u64 {
         self.targets().map(|point| u64::from(point.total)).sum()
     }
@@ -151,7 +146,6 @@ pub enum Beyond {
 impl Beyond {
     /// Returns on which side of a range a value lies; `None` within it. A value at an end is beyond: the search ends there
     /// if the answers say only that the threshold is not in the range.
-    #[must_use]
     pub fn of([low, high]: [f64; 2], value: f64) -> Option<Self> {
         let near = 1e-6 * (high - low);
         let above = (value >= high - near).then_some(Self::Above(high));
@@ -192,7 +186,6 @@ const SIMULATIONS: usize = 1000;
 
 impl TaskResults {
     /// Analyzes a study. `seed` is that of simulated studies.
-    #[must_use]
     pub fn of(study: &TaskStudy, seed: u64) -> Self {
         let mut results = Self {
             seed,

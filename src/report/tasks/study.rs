@@ -177,7 +177,6 @@ impl TaskStudy {
 
     /// Takes the rows of a table of answers. `factors` have the levels whose order is known; the others follow in the order of
     /// the rows. `levels` says what is known about the levels of the functions.
-    #[must_use]
     pub fn of_answers(path: &Path, rows: &[AnswerRow], factors: Vec<(String, Vec<String>)>, levels: Levels) -> Self {
         let (names, mut found): (Vec<String>, Vec<Vec<String>>) = factors.into_iter().unzip();
         let (mut people, mut trials) = (Vec::new(), Vec::new());
@@ -230,7 +229,6 @@ impl TaskStudy {
     }
 
     /// Returns the number of answers.
-    #[must_use]
     pub fn answers(&self) -> u64 {
         let count = |trial: &TaskTrial| match trial.answer {
             TaskAnswered::Seen { total, .. } => u64::from(total),
@@ -262,7 +260,6 @@ impl TaskStudy {
     }
 
     /// Returns the name of a condition: its levels of the factors.
-    #[must_use]
     pub fn name(&self, condition: usize) -> String {
         let named = self.asked.factors.iter().zip(self.levels(condition));
         let named = named.map(|(factor, level)| format!("{} {level}", self.asked.factor(&factor.name)));
@@ -270,20 +267,17 @@ impl TaskStudy {
     }
 
     /// Returns ` at CONDITION`, or nothing if there is only one.
-    #[must_use]
     pub fn at(&self, condition: usize) -> String {
         let name = self.name(condition);
         if name.is_empty() { name } else { format!(" at {name}") }
     }
 
     /// Returns a condition's level of a factor, given by index.
-    #[must_use]
     pub fn cell(&self, condition: usize, factor: usize) -> Cell {
         self.asked.factors[factor].levels[self.asked.conditions[condition][factor]].clone().into()
     }
 
     /// Returns a condition's level of each factor.
-    #[must_use]
     pub fn levels(&self, condition: usize) -> Vec<String> {
         let levels = self.asked.factors.iter().zip(&self.asked.conditions[condition]);
         levels.map(|(factor, level)| self.asked.level(&factor.name, &factor.levels[*level].to_string())).collect()

@@ -21,7 +21,6 @@ use crate::{
 };
 
 /// Returns the tables by the names of their files.
-#[must_use]
 pub fn tables(study: &TaskStudy, results: &TaskResults) -> Vec<(&'static str, Table)> {
     let mut all = Vec::new();
     if let Some(Levels { common, .. }) = &study.asked.levels

@@ -70,7 +70,6 @@ impl Composition {
     /// [`Transparency::through`] combines them from the farthest to the nearest. Behind a body with an index, the line
     /// of sight is bent where it enters and leaves; what it then meets is lit at that point, whatever its shader. No
     /// body casts shadows.
-    #[must_use]
     pub fn image(&self, width: u32, height: u32) -> LinearImage {
         let view = View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) };
         let view = view.rotated(self.rotate_deg);

@@ -38,7 +38,6 @@ struct Table {
 
 impl Encoder {
     /// Makes an encoder for a display that `transfer` describes. This takes about 0.2 ms, so reuse the encoder.
-    #[must_use]
     pub fn new(transfer: &Transfer) -> Encoder {
         let quantizer = ChannelQuantizer::new(transfer, Bits::Eight);
         Encoder { table: Table::new(&quantizer), quantizer }

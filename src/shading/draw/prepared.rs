@@ -43,7 +43,6 @@ enum Painter {
 
 impl<'f> Prepared<'f> {
     /// Prepares `frame` for drawing with `shade`.
-    #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         let channels = channels(frame);
         let shading = match channels {
@@ -63,13 +62,11 @@ impl<'f> Prepared<'f> {
     }
 
     /// Draws the picture in linear light.
-    #[must_use]
     pub fn image(&self) -> LinearImage {
         self.image_on(Arch::new())
     }
 
     /// Draws the picture in linear light with the vectors of `arch`, which do not affect the result.
-    #[must_use]
     pub fn image_on(&self, arch: Arch) -> LinearImage {
         let mut image = LinearImage::new(self.frame.width, self.frame.height);
         self.draw::<3, _>(arch, &mut image.data, write_linear);
@@ -140,7 +137,6 @@ impl<W: Fn([&[f32]; 3], Channels, &mut [T]), T> WithSimd for Write<'_, W, T> {
 
 /// Draws `frame` with `shade` in linear light with the fast method; the result is within 1e-5 of
 /// [`Reference::image`](super::Reference::image).
-#[must_use]
 pub fn picture(frame: &Frame, shade: &Shade) -> LinearImage {
     Prepared::new(frame, shade).image()
 }

@@ -23,7 +23,6 @@ pub struct Reference<'f> {
 
 impl<'f> Reference<'f> {
     /// Prepares `frame` by computing the constants of `shade` once.
-    #[must_use]
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         Reference { frame, shading: Shading::new(frame, shade, Channels::Color) }
     }
@@ -32,14 +31,12 @@ impl<'f> Reference<'f> {
     ///
     /// # Panics
     /// Panics if the frame has no such triangle.
-    #[must_use]
     pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
         let lights = self.frame.corners(triangle).map(|v| v.light.to_array());
         DVec3::from_array(self.shading.light(triangle, w, weighted(w, &lights)))
     }
 
     /// Draws the entire image, with every pixel sampled at its center.
-    #[must_use]
     pub fn image(&self) -> LinearImage {
         let frame = self.frame;
         let light = |(i, triangle): (usize, u32)| {

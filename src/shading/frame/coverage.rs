@@ -14,7 +14,6 @@ pub const NONE: u32 = u32::MAX;
 ///
 /// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; in a tie, the first
 /// one is. Depth is affine on the screen.
-#[must_use]
 pub fn visible(frame: &Frame) -> Vec<u32> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let mut seen = vec![NONE; width * height];
@@ -58,7 +57,6 @@ pub(crate) fn each_layer(
 }
 
 /// Returns the depths of a triangle as a plane.
-#[must_use]
 pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
     let corners = frame.corners(triangle);
     Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
@@ -67,7 +65,6 @@ pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
 /// For each pixel, returns true if it shows the surface and lies neither on an outline nor at an edge at which the
 /// surface is meant to have a crease. Outlines run along the background and where a nearer part of the surface hides a
 /// farther part.
-#[must_use]
 pub fn interior_mask(frame: &Frame) -> Vec<bool> {
     let seen = visible(frame);
     let mut inside: Vec<bool> = seen.iter().map(|triangle| *triangle != NONE).collect();

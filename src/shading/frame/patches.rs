@@ -33,14 +33,12 @@ impl Patches {
     ///
     /// For the light, [`Gradients::Curvature`] requires that the vertices' light values come from the frame's lighting.
     /// A vertex whose light was replaced uses [`Gradients::Ring`] instead.
-    #[must_use]
     pub fn new(frame: &Frame, field: Field, gradients: Gradients) -> Patches {
         Patches::with_gradients(frame, field, gradients::of(frame, field, gradients))
     }
 
     /// Computes the cubics of `field` over `frame` with the given gradients, one for each of [`Frame::fans`]; missing
     /// gradients are zero.
-    #[must_use]
     pub fn with_gradients(frame: &Frame, field: Field, mut gradients: Vec<Gradient>) -> Patches {
         gradients.resize(frame.fans.len(), [[0.0; 2]; 3]);
         let of_triangle = |t: usize| {

@@ -36,14 +36,12 @@ pub struct View {
 
 impl View {
     /// Creates a square window of `size` pixels with a fill of 0.9, in parallel projection and without rotation.
-    #[must_use]
     pub fn square(size: u32) -> View {
         View { width: size, height: size, rotation: DMat3::IDENTITY, fill: 0.9, distance: f64::INFINITY }
     }
 
     /// Returns this view with the mesh rotated by `degrees` about x, then y, then z, counterclockwise as seen from the
     /// tip of the axis.
-    #[must_use]
     pub fn rotated(mut self, degrees: [f64; 3]) -> View {
         let [x, y, z] = degrees.map(f64::to_radians);
         self.rotation = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
@@ -51,14 +49,12 @@ impl View {
     }
 
     /// Returns the unit vector from a point in eye space to the eye.
-    #[must_use]
     pub fn to_viewer(&self, eye: DVec3) -> DVec3 {
         if self.distance.is_finite() { (DVec3::new(0.0, 0.0, self.distance) - eye).normalize() } else { DVec3::Z }
     }
 
     /// Projects a point in eye space: returns its position on the screen and its depth. Depth is 0 at the nearest and 1
     /// at the farthest point, and within a plane it is affine on the screen.
-    #[must_use]
     pub fn project(&self, eye: DVec3) -> (DVec2, f64) {
         let (xy, d) = (eye.truncate() * self.ratio(eye.z), self.distance);
         let depth = if d.is_finite() {
@@ -80,7 +76,6 @@ impl View {
 
     /// Returns the weight of a point with this z in interpolation that is corrected for perspective: the eye's distance
     /// over the point's distance from the eye along z.
-    #[must_use]
     pub fn nearness(&self, z: f64) -> f64 {
         if self.distance.is_finite() { self.distance / (self.distance - z) } else { 1.0 }
     }
@@ -91,14 +86,12 @@ impl View {
     }
 
     /// Returns the pixels per unit of the plane z = 0 in eye space.
-    #[must_use]
     pub fn pixels_per_unit(&self) -> f64 {
         self.scale() * self.ratio(0.0)
     }
 
     /// Returns the line of sight through a position on the screen: a point on it in front of the bounding sphere, and
     /// its direction, a unit vector.
-    #[must_use]
     pub fn ray(&self, screen: DVec2) -> (DVec3, DVec3) {
         let sight = self.sight(screen).extend(0.0);
         if self.distance.is_finite() {
@@ -110,7 +103,6 @@ impl View {
     }
 
     /// Returns the point on the plane z = 0 in eye space that a position on the screen shows.
-    #[must_use]
     pub fn sight(&self, screen: DVec2) -> DVec2 {
         let middle = DVec2::new(f64::from(self.width), f64::from(self.height)) / 2.0;
         let xy = (screen - middle) / self.pixels_per_unit();
@@ -235,14 +227,12 @@ const STEPS: f64 = 256.0;
 impl Frame {
     /// Projects and lights `surface` in `view` under `lighting`, in front of `background`. A closed surface shows only
     /// its outside; a surface with a border shows both sides.
-    #[must_use]
     pub fn new(surface: &Surface, view: &View, lighting: &Lighting, background: DVec3) -> Frame {
         Frame::within(surface.mesh.bounds(), surface, view, lighting, background)
     }
 
     /// Projects `surface` as [`Frame::new`] does, but with the sphere (center and radius) that the view shows given
     /// instead of computed, so that two meshes of the same surface lie in the same place.
-    #[must_use]
     pub fn within(
         (center, radius): (DVec3, f64),
         surface: &Surface,
@@ -300,21 +290,18 @@ impl Frame {
     }
 
     /// Returns this frame without the paint of the mesh: edges in a texture are neither creases nor bands.
-    #[must_use]
     pub fn unpainted(self) -> Frame {
         Frame { paint: None, ..self }
     }
 
     /// Returns twice the signed area of the triangle between three points on the screen, positive for a triangle that
     /// faces the eye.
-    #[must_use]
     pub fn area2(a: DVec2, b: DVec2, c: DVec2) -> f64 {
         // y points down, so a counterclockwise triangle has a negative sum.
         -(b - a).perp_dot(c - a)
     }
 
     /// Returns the three corners of triangle `triangle`.
-    #[must_use]
     pub fn corners(&self, triangle: usize) -> [&FrameVertex; 3] {
         self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
     }
@@ -330,7 +317,6 @@ impl Frame {
     }
 
     /// Returns the barycentric weights of a point on the screen with respect to triangle `triangle`.
-    #[must_use]
     pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle).map(|v| v.screen);
         let area = Frame::area2(a, b, c);
@@ -340,7 +326,6 @@ impl Frame {
 
     /// Returns this frame with the vertices' light values encoded for a display, which is what a renderer that ignores
     /// gamma interpolates. Its picture contains encoded values and is quantized without a transfer function.
-    #[must_use]
     pub fn encoded(mut self, transfers: &Transfers) -> Frame {
         let encode = |light| encode(transfers, light);
         for vertex in &mut self.vertices {
@@ -354,7 +339,6 @@ impl Frame {
 
     /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye; encoded
     /// if the frame's light values are encoded.
-    #[must_use]
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
         let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
         match &self.encoding {
@@ -364,7 +348,6 @@ impl Frame {
     }
 
     /// Returns the light that the display emits for a value that a shader computes from the frame's light values.
-    #[must_use]
     pub fn emitted(&self, value: DVec3) -> DVec3 {
         match &self.encoding {
             Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),

@@ -43,7 +43,6 @@ named! {
 impl Highlight {
     /// Returns the name of an option of the small mirrors that is given although this highlight does not use it, and what
     /// is wrong with it.
-    #[must_use]
     pub fn idle_option(self, Mirrors { slope, c1, index }: Mirrors) -> Option<(&'static str, String)> {
         let (is_gaussian, is_beckmann) = (self == Highlight::TorranceSparrow, self == Highlight::CookTorrance);
         let options = [
@@ -56,7 +55,6 @@ impl Highlight {
     }
 
     /// Returns the shape as a material has it, for the exponent `shininess` of Phong's and Blinn's highlight.
-    #[must_use]
     pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
         let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
         let index = DVec3::splat(index.unwrap_or(INDEX));
@@ -121,7 +119,6 @@ impl Default for Scene {
 
 impl Scene {
     /// Returns the material and the lamp.
-    #[must_use]
     pub fn lighting(&self) -> Lighting {
         let material = Material {
             color: self.color,
@@ -138,13 +135,11 @@ impl Scene {
     }
 
     /// Returns the view in a window of `width` × `height` pixels.
-    #[must_use]
     pub fn view(&self, width: u32, height: u32) -> View {
         View { width, height, fill: self.fill, distance: self.distance, ..View::square(1) }.rotated(self.rotate_deg)
     }
 
     /// Projects and lights `surface` in a window of `width` × `height` pixels.
-    #[must_use]
     pub fn frame(&self, surface: &Surface, width: u32, height: u32) -> Frame {
         Frame::new(surface, &self.view(width, height), &self.lighting(), self.color * self.background)
     }

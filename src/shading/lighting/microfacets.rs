@@ -38,7 +38,6 @@ impl Microfacets {
     /// The factor 1/π is from Shoaff and from Cook and Torrance. Conservation of energy requires ¼ instead, with
     /// another 1/π in the D of [`beckmann`]: the highlight is therefore four times as bright as in today's renderers,
     /// and k_s has to compensate.
-    #[must_use]
     pub fn highlight(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
         let halfway = (to_lamp + to_viewer).normalize_or_zero();
         let (nl, nv) = (normal.dot(to_lamp), normal.dot(to_viewer));
@@ -54,7 +53,6 @@ impl Microfacets {
     }
 
     /// Returns D at the cosine N·H of a mirror's tilt β.
-    #[must_use]
     pub fn distribution(&self, nh: f64) -> f64 {
         match self.facets {
             Facets::Gaussian { c1 } => gaussian(nh, self.slope, c1),
@@ -64,7 +62,6 @@ impl Microfacets {
 }
 
 /// Torrance and Sparrow's D = c1·exp(−(β/m)²), where cos β = `nh` is within 0…1.
-#[must_use]
 pub fn gaussian(nh: f64, slope: f64, c1: f64) -> f64 {
     let tilt = nh.clamp(0.0, 1.0).acos();
     c1 * (-(tilt / slope).powi(2)).exp()
@@ -72,7 +69,6 @@ pub fn gaussian(nh: f64, slope: f64, c1: f64) -> f64 {
 
 /// Beckmann's D = exp(−(tan β/m)²)/(m²·cos⁴β), where cos β = `nh` is within 0…1. The integral of D·cos β over the
 /// hemisphere is π: seen from above, the mirrors fill the surface.
-#[must_use]
 pub fn beckmann(nh: f64, slope: f64) -> f64 {
     let cos2 = nh.clamp(0.0, 1.0).powi(2);
     let fall = (-(1.0 - cos2) / (cos2 * slope * slope)).exp();
@@ -82,7 +78,6 @@ pub fn beckmann(nh: f64, slope: f64) -> f64 {
 
 /// The fraction of the mirrors that is neither hidden from the viewer nor in shadow, 0…1: G = min(1, 2(N·H)(N·V)/(V·H),
 /// 2(N·H)(N·L)/(V·H)), for cosines within 0…1 and V·H above 0.
-#[must_use]
 pub fn geometry(nh: f64, nv: f64, nl: f64, vh: f64) -> f64 {
     (2.0 * nh * nv.min(nl) / vh).clamp(0.0, 1.0)
 }
@@ -94,7 +89,6 @@ pub fn geometry(nh: f64, nv: f64, nl: f64, vh: f64) -> f64 {
 /// Shoaff's formula has three errors: it uses η_i/η_t, which is right for the refraction vector but here turns glass
 /// into air; it has c(g−c)−1 in the denominator, so that F is not 1 at grazing incidence; and its form with tangents
 /// has a product where the quotient is meant.
-#[must_use]
 pub fn fresnel(cosine: f64, index: f64) -> f64 {
     let c = cosine.clamp(0.0, 1.0);
     let g2 = index * index + c * c - 1.0;

@@ -40,7 +40,6 @@ pub enum Specular {
 impl Material {
     /// A white material with k_a = 0.1, k_d = 0.6, k_s = 0.3, and Phong's highlight with m = 20. Under one white lamp
     /// and white ambient light, no point is brighter than 1.
-    #[must_use]
     pub const fn standard() -> Material {
         Material {
             color: DVec3::ONE,
@@ -78,7 +77,6 @@ pub enum LampPosition {
 
 impl Lamp {
     /// Returns a vector from a position toward the lamp, of any length.
-    #[must_use]
     pub fn toward(&self, position: DVec3) -> DVec3 {
         match self.position {
             LampPosition::Direction(toward) => toward,
@@ -87,7 +85,6 @@ impl Lamp {
     }
 
     /// Makes a white lamp that is infinitely far away in the direction `toward`, a vector of any length above 0.
-    #[must_use]
     pub fn directional(toward: DVec3) -> Lamp {
         Lamp { position: LampPosition::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
     }
@@ -107,14 +104,12 @@ pub struct Lighting {
 impl Lighting {
     /// [`Material::standard`] under white ambient light and one distant white lamp to the right of, above and in front
     /// of the surface, toward (0.36, 0.48, 0.8).
-    #[must_use]
     pub fn standard() -> Lighting {
         let lamp = Lamp::directional(DVec3::new(0.36, 0.48, 0.8));
         Lighting { material: Material::standard(), ambient: DVec3::ONE, lamps: vec![lamp] }
     }
 
     /// Returns the reflected ambient light: k_a·I_a·O_d. Shoaff §3.1.
-    #[must_use]
     pub fn ambient_light(&self) -> DVec3 {
         self.material.ambient * self.ambient * self.material.color
     }
@@ -124,7 +119,6 @@ impl Lighting {
     ///
     /// The result is finite for all valid lightings: a zero normal gives only the ambient light, and a lamp at
     /// `position` contributes nothing. The sum of several lamps can exceed 1.
-    #[must_use]
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
         let [position, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
         let of_lamp =
@@ -235,7 +229,6 @@ impl<T: Constant, const C: usize> Reflection<T, C> {
 
 /// f_att = 1/(c1 + c2·d + c3·d²), at most 1, at the distance d = `distance` ≥ 0 from a lamp. Shoaff §3.2, which prints
 /// max(…, 1) although min is meant: with max, a lamp would never weaken.
-#[must_use]
 #[inline(always)]
 pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N {
     let weaker = (distance.times(c3) + distance.all(c2)) * distance + distance.all(c1);

@@ -23,7 +23,6 @@ impl Refraction {
     /// index of the medium that the light comes from, divided by the index of the medium that it enters.
     ///
     /// If N points to the far side of the surface, it is reversed: the light always comes from the medium on L's side.
-    #[must_use]
     pub fn of(to_source: DVec3, normal: DVec3, ratio: f64) -> Refraction {
         // The negated condition rejects NaN.
         let unit = |v: DVec3| (v.length() - 1.0).abs() <= UNIT;
@@ -66,7 +65,6 @@ pub enum Transparency {
 impl Transparency {
     /// Returns the linear red, green and blue light of a surface that itself sends `front` (I_1), in front of a surface
     /// that sends `behind` (I_2). For several surfaces, apply this from the farthest to the nearest.
-    #[must_use]
     pub fn through(&self, front: DVec3, behind: DVec3) -> DVec3 {
         match *self {
             Transparency::Opaque => front,

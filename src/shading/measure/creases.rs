@@ -51,7 +51,6 @@ impl Creases {
     /// Measures the creases of `frame` under a shader. `light(triangle, weights)` must return the light of triangle
     /// `triangle` of the frame at these barycentric weights, which are all at least 0. Steps from the edge change no
     /// weight by more than the share `step`, 0…1, of the smaller weight there.
-    #[must_use]
     pub fn of_field(frame: &Frame, step: f64, light: impl Fn(usize, [f64; 3]) -> DVec3 + Sync) -> Creases {
         let shared: Vec<_> = frame.shared_edges().collect();
         let measured = |sides| {
@@ -62,7 +61,6 @@ impl Creases {
     }
 
     /// Measures the creases that `shade` leaves in `frame`, in the light that the display emits.
-    #[must_use]
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
         let reference = Reference::new(frame, shade);
         // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
@@ -71,13 +69,11 @@ impl Creases {
     }
 
     /// Measures the creases that the Gouraud shader leaves in `frame`, for comparison.
-    #[must_use]
     pub fn of_gouraud(frame: &Frame) -> Creases {
         Creases::of(frame, &Shade::new(Shader::Gouraud))
     }
 
     /// Returns this rms divided by the rms of `other`; `None` if the latter is only rounding error, at most [`NOISE`].
-    #[must_use]
     pub fn over(&self, other: &Creases) -> Option<f64> {
         (other.rms > NOISE).then(|| self.rms / other.rms)
     }

@@ -21,7 +21,6 @@ const MAP: [[f64; 3]; 5] =
 /// Draws the `creases` of `frame` as a picture of the frame's size, in linear light. A jump of `full` (in linear light
 /// per pixel) or more gets the last color of the scale; use the same value for pictures that are to be compared. Edges
 /// behind a surface are not drawn.
-#[must_use]
 pub fn picture(frame: &Frame, creases: &Creases, full: f64) -> LinearImage {
     let visible = coverage::visible(frame);
     let ground = |triangle: u32| linear(if triangle == coverage::NONE { GROUND } else { SURFACE });
@@ -42,7 +41,6 @@ fn linear(encoded: [f64; 3]) -> [f32; 3] {
 }
 
 /// Returns the color of a jump that is this share of the largest, as encoded sRGB.
-#[must_use]
 pub fn color(share: f64) -> [f64; 3] {
     let at = share.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
     let low = (at as usize).min(MAP.len() - 2);

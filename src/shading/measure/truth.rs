@@ -36,7 +36,6 @@ const LEAST_FACING: f64 = 0.3;
 
 impl Truth {
     /// Traces the surface that the mesh of `frame` approximates; `None` if it is not known.
-    #[must_use]
     pub fn traced(frame: &Frame) -> Option<Truth> {
         let smooth = frame.smooth?;
         let ((center, radius), rotation) = (frame.sphere, frame.view.rotation);
@@ -52,7 +51,6 @@ impl Truth {
     }
 
     /// Takes the surface from `fine`, a finer mesh of the surface that the mesh of `frame` approximates.
-    #[must_use]
     pub fn of_mesh(frame: &Frame, fine: &Surface) -> Truth {
         let fine = Frame::within(frame.sphere, fine, &frame.view, &frame.lighting, frame.background);
         let seen = coverage::visible(&fine);
@@ -79,7 +77,6 @@ impl Truth {
     }
 
     /// Returns the picture of the surface under the lighting of `frame`, in linear light, or encoded as the frame is.
-    #[must_use]
     pub fn picture(&self, frame: &Frame) -> LinearImage {
         LinearImage::from_fn(frame.width, frame.height, |x, y| {
             let light = match &self.points[(y * frame.width + x) as usize] {
@@ -93,21 +90,18 @@ impl Truth {
     /// For each pixel, returns true if a shader's picture of `frame` should look like the surface there: both show the
     /// surface, which does not turn away by more than 72.5°, and no outline, meant crease, or terminator of a lamp is
     /// within two pixels.
-    #[must_use]
     pub fn mask(&self, frame: &Frame) -> Vec<bool> {
         self.inside(frame, LEAST_FACING, true, MARGIN)
     }
 
     /// For each pixel, returns true if both `frame` and this picture show the surface there, and no outline or meant
     /// crease is within three pixels.
-    #[must_use]
     pub fn common(&self, frame: &Frame) -> Vec<bool> {
         self.inside(frame, f64::NEG_INFINITY, false, MARGIN + 1)
     }
 
     /// Returns the number of pixels that show either the mesh of `frame` or this surface, as a share of those that show
     /// the mesh.
-    #[must_use]
     pub fn apart(&self, frame: &Frame) -> f64 {
         let meshed = coverage::visible(frame).into_iter().map(|triangle| triangle != coverage::NONE);
         let (all, apart) = self.points.iter().zip(meshed).fold((0_u32, 0_u32), |(all, apart), (point, meshed)| {

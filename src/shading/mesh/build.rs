@@ -85,13 +85,11 @@ impl Polygons {
     }
 
     /// True if any corner was given a normal.
-    #[must_use]
     pub fn has_normals(&self) -> bool {
         self.normals.iter().any(Option::is_some)
     }
 
     /// True if every corner was given a normal.
-    #[must_use]
     pub fn has_all_normals(&self) -> bool {
         self.has_normals() && self.normals.iter().all(Option::is_some)
     }
@@ -259,7 +257,6 @@ fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
 /// fewer triangles than corners, and none for fewer than three corners. A convex polygon becomes a fan around its first
 /// corner. A concave polygon is cut ear by ear on its Newell plane, in time quadratic in the number of corners. A
 /// polygon that crosses itself or has no area becomes a fan once no ear is left.
-#[must_use]
 pub fn triangulated(corners: &[DVec3]) -> Vec<[u32; 3]> {
     let count = corners.len();
     if count < 4 {

@@ -47,7 +47,6 @@ enum Weights {
 impl Mesh {
     /// Returns this mesh with normals from `normals`. Vertices that are split at a crease stay split, and only the
     /// triangles on its side count for each.
-    #[must_use]
     pub fn estimated(mut self, normals: Normals) -> Mesh {
         if normals == Normals::Given {
             return self;

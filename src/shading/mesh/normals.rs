@@ -13,7 +13,6 @@ use crate::system::checkpoint;
 ///
 /// The corners are taken relative to the first corner and to the polygon's size because the sums as printed lose
 /// precision far from the origin.
-#[must_use]
 pub fn newell(corners: &[DVec3]) -> DVec3 {
     let Some(&origin) = corners.first() else { return DVec3::ZERO };
     let size = corners.iter().map(|p| (*p - origin).abs().max_element()).fold(0.0, f64::max);

@@ -97,7 +97,6 @@ impl Wrap {
 
 impl Texture {
     /// Returns the texture at `place`.
-    #[must_use]
     pub fn at(&self, place: DVec2) -> DVec3 {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let [across, down] = self.wrap;
@@ -114,13 +113,11 @@ impl Texture {
 
 impl Paint {
     /// Returns the color at a point of a triangle, from the weights of its corners on the surface.
-    #[must_use]
     pub fn color(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
         self.coats[self.of_triangles[triangle] as usize].color(&PaintedCorner::mean(&self.corners[triangle], w))
     }
 
     /// True if the triangles have no color but white, and no textures.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         let is_white = |corner: &PaintedCorner| corner.color == DVec3::ONE;
         self.coats.iter().all(|coat| *coat == Coat::default()) && self.corners.iter().flatten().all(is_white)

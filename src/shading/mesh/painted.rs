@@ -13,7 +13,6 @@ impl Mesh {
     ///
     /// # Panics
     /// Panics if the paint is not that of as many triangles.
-    #[must_use]
     pub fn painted(mut self, mut paint: Paint) -> Mesh {
         assert_eq!(paint.corners.len(), self.triangles.len(), "every triangle has its paint");
         self.find_tangents(&mut paint);
@@ -22,7 +21,6 @@ impl Mesh {
     }
 
     /// Returns this mesh scaled, then rotated, then moved. Which surface it approximates is no longer known.
-    #[must_use]
     pub fn placed(mut self, scale: f64, rotation: DMat3, position: DVec3) -> Mesh {
         for vertex in &mut self.vertices {
             vertex.position = position + rotation * (scale * vertex.position);

@@ -59,19 +59,16 @@ pub const MAX_VERTICES: usize = 500_000;
 
 impl Shape {
     /// True if the number of vertices can be chosen. It is fixed for the cube and the pyramid.
-    #[must_use]
     pub const fn has_vertices(self) -> bool {
         !matches!(self, Shape::Cube | Shape::Pyramid)
     }
 
     /// Says that there is neither a shape nor a file of this name.
-    #[must_use]
     pub fn missing(name: &str) -> String {
         format!("{name:?} is not known; expected {}, or an OBJ, PLY, glTF or GLB file", Shape::EXPECTED)
     }
 
     /// The fewest vertices that the shape can have.
-    #[must_use]
     pub const fn min_vertices(self) -> usize {
         match self {
             Shape::Cube | Shape::Pyramid => 8,
@@ -115,7 +112,6 @@ pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
 
 /// Makes the cube of side 2 around the origin, with 12 triangles and normals averaged at the corners as in the paper's
 /// figures.
-#[must_use]
 pub fn cube() -> Mesh {
     let positions: Vec<DVec3> = (0..8)
         .map(|i| DVec3::new(f64::from(i & 1), f64::from((i >> 1) & 1), f64::from((i >> 2) & 1)) * 2.0 - DVec3::ONE)
@@ -129,7 +125,6 @@ pub fn cube() -> Mesh {
 /// The normals are Shoaff's: the normalized sum of the three *plane equations* around a vertex, (−1, −1, 3)/√11 at V1.
 /// The normals in these equations do not have unit length: z − 1 = 0, −y + z − 2 = 0, −x + z − 2 = 0. The average of
 /// unit normals, which the other shapes use, would be along (−1, −1, 1 + √2 + 1).
-#[must_use]
 pub fn pyramid() -> Mesh {
     let square = |half: f64, z: f64| {
         [(-half, -half), (half, -half), (half, half), (-half, half)].map(|(x, y)| DVec3::new(x, y, z))
@@ -158,7 +153,6 @@ fn subdivisions(vertices: usize) -> usize {
 /// Makes the unit sphere: an icosahedron whose edges are cut into s = `subdivisions` parts (at least 1) and whose
 /// vertices are projected onto the sphere. It has 10·s² + 2 vertices and 20·s² triangles of nearly the same size and
 /// shape.
-#[must_use]
 pub fn sphere(subdivisions: usize) -> Mesh {
     let s = subdivisions.max(1);
     let (corners, faces) = icosahedron();
@@ -219,7 +213,6 @@ fn icosahedron() -> (Vec<DVec3>, Vec<[usize; 3]>) {
 /// of `tube` rows (even, at least 4). Every other row is half a step ahead, which makes the triangles nearly
 /// equilateral where the tube faces up and down. Each site is then moved along the surface at random, by up to `jitter`
 /// steps in either direction.
-#[must_use]
 pub fn torus(around: usize, tube: usize, jitter: f64) -> Mesh {
     let (around, tube) = (around.max(3), tube.max(4).next_multiple_of(2));
     let mut positions = Vec::with_capacity(around * tube);
@@ -376,7 +369,6 @@ fn terrain(cells: usize) -> Mesh {
 
 /// Returns `count` points spread evenly over the unit sphere: the i-th point is at z = 1 − (2i + 1)/`count`, rotated
 /// from the previous one by the golden angle.
-#[must_use]
 pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
     let golden = f64::midpoint(1.0, 5f64.sqrt());
     (0..count)
@@ -392,7 +384,6 @@ pub fn fibonacci_points(count: usize) -> Vec<DVec3> {
 /// Makes a closed surface over `count` (at least 4) Fibonacci points: the 2·`count` − 4 triangles of their convex hull,
 /// with each point then moved in or out by a smooth function of its direction. The surface is round but not a sphere:
 /// it has hollows and no symmetry.
-#[must_use]
 pub fn blob(count: usize) -> Mesh {
     let points = fibonacci_points(count);
     let positions: Vec<DVec3> = points.iter().map(|p| *p * blob_radius(*p).0).collect();
@@ -405,7 +396,6 @@ pub fn blob(count: usize) -> Mesh {
 /// The projection from the last point onto a plane maps circles on the sphere to circles. The faces that do not touch
 /// the last point are therefore the Delaunay triangulation of the other points on the plane, and each side of its
 /// outline belongs to a face that does touch the last point.
-#[must_use]
 pub fn hull(points: &[DVec3]) -> Vec<[u32; 3]> {
     let Some((pole, others)) = points.split_last() else { return Vec::new() };
     let (x, y) = pole.any_orthonormal_pair();

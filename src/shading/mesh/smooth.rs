@@ -37,7 +37,6 @@ const HALVINGS: usize = 60;
 
 impl Smooth {
     /// Returns the unit normal at a point of the surface, pointing outward or up.
-    #[must_use]
     pub fn normal(self, p: DVec3) -> DVec3 {
         let normal = match self {
             Smooth::Sphere => p,
@@ -91,7 +90,6 @@ impl Smooth {
 
     /// Returns the first point at which the line from `from` along the unit vector `along` meets the surface within the
     /// distance `reach`.
-    #[must_use]
     pub fn trace(self, from: DVec3, along: DVec3, reach: f64) -> Option<DVec3> {
         let at = |t: f64| self.outside(from + along * t);
         let (mut before, mut t) = (0.0, 0.0);

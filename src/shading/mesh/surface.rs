@@ -20,7 +20,6 @@ pub struct Surface {
 impl Surface {
     /// Computes the edges and the curvature of `mesh`, as [`cubic::fans`] does. Vertices on either side of a crease use
     /// only their own faces.
-    #[must_use]
     pub fn new(mesh: Mesh) -> Surface {
         let edges = Edges::of(&mesh);
         let mut across = vec![[cubic::NONE; 3]; mesh.triangles.len()];

@@ -35,7 +35,6 @@ impl Mesh {
     /// Returns this mesh with other normals: at each position, the normal that `normal` gives for it, of any length
     /// above 0. Use the normals of the true surface if it is known: averages over the faces of an irregular mesh are
     /// off by degrees, and no shader can correct the resulting light values.
-    #[must_use]
     pub fn with_normals(mut self, normal: impl Fn(DVec3) -> DVec3) -> Mesh {
         for vertex in &mut self.vertices {
             vertex.normal = normal(vertex.position).normalize_or(vertex.normal);
@@ -44,14 +43,12 @@ impl Mesh {
     }
 
     /// Returns the positions of the three corners of triangle `triangle`.
-    #[must_use]
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|v| self.vertices[v as usize].position)
     }
 
     /// Returns the center and radius of a sphere around the mesh: the center of its bounding box, and the distance of
     /// the farthest vertex from it.
-    #[must_use]
     pub fn bounds(&self) -> (DVec3, f64) {
         Mesh::bounds_of(&[self])
     }
@@ -101,7 +98,6 @@ pub struct Edges {
 
 impl Edges {
     /// Returns the edges of `mesh`.
-    #[must_use]
     pub fn of(mesh: &Mesh) -> Edges {
         let mut all = Edges::among(mesh.triangles.iter().map(|t| t.map(|v| mesh.vertices[v as usize].site)));
         let corner = |t: u32, k: u8| mesh.triangles[t as usize][usize::from(k % 3)];

@@ -70,7 +70,6 @@ pub(crate) use with_shader;
 
 impl<T: Constant, const C: usize> UncorrectedShader<T, C> {
     /// Prepares the shader of `shade` for the triangles of `frame`.
-    #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         let (b, depth) = (shade.strip(), shade.depth);
         let gradient = |is_repaired| UncorrectedShader::Gradient(Gradient::new(frame, channels, is_repaired, b, depth));
@@ -107,7 +106,6 @@ pub struct Shading<T, const C: usize> {
 
 impl<T: Constant, const C: usize> Shading<T, C> {
     /// Prepares the shader of `shade` for the triangles of `frame`, in the channels that are shaded.
-    #[must_use]
     pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
         let is_uncorrected = (shade.vertex, shade.reweight) == (Correction::Off, Correction::Off);
         Shading {

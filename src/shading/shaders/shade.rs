@@ -58,13 +58,11 @@ pub struct Shade {
 
 impl Shader {
     /// True if the shader interpolates light between the vertices, which is what the corrections apply to.
-    #[must_use]
     pub const fn interpolates_light(self) -> bool {
         !matches!(self, Shader::Flat) && !self.lights_pixels()
     }
 
     /// True if the shader lights every pixel.
-    #[must_use]
     pub const fn lights_pixels(self) -> bool {
         matches!(self, Shader::Phong | Shader::C1Phong)
     }
@@ -72,7 +70,6 @@ impl Shader {
 
 impl Shade {
     /// Returns `shader` with n = 3, b = 0.2 and no corrections.
-    #[must_use]
     pub const fn new(shader: Shader) -> Shade {
         Shade {
             shader,
@@ -85,7 +82,6 @@ impl Shade {
     }
 
     /// Returns the name of a correction that has no effect on this shader, its value, and why.
-    #[must_use]
     pub fn idle_correction(&self) -> Option<(&'static str, Correction, String)> {
         let corrections = [("vertex", self.vertex), ("reweight", self.reweight)];
         let (name, value) = corrections.into_iter().find(|(_, correction)| *correction != Correction::Off)?;
@@ -94,19 +90,16 @@ impl Shade {
     }
 
     /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓.
-    #[must_use]
     pub fn strip(&self) -> f64 {
         self.boundary.min(1.0 / 3.0)
     }
 
     /// True if the method for the slopes at the vertices affects the result.
-    #[must_use]
     pub fn has_gradients(&self) -> bool {
         matches!(self.shader, Shader::Patch | Shader::C1Phong)
     }
 
     /// True if n and b affect the result.
-    #[must_use]
     pub fn has_strip(&self) -> bool {
         use Shader::{Fixed, Gradient, GradientRepaired};
         let corrected = self.vertex != Correction::Off || self.reweight == Correction::Printed;

@@ -65,7 +65,6 @@ pub struct Curve<T> {
 
 impl<T: Constant> Curve<T> {
     /// Makes the curve of depth `depth` that reaches 0 and 1.
-    #[must_use]
     pub fn new(depth: Depth) -> Self {
         let interpolation = Interpolation::new(depth);
         let sums = if let Interpolation::Polynomial(sums) = interpolation { sums } else { &[] };
@@ -73,13 +72,11 @@ impl<T: Constant> Curve<T> {
     }
 
     /// Makes the curve of depth `depth` as Bangay prints it.
-    #[must_use]
     pub fn printed(depth: Depth) -> Self {
         Curve { missing: 0.0, ..Curve::new(depth) }
     }
 
     /// Returns I_n(u): 0 for u ≤ 0, 1 for u ≥ 1, except that the printed curve of n = ∞ is not 0 at u = 0.
-    #[must_use]
     #[inline(always)]
     pub fn value<N: Number<Constant = T>>(&self, u: N) -> N {
         let Curve { interpolation, sums, missing } = self;

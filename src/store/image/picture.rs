@@ -55,19 +55,16 @@ pub enum Origin {
 
 impl Picture {
     /// Returns the luminance of full red, green and blue of sRGB.
-    #[must_use]
     pub fn srgb_weights() -> [f64; 3] {
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(vision::luminance)
     }
 
     /// True if primaries of these luminances are the same but for rounding.
-    #[must_use]
     pub fn are_alike(weights: [f64; 3], others: [f64; 3]) -> bool {
         weights.iter().zip(others).all(|(own, other)| (own - other).abs() <= 1e-3)
     }
 
     /// Returns codes whose meaning the user knows.
-    #[must_use]
     pub fn given(codes: CodeImage, transfers: Transfers) -> Picture {
         let bits = codes.bits();
         let weights = Picture::srgb_weights();

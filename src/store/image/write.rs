@@ -108,7 +108,6 @@ pub fn write_codes(writer: &Writer, path: &Path, image: &CodeImage, transfers: &
 
 /// Returns the SHA-256 of an image's codes, in lowercase hexadecimal. The order is row by row from the top left, with
 /// red, green and blue for each pixel; 16-bit codes have their high byte first.
-#[must_use]
 pub fn hash(image: &CodeImage) -> String {
     sha256(&raw_samples(&image.samples, false))
 }

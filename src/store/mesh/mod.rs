@@ -45,7 +45,6 @@ pub struct MeshFile {
 
 impl MeshFile {
     /// Returns a sentence about what was repaired, assumed or ignored, if anything.
-    #[must_use]
     pub fn note(&self, path: &Path) -> Option<String> {
         (!self.notes.is_empty()).then(|| format!("{}: {}", path.display(), self.notes.join("; ")))
     }

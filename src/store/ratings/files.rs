@@ -115,7 +115,6 @@ pub struct Listed {
 
 impl Listed {
     /// Lists the sessions in a folder: only their data files. A file stands for itself.
-    #[must_use]
     pub fn sessions(root: &Path) -> Self {
         if matches!(found(root), Ok(Some(found)) if found.is_file()) {
             return Self { files: vec![root.to_owned()], ..Self::default() };
@@ -135,7 +134,6 @@ impl Listed {
     }
 
     /// Returns the error that there is no session, with the warnings that may explain why.
-    #[must_use]
     pub fn nothing(&self, root: &Path) -> FileErrors {
         let message = "contains no session data files; expected a results folder";
         FileErrors([&[FileError::whole(root, message)], &self.warnings[..]].concat())
@@ -143,7 +141,6 @@ impl Listed {
 
     /// Returns the files in the folders of the sessions, and of the data sets `also`, that belong to no session. Folders with
     /// other errors are left out.
-    #[must_use]
     pub fn unexpected(&self, also: &[PathBuf]) -> Vec<FileError> {
         let sessions = self.files.iter().filter(|csv| dataset::identity(csv).is_ok());
         let mut datasets: BTreeSet<PathBuf> = also.iter().cloned().collect();

@@ -189,7 +189,6 @@ pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
 /// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
 /// frames without rows, and files with other names, such as packed files and the conflicted copies of a cloud service.
 /// A folder that exists but cannot be read is an error too.
-#[must_use]
 pub fn unexpected_files(dataset: &Path) -> Vec<FileError> {
     let data = dataset.join("data");
     let listed = match unless_missing(entries(&data)).map_err(io(&data, "read")) {

@@ -45,7 +45,6 @@ pub struct FrameRow {
 
 impl FrameRow {
     /// Creates the row for a run of frames; `None` if the schedule has no such trial.
-    #[must_use]
     pub fn new(run: FrameRun, schedule: &Schedule, sitting: u32) -> Option<Self> {
         let trial = schedule.trials.get(run.trial)?;
         let FrameRun { attempt, shown, refresh, intervals_us, .. } = run;

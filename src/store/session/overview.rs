@@ -173,7 +173,6 @@ pub struct Overview {
 
 impl Overview {
     /// Reads the states of all sessions in a results folder. A folder that does not exist has no sessions.
-    #[must_use]
     pub fn of(results: &Path) -> Self {
         let mut overview = Self::default();
         if matches!(found(results), Ok(None)) {

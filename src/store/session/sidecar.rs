@@ -85,7 +85,6 @@ impl Sidecar {
     }
 
     /// True if the last sitting ended with every planned trial rated.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
@@ -104,14 +103,12 @@ impl Sidecar {
     }
 
     /// Returns the latest seal; `None` if no sitting ended.
-    #[must_use]
     pub fn last_seal(&self) -> Option<&Seal> {
         self.seals().next_back()
     }
 
     /// Computes the SHA-256 of the sidecar as it was when a sitting ended, without the seal of that sitting. `sitting` is
     /// an index.
-    #[must_use]
     pub fn sha256_at_end_of(&self, sitting: usize) -> String {
         let mut then = self.clone();
         then.sittings.truncate(sitting + 1);

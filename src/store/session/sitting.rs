@@ -114,7 +114,6 @@ pub enum SimulatedObserver {
 
 impl SimulatedObserver {
     /// Returns the name of the observer.
-    #[must_use]
     pub fn name(&self) -> &str {
         match self {
             Self::Paper { .. } => "paper",
@@ -276,7 +275,6 @@ pub struct OtherPicture {
 
 impl Pictures {
     /// Creates the pictures for a screen: `size` pixels per side, 8 bits, no dither. None of them is hashed yet.
-    #[must_use]
     pub fn new(protocol: &Protocol, size: u32, transfers: &Transfers, display_sha256: Option<String>) -> Self {
         let recipe = Recipe {
             stimulus: protocol.stimulus.clone(),
@@ -291,21 +289,18 @@ impl Pictures {
     }
 
     /// Creates the pictures of a session without a screen: 256 pixels per side, sRGB. None of them is hashed yet.
-    #[must_use]
     pub fn without_screen(protocol: &Protocol) -> Self {
         let size = protocol.stimulus.side().unwrap_or(SIZE_WITHOUT_SCREEN);
         Self::new(protocol, size, &Transfer::Srgb.into(), None)
     }
 
     /// Renders pictures and returns their hashes, in order.
-    #[must_use]
     pub fn hashes(&self, stimuli: &[&Stimulus]) -> Vec<String> {
         let quantizer = self.recipe.quantizer();
         stimuli.par_iter().map(|stimulus| image::hash(&self.recipe_of(stimulus).codes(&quantizer))).collect()
     }
 
     /// Returns the recipe of a picture.
-    #[must_use]
     pub fn recipe_of(&self, stimulus: &Stimulus) -> Recipe {
         Recipe { stimulus: stimulus.clone(), ..self.recipe.clone() }
     }
@@ -326,7 +321,6 @@ impl Pictures {
     }
 
     /// Returns the hash of each picture by [`Stimulus::key`].
-    #[must_use]
     pub fn by_key(&self, conditions: &[Condition]) -> HashMap<String, &str> {
         let numbered = self.sha256.iter().filter_map(|(number, sha256)| {
             Some((conditions.get(number.checked_sub(1)?)?.stimulus.key(), sha256.as_str()))

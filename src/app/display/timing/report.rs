@@ -21,7 +21,6 @@ pub struct TimingReport {
 impl TimingReport {
     /// Judges intervals in microseconds. The refresh is the one that the monitor reports, or otherwise the one that the
     /// frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
-    #[must_use]
     pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
         let (refresh, source) = Refresh::known(monitor.refresh_hz, intervals_us);
         let mut times = FrameTimes::default();
@@ -35,13 +34,11 @@ impl TimingReport {
     }
 
     /// Returns how long each frame was shown, in microseconds.
-    #[must_use]
     pub fn intervals_us(&self) -> &[u32] {
         self.times.intervals_us()
     }
 
     /// Returns the findings as rows of a name and a value.
-    #[must_use]
     pub fn rows(&self) -> Vec<(&'static str, String)> {
         let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
         let count = |number: Option<u64>| number.map_or_else(|| "unknown".to_owned(), |number| number.to_string());
@@ -65,7 +62,6 @@ impl TimingReport {
     }
 
     /// Returns whether there is one frame per refresh; `None` if there are too few frames to judge.
-    #[must_use]
     pub fn is_one_by_one(&self) -> Option<bool> {
         let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
         let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
@@ -73,7 +69,6 @@ impl TimingReport {
     }
 
     /// Returns the result in one or two sentences.
-    #[must_use]
     pub fn verdict(&self) -> String {
         let count = self.intervals_us().len();
         if count < MIN_ESTIMATE_INTERVALS {
@@ -109,7 +104,6 @@ impl TimingReport {
     }
 
     /// Returns every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
-    #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "frame,interval_us,dropped\n".to_owned();
         for (frame, us) in (1..).zip(self.intervals_us()) {

@@ -73,7 +73,6 @@ impl Comparison {
     }
 
     /// Returns the direction of the light in degrees: to the right of the eye, and above it.
-    #[must_use]
     pub fn light_deg(&self) -> [f64; 2] {
         let toward = self.scene.light.normalize_or(DVec3::Z);
         [toward.x.atan2(toward.z), toward.y.clamp(-1.0, 1.0).asin()].map(f64::to_degrees)
@@ -93,7 +92,6 @@ impl Comparison {
     }
 
     /// Returns all parameters, so that anyone can reproduce the image.
-    #[must_use]
     pub fn describe(&self) -> Value {
         let side = |side: &Renderer| {
             let mut all = side.describe();
@@ -116,7 +114,6 @@ impl Comparison {
 
 impl MeshChoice {
     /// Returns its name on the page; for a file, without the folder.
-    #[must_use]
     pub fn title(&self) -> String {
         match self {
             MeshChoice::Named(shape, _) => shape.name().to_owned(),
@@ -144,7 +141,6 @@ impl MeshChoice {
 }
 
 /// Returns the name of a renderer on the page, including the options that have an effect.
-#[must_use]
 pub fn title(renderer: &Renderer) -> String {
     let shade = renderer.shade;
     let mut text = shader_title(shade.shader);
