@@ -26,8 +26,8 @@ kind! {
         depth: Depth = Depth::Finite(1), Range::Any, "1", "Continuity depth n of the ramp: n − 1 derivatives vanish at its ends; inf is a scaled tanh", "a whole number from 1 to 32, or inf", ["1", "2", "3", "4", "inf"];
         tanh_k: f64 = TANH_K, Range::UpTo(100.0), "1", "Steepness k of a ramp of infinite depth: 5 as printed; 10 leaves no visible step at the ends", "a steepness above 0 and at most 100, such as 5", ["5", "10"];
         orientation_deg: f64 = 0.0, Range::Direction, "°", "Orientation, counterclockwise: 0 brightens to the right, 90 upward", "an angle in degrees, such as 45", ["0", "45", "90", "135"];
-        low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.25"];
-        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75"];
+        low: f64 = 0.25, Range::Within(0.0, 1.0), "1", "Relative luminance of the darker plateau", "the relative luminance of the darker plateau", ["0.1", "0.25"];
+        high: f64 = 0.75, Range::Within(0.0, 1.0), "1", "Relative luminance of the brighter plateau", "the relative luminance of the brighter plateau, not below low", ["0.75", "0.9"];
         color: StimulusColor = StimulusColor::YELLOW, Range::Any, "", color::MEANING, color::EXPECTED, ["yellow", "gray"];
         #[serde(skip_serializing_if = "is_default")]
         color_high: Option<StimulusColor> = None, Range::Any, "", "Color of the brighter plateau; same means the color of the darker one", "same, or any color that the darker plateau can have, such as red, 1,0.5,0 or hsv:30,1,1", ["same", "gray"];
