@@ -36,7 +36,7 @@ kind! {
         #[serde(skip_serializing_if = "is_default")]
         rounding: f64 = 0.0, Range::Within(0.0, 1.0), "1", "Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged over it", "the proportion of the window over which the corners are rounded", ["0", "0.1", "0.4"];
         #[serde(skip_serializing_if = "is_default")]
-        nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1"];
+        nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1", "0.2"];
     }
 }
 

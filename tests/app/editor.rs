@@ -141,7 +141,7 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     // Others, such as k, matter only at some depths.
     assert_eq!(
         ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
-        ["Nulling", "0.05", "0.1"]
+        ["Nulling", "0.05", "0.2"]
     );
     type_into(&mut window, "Repetitions", "many");
     window.get_by_label("One trial, before the errors");
