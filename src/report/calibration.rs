@@ -9,7 +9,7 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
     let channels = models.clone().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
     let fits = TextTable {
         caption: "fitted models".to_owned(),
-        header: ["model", "channel", "gamma", "gain", "offset", "R²", "largest error, codes", "cd/m²"]
+        header: ["model", "channel", "gamma", "gain", "offset", "R²", "largest codes", "cd/m²"]
             .map(str::to_owned)
             .into(),
         texts: 2,
