@@ -122,7 +122,13 @@ impl Link {
         match self {
             Self::Logit => {
                 // F(a) − F(b) = F(a) F(−b) (1 − e^(b − a)) avoids cancellation and separates the two bounds.
-                let [below_a, above_a, below_b, above_b] = [a, -a, b, -b].map(|x| self.cdf(x));
+                // Both tails from one exponential: this is computed for every rating in every step of a fit.
+                let tails = |x: f64| {
+                    let tail = (-x.abs()).exp();
+                    let most = 1.0 / (1.0 + tail);
+                    if x >= 0.0 { [most, tail * most] } else { [tail * most, most] }
+                };
+                let ([below_a, above_a], [below_b, above_b]) = (tails(a), tails(b));
                 let narrow = -(b - a).exp_m1();
                 let p = below_a * above_b * narrow;
                 // In the far tails, log F(x) is x.
