@@ -23,7 +23,8 @@ pub trait Tool {
     /// Pauses the measurement; that of frames ends.
     fn pause(&mut self, _: &Context) {}
 
-    /// Updates what is known about the screen when the page is opened again; returns false for a page that begins anew.
+    /// Updates what is known about the screen when the page is opened again. Returns false if the page keeps nothing, so
+    /// that a new one is created.
     fn reopen(&mut self, _: &DisplayProfile) -> bool {
         false
     }
