@@ -403,8 +403,9 @@ impl Session {
                     && value.is_finite()
                 {
                     let value = value.clamp(low, high);
-                    self.steps.push((now.saturating_sub(*onset), value));
-                    self.value = Some(value);
+                    if self.value.replace(value) != Some(value) {
+                        self.steps.push((now.saturating_sub(*onset), value));
+                    }
                 }
             }
             (Event::Undo, _) if self.can_undo() => {

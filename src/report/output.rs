@@ -1,8 +1,12 @@
 //! The output of `machband analyze` and of the export on the window's analysis page.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Display,
+    path::{Path, PathBuf},
+};
 
 use rayon::prelude::*;
+use serde_json::{Map, Value};
 
 use super::{
     figures::{self, Figure},
@@ -16,6 +20,7 @@ use crate::{
     analysis::Results,
     store::{StoreError, Writer},
     system::found,
+    text::Table,
 };
 
 /// A file that every analysis has.
@@ -104,8 +109,7 @@ pub fn task_files(
     folder: &Path,
     tables_only: bool,
 ) -> Result<Contents, StoreError> {
-    let tables = tasks::tables(study, results).into_iter();
-    let mut contents: Contents = tables.map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
+    let mut contents = csv_files(tasks::tables(study, results));
     if !tables_only {
         let figures = tasks::figures(study, results);
         let page = skins::html(&tasks::document(study, results, &figures, Some(provenance)), provenance);
@@ -139,12 +143,23 @@ pub fn png(figure: &Figure, path: &Path) -> Result<Vec<u8>, StoreError> {
     figure.png().map_err(|error| StoreError::io(path, "draw", std::io::Error::other(error.to_string())))
 }
 
+/// Returns tables as CSV files, and a file that describes their columns.
+fn csv_files(tables: Vec<(impl Display, Table)>) -> Contents {
+    let (mut files, mut columns) = (Contents::new(), Map::new());
+    for (name, table) in tables {
+        let name = format!("{name}.csv");
+        columns.insert(name.clone(), table.described());
+        files.push((name, table.csv()));
+    }
+    files.push(("columns.json".to_owned(), format!("{:#}\n", Value::from(columns)).into_bytes()));
+    files
+}
+
 /// Returns the tables, the model and the script that repeats it in R.
 pub fn table_files(study: &Study, results: &Results) -> Contents {
     let mut model = serde_json::to_vec_pretty(&tables::model(results)).unwrap_or_default();
     model.push(b'\n');
-    let mut files: Contents =
-        tables::all(results).into_iter().map(|(name, table)| (format!("{name}.csv"), table.csv())).collect();
+    let mut files = csv_files(tables::all(results));
     files.extend([
         ("counts.csv".to_owned(), tables::counts_csv(results.modeled(), &study.source.shape)),
         ("model.json".to_owned(), model),

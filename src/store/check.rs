@@ -13,6 +13,7 @@ use super::{
     readings,
     recorded::{Order, Recorded},
     results,
+    scene::{self, SceneFile},
     session::seal,
     sidecar::Sidecar,
     toml::Document,
@@ -20,6 +21,7 @@ use super::{
 use crate::{
     display::DisplayProfile,
     experiment::{Identity, Protocol, Schedule, columns_by_header},
+    shading::Composition,
     system::{fonts, found},
 };
 
@@ -40,7 +42,7 @@ impl From<String> for Checked {
     }
 }
 
-/// Checks a definition, display profile or observer (`.toml`), a result file, photometer readings or visual matches
+/// Checks a definition, display profile, observer or scene (`.toml`), a result file, photometer readings or visual matches
 /// (`.csv`), an image (`.png`), or a built-in definition given by name, and describes it in one sentence.
 ///
 /// # Errors
@@ -69,11 +71,11 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
             _ => check_results(path),
         },
         Some("png") => return image::verify(path, pixels).map(Checked::from),
-        Some("toml") => return check_toml(&name, &read_text(path)?),
+        Some("toml") => return check_toml(path, &name, &read_text(path)?),
         _ => return Err(match found(path) {
             Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
                 path,
-                "is not a known type of file; expected a definition, display profile or observer (.toml), a result file or readings (.csv), or an image (.png)",
+                "is not a known type of file; expected a definition, display profile, observer or scene (.toml), a result file or readings (.csv), or an image (.png)",
             ),
             _ => (definition::open(path).err())
                 .unwrap_or_else(|| FileErrors::whole(path, "cannot be checked; expected a .toml, .csv or .png file")),
@@ -84,8 +86,14 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
-fn check_toml(file: &str, text: &str) -> Result<Checked, StoreError> {
+fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError> {
     let document = Document::parse(file, text)?;
+    if document.has("mesh") || document.has("lamp") {
+        let SceneFile { composition: Composition { bodies, lamps, .. }, notes, .. } = scene::read(path)?;
+        let sentence = format!("scene; meshes: {}, lamps: {}", bodies.len(), lamps.len());
+        let warning = (!notes.is_empty()).then(|| notes.join("; "));
+        return Ok(Checked { sentence, profile: None, warning });
+    }
     if document.has("transfer") || document.has("channels") {
         let profile = profile::parse(file, text)?;
         let sentence = format!("display profile {}", profile.sentence());

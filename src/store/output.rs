@@ -117,7 +117,7 @@ impl Writer {
     fn target(&self, path: &Path) -> Result<PathBuf, StoreError> {
         let refuse = |what: &str| Err(StoreError::protected(path, what));
         if let Some(ending) = path.extension().and_then(|ending| ending.to_str()).filter(|ending| is_foreign(ending)) {
-            let what = "but all pictures are written as PNG; expected a name ending in .png";
+            let what = "which is never written; expected a name ending in .png or, for a chart, .svg";
             return refuse(&format!("ends in .{ending}, {what}"));
         }
         let target = full_path(path).map_err(io(path, "write"))?;

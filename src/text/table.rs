@@ -56,6 +56,16 @@ impl Table {
         csv(self.columns.iter().map(|column| column.name.as_str()), self.rows())
     }
 
+    /// Returns an object with the description of each column and its unit, if it has one.
+    pub fn described(&self) -> Value {
+        let about = |column: &Column| {
+            let unit = (!column.unit.is_empty()).then_some(("unit", &column.unit));
+            let about = [("description", &column.description)].into_iter().chain(unit);
+            (column.name.clone(), about.map(|(key, text)| (key.to_owned(), Value::from(text.as_str()))).collect())
+        };
+        self.columns.iter().map(about).collect()
+    }
+
     /// Returns an object for each row.
     pub fn json(&self) -> Vec<Map<String, Value>> {
         let object = |row: Vec<&Cell>| {

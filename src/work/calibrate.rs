@@ -23,7 +23,7 @@ pub struct Calibrate {
     #[serde(serialize_with = "paths")]
     pub readings: PathBuf,
     /// Name of the display [default: the profile's file name].
-    #[arg(long)]
+    #[arg(long, value_parser = filled)]
     pub name: Option<String>,
     /// Name of the person who took the readings.
     #[arg(long, value_name = "WHO")]
@@ -32,11 +32,19 @@ pub struct Calibrate {
     #[arg(long, value_name = "PHOTOMETER", default_value = "photometer")]
     pub with: String,
     /// Date of the measurement, such as 2026-01-31 [default: today].
-    #[arg(long, value_name = "DATE")]
+    #[arg(long, value_name = "DATE", value_parser = date)]
     pub on: Option<Date>,
     /// Model of the profile [default: the simplest of those that predict left-out levels best].
     #[arg(long, value_parser = named::<Family>(Family::NAMES))]
     pub model: Option<Family>,
+}
+
+fn filled(text: &str) -> Result<String, &'static str> {
+    if text.trim().is_empty() { Err("is empty; expected a name") } else { Ok(text.to_owned()) }
+}
+
+fn date(text: &str) -> Result<Date, &'static str> {
+    text.parse().map_err(|_| "is not a date; expected one such as 2026-01-31")
 }
 
 /// The fitted models, and the profile.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{Found, Watcher, image::outdated, request::paths};
 use crate::store::{check::check_large, image::MAX_PIXELS};
 
-/// Check definitions, result files, display profiles, readings, observers and images, and report every error.
+/// Check definitions, result files, display profiles, readings, observers, scenes and images, and report every error.
 ///
 /// Prints a warning to stderr, but no error, for a display profile that is old or dated in the future, and for texts for
 /// which this computer has no font.

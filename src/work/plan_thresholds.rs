@@ -228,7 +228,15 @@ impl PlannedThresholds {
                 (None, None) => format!("{name}: none of these studies reaches {target}."),
             }
         };
-        told.into_iter().map(sentence).collect()
+        // One participant never has an interval.
+        let lacking = self.found.iter().filter(|one| one.half_width.is_some() && one.missing > 0);
+        let lacking = lacking.max_by(|one, other| one.missing_share().total_cmp(&other.missing_share())).map(|one| {
+            format!(
+                "Up to {:.0}\u{a0}% of the estimates in a row have no interval, so that they find no difference.",
+                100.0 * one.missing_share()
+            )
+        });
+        told.into_iter().map(sentence).chain(lacking).collect()
     }
 
     /// Returns one row for each number of participants and of trials, and each quantity.
@@ -257,7 +265,7 @@ impl PlannedThresholds {
             .column("found", "Number of studies whose 95 % interval excludes 0.", |found| {
                 tested(found).map(|_| found.found as f64)
             })
-            .column("missing", "Number of estimates that are not possible.", |found| found.missing)
+            .column("missing", "Number of estimates that are not possible or have no interval.", |found| found.missing)
             .column("power", "Proportion of studies that find the difference.", |found| share(found, true))
             .column("false_alarms", FALSE_ALARMS, |found| share(found, false))
             .interval("ci", "the 95 % interval of this proportion", |found| tested(found).map(|_| found.share().1))

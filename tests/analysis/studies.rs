@@ -125,7 +125,7 @@ fn people_who_cross_are_few_people() {
     assert!(model.terms[0].p.is_some_and(|p| p > 0.05), "{:?}", model.terms);
     let Summary { cautions, .. } = said(&results);
     let expected =
-        "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others at most one: was this the design?";
+        "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others at most one: is this by design?";
     assert!(cautions.iter().any(|text| text == expected), "{cautions:?}");
     assert!(!page(&source(&["c"]), &results).contains("Each participant rated only one level"));
 }

@@ -19,6 +19,19 @@ fn study(experiment: &str, participants: u32) -> tempfile::TempDir {
     folder
 }
 
+/// Checks that `columns.json` describes every column of the tables in a folder.
+fn describes_columns(folder: &Path) {
+    let described = json(&folder.join("columns.json"));
+    for (file, columns) in described.as_object().unwrap() {
+        let (header, _) = table(&folder.join(file));
+        let names: Vec<&String> = columns.as_object().unwrap().keys().collect();
+        assert_eq!(names, header.iter().collect::<Vec<_>>(), "{file}");
+        let is_told = |name: &String| columns[name]["description"].as_str().is_some_and(|told| told.ends_with('.'));
+        assert!(header.iter().all(is_told), "{file}: {columns}");
+    }
+    assert!(described["subjects.csv"].is_object() || described["thresholds.csv"].is_object(), "{described}");
+}
+
 /// Every documented file is written with its documented columns, and its numbers match the rows.
 #[test]
 fn analyze_writes_every_documented_file() {
@@ -78,6 +91,7 @@ fn analyze_writes_every_documented_file() {
     for expected in ["friedman", "likelihood-ratio", "proportional-odds"] {
         assert!(tests.iter().any(|row| row["test"] == expected), "{expected}");
     }
+    describes_columns(&out);
     let (_, agreement) = table(&out.join("agreement.csv"));
     assert!(agreement.iter().any(|row| row[0] == "krippendorff_alpha_ordinal"));
     assert_eq!(agreement.iter().filter(|row| row[0] == "retest_kappa_quadratic").count(), 4);
@@ -653,6 +667,7 @@ fn reversed_functions_have_no_threshold() {
     let says = "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out";
     let [printed, _] = answers(folder.path(), "level,right,n\n1,19,20\n2,14,20\n3,9,20\n", "--guess 0.1");
     assert!(printed.contains(says) && !printed.contains("threshold"), "{printed}");
+    describes_columns(&folder.path().join("a"));
     let (header, rows) = table(&folder.path().join("a/thresholds.csv"));
     let of_function = header.iter().zip(&rows[0]).filter(|(name, _)| name.starts_with("threshold"));
     assert!(of_function.clone().count() == 3 && of_function.clone().all(|(_, cell)| cell.is_empty()), "{rows:?}");

@@ -6,7 +6,7 @@ use machband::{
     store::{Writer, profile, readings},
 };
 
-use crate::common::{fails, json, machband, split, succeeds, text};
+use crate::common::{fails, json, machband, refuses, split, succeeds, text};
 
 /// Luminance ranges of red, green, blue and gray, in cd/m².
 const RANGES: [f64; 4] = [25.0, 80.0, 10.0, 115.0];
@@ -63,6 +63,12 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
     let report = json(&folder.path().join("left.json"));
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
+    refuses(
+        folder.path(),
+        "calibrate r.csv --out new.toml {}",
+        "2: --on 2026-02-30 => --on 2026-02-30: is not a date; expected one such as 2026-01-31
+         2: --name '' => is empty; expected a name",
+    );
     // Request the table model and a chart as PNG.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");

@@ -241,7 +241,7 @@ fn the_error_of_a_large_image_names_its_option() {
     let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &["stimulus", "--size", "4100", "--out", "large.png"]);
     let error = fails(folder.path(), &["check", "large.png"], 1);
-    assert!(error.contains("expected at most 16777216, or the option --large"), "{error}");
+    assert!(error.contains("expected at most 16777216 pixels, or the option --large"), "{error}");
     let error = fails(folder.path(), &["compare", "large.png", "large.png", "--window", "5"], 1);
     assert!(error.contains("or the option --large"), "{error}");
     succeeds(folder.path(), &["check", "large.png", "--large"]);

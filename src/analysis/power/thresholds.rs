@@ -103,7 +103,7 @@ pub struct Precision {
     pub studies: usize,
     /// Number of studies whose interval of a difference excludes 0.
     pub found: usize,
-    /// Number of studies without an estimate.
+    /// Number of estimates that are not possible or have no interval.
     pub missing: usize,
     /// The median of half the width of the 95 % interval, on the scale of the method.
     pub half_width: Option<f64>,
@@ -115,6 +115,11 @@ impl Precision {
     /// Returns the share of studies whose interval excludes 0, with its 95 % interval (Clopper and Pearson).
     pub fn share(&self) -> (f64, Interval) {
         (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
+    }
+
+    /// Returns the share of estimates that are not possible or have no interval.
+    pub fn missing_share(&self) -> f64 {
+        self.missing as f64 / self.studies as f64
     }
 }
 
@@ -194,7 +199,7 @@ impl ThresholdPlan {
                     quantity: quantity.clone(),
                     studies: all().count(),
                     found: known().filter(|(_, interval, _)| interval.as_ref().is_some_and(excludes)).count(),
-                    missing: all().filter(|one| one.is_none()).count(),
+                    missing: all().filter(|one| one.as_ref().is_none_or(|one| one.1.is_none())).count(),
                     half_width: median(known().filter_map(half).collect()),
                     error: (!errors.is_empty()).then_some(mean.sqrt()),
                 }

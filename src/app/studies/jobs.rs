@@ -128,17 +128,19 @@ impl Job {
     fn start(
         ctx: &Context,
         what: &'static str,
+        writes: bool,
         run: impl FnOnce(&dyn Watcher) -> anyhow::Result<Made> + Send + 'static,
     ) -> Self {
         let state = Arc::<State>::default();
         let watcher = state.clone();
-        let work = BackgroundTask::start(ctx, move || run(&*watcher).map_err(|error| error.to_string()));
-        Self { what, state, work, writes: true }
+        let compute = move || run(&*watcher).map_err(|error| error.to_string());
+        let work = if writes { BackgroundTask::start(ctx, compute) } else { BackgroundTask::stoppable(ctx, compute) };
+        Self { what, state, work, writes }
     }
 
     /// Checks the files of a study.
     pub fn check(ctx: &Context, folder: PathBuf) -> Self {
-        Self::start(ctx, "Checking", move |watcher| {
+        Self::start(ctx, "Checking", true, move |watcher| {
             let verified = Verify { folder: folder.clone() }.verify(watcher)?;
             let wrong = verified.wrong();
             let errors = verified.errors.iter().map(ToString::to_string).collect();
@@ -148,18 +150,19 @@ impl Job {
 
     /// Finds how many participants a study needs.
     pub fn plan(ctx: &Context, request: Plan) -> Self {
-        let job = Self::start(ctx, "Planning", move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))));
-        Self { writes: false, ..job }
+        Self::start(ctx, "Planning", false, move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))))
     }
 
     /// Simulates a study in a folder of its own.
     pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
-        Self::start(ctx, "Simulating", move |watcher| Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder)))
+        Self::start(ctx, "Simulating", true, move |watcher| {
+            Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder))
+        })
     }
 
     /// Exports a study.
     pub fn export(ctx: &Context, request: Export) -> Self {
-        Self::start(ctx, "Exporting", move |watcher| {
+        Self::start(ctx, "Exporting", true, move |watcher| {
             request.export(watcher)?;
             Ok(Made::Exported(format!("Exported to {}", ui::full(&request.out).display())))
         })

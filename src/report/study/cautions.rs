@@ -258,7 +258,7 @@ fn few_cross(results: &Results) -> impl Iterator<Item = String> {
         let (name, who) = (names::factor(results, &factor.name), short_list(&factor.crossing, MAX_NAMES));
         let of = count(results.people() as u64, "participant");
         let few = factor.crossing.len();
-        format!("{few} of {of} ({who}) rated several levels of {name}, the others at most one: was this the design?")
+        format!("{few} of {of} ({who}) rated several levels of {name}, the others at most one: is this by design?")
     })
 }
 

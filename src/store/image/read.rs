@@ -64,7 +64,7 @@ pub(super) fn decode(
         return Err(fail(format!("has {width} × {height} pixels; expected at most {side_max} per side")));
     }
     if u64::from(width) * u64::from(height) > pixels {
-        let message = format!("has {width} × {height} pixels; expected at most {pixels}");
+        let message = format!("has {width} × {height} pixels; expected at most {pixels} pixels");
         return Err(StoreError::LargeImage(FileErrors::whole(name, message)));
     }
     if info.animation_control.is_some_and(|animation| animation.num_frames > 1) {
