@@ -61,7 +61,8 @@ impl Table {
         let about = |column: &Column| {
             let unit = (!column.unit.is_empty()).then_some(("unit", &column.unit));
             let about = [("description", &column.description)].into_iter().chain(unit);
-            (column.name.clone(), about.map(|(key, text)| (key.to_owned(), Value::from(text.as_str()))).collect())
+            let about: Map<_, _> = about.map(|(key, text)| (key.to_owned(), Value::from(text.as_str()))).collect();
+            (column.name.clone(), Value::from(about))
         };
         self.columns.iter().map(about).collect()
     }
