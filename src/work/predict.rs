@@ -204,9 +204,8 @@ impl Predict {
     /// Says why a stimulus cannot be judged.
     fn unseen(&self, kind: &str, error: &VisionError) -> anyhow::Error {
         match error {
-            VisionError::Extent(_) => {
-                let field = if self.ppd.is_some() { "ppd" } else { "window_deg" };
-                RequestError::new(field, format!("with what surrounds the stimulus, {error}")).into()
+            VisionError::Extent(_) | VisionError::Sampling(_) => {
+                RequestError::new(if self.ppd.is_some() { "ppd" } else { "window_deg" }, error).into()
             }
             _ => anyhow::anyhow!("{kind}: {error}"),
         }
