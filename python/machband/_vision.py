@@ -69,7 +69,7 @@ def predict(
     kind
         One of `kinds`.
     display
-        Display profile written by `machband calibrate`.
+        Display profile written by `machband calibrate`, for its white and black; stimuli have the primaries of sRGB.
     size
         Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     window_deg
