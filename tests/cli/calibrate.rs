@@ -38,6 +38,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "gamma  green    2.2000",
         "chosen: gamma",
         "best by cross-validation: gamma",
+        "gamma       0.00      0.000           0.00                   —\n",
         "additivity",
         "white 115.30",
         "wrote left.svg\n",
@@ -63,6 +64,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
     let report = json(&folder.path().join("left.json"));
     assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
+    assert!(report["models"][0]["cross_validation"]["score"].is_null(), "there is no noise to compare it with");
     // Request the table model and a chart as PNG.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");

@@ -51,8 +51,9 @@ pub struct Validation {
     pub rms_cd_m2: f64,
     /// Largest error, in 8-bit codes.
     pub largest_codes: f64,
-    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct.
-    pub score: f64,
+    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct; `None` if that
+    /// misfit is 0 but for rounding.
+    pub score: Option<f64>,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
     #[serde(skip)]
     squares: Vec<f64>,
@@ -117,7 +118,8 @@ impl Calibration {
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
         let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
         for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {
-            *score = mean(squares) / (misfit / ASSUMED_NOISE).powi(2).max(f64::MIN_POSITIVE);
+            let unit = (misfit / ASSUMED_NOISE).powi(2);
+            *score = (unit > EXACT).then(|| mean(squares) / unit);
         }
         let mut calibration = Self {
             readings: readings.clone(),
@@ -224,7 +226,7 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
         rms_codes: mean(&codes).sqrt(),
         rms_cd_m2: mean(&cd_m2).sqrt(),
         largest_codes: codes.iter().copied().fold(0.0, f64::max).sqrt(),
-        score: mean(&squares),
+        score: None,
         squares,
     }
 }
