@@ -69,7 +69,7 @@ def predict(
     kind
         One of `kinds`.
     display
-        Display profile written by `machband calibrate`.
+        Display profile written by `machband calibrate`, for its white and black; stimuli have the primaries of sRGB.
     size
         Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     window_deg
@@ -159,7 +159,7 @@ def compare(
         Two paths of opaque PNG files; or two arrays of shape (height, width) or (height, width, 3) with codes as uint8 or
         uint16, or with linear light relative to the screen's maximum, 0 to 1, as floats.
     window_deg
-        Width of the picture in degrees of visual angle.
+        Width of the picture in degrees of visual angle; required, unless there are pixels per degree.
     ppd
         Pixels per degree of visual angle, in place of the width.
     white

@@ -104,7 +104,8 @@ def mach_band(
         over it. Expected: the proportion of the window over which the corners are rounded.
     nulling
         Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion
-        of their difference. Expected: the amplitude of an opposite profile, from -1 to 1.
+        of their difference. Expected: the amplitude of an opposite profile, from -1 to 1, with lines within the
+        range of light.
     size
         Side in pixels, or height and width, as in `machband.Stimulus`.
     ppd

@@ -1,10 +1,9 @@
 //! `machband check`, `machband verify` and `machband repair`
 
-use super::{Bar, option, print_line};
+use super::{Bar, print_line, told_of};
 use crate::{
     report::document::numbers::count,
-    store::StoreError,
-    work::{Check, Found, Repair, Request, told, verify::Verify},
+    work::{Check, Found, Repair, Request, verify::Verify},
 };
 
 pub(super) fn check(request: &Check) -> anyhow::Result<()> {
@@ -27,8 +26,6 @@ pub(super) fn repair(request: &Repair) -> anyhow::Result<()> {
 
 /// Fails with all errors, if there are any.
 fn conclude<T: Request>(found: Found) -> anyhow::Result<()> {
-    let command = T::augment_args(clap::Command::new("machband"));
-    let line = |error: StoreError| told(&error.into(), |field| option(&command, field));
-    let errors: Vec<String> = found.errors.into_iter().map(line).collect();
+    let errors: Vec<String> = found.errors.into_iter().map(|error| told_of::<T>(&error.into())).collect();
     if errors.is_empty() { Ok(()) } else { Err(anyhow::anyhow!(errors.join("\n"))) }
 }

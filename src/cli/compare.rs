@@ -4,7 +4,7 @@ use std::path::Path;
 
 use maud::{PreEscaped, html};
 
-use super::{Bar, OutPath, print_data, print_line};
+use super::{Bar, OutPath, print_data, print_line, told_of};
 use crate::{
     light::Transfer,
     report::terminal::{message, printable},
@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
     map: Option<OutPath>,
     /// Where to write the picture in 8 bits with blue-noise dither. A picture of 8 bits is smoothed first.
-    #[arg(long, value_name = "FILE.png", requires = "steps", conflicts_with = "reference")]
+    #[arg(long, value_name = "FILE.png", requires = "steps")]
     dither_out: Option<OutPath>,
     /// Write JSON: an object, or for folders a list of objects.
     #[arg(long)]
@@ -108,6 +108,10 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
 /// Judges what the arguments ask for, and writes the picture that belongs to it.
 fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) -> anyhow::Result<Vec<Case>> {
     let Arguments { request, map, dither_out, .. } = arguments;
+    // For clap, a reference excuses the steps, which it excludes.
+    if dither_out.is_some() && !request.steps {
+        return Err(RequestError::value("dither_out", "is for steps without a reference; expected --steps").into());
+    }
     if is_folder {
         if request.steps || map.is_some() {
             let option = if request.steps { "steps" } else { "map" };
@@ -141,7 +145,7 @@ impl Case {
         let found = match found {
             Ok(found) => found,
             Err(error) => {
-                let text = format!("{error:#}");
+                let text = told_of::<Compare>(&error);
                 let json = serde_json::json!({ "picture": picture.display().to_string(), "error": text });
                 return Ok(Self { name, times: Err(text), line: String::new(), json, note: None });
             }
@@ -161,14 +165,16 @@ impl Case {
 
     fn of_steps(found: &Steps) -> anyhow::Result<Self> {
         let (written, times) = (found.bits.min(8), found.rounded.unwrap_or(found.steps));
+        let keep = found.bits > 8 && found.steps < 1.0;
+        let better = if keep { format!("keep {} bits", found.bits) } else { "write 16 bits".to_owned() };
         let remedy = if found.is_below() && found.is_edges {
             "what is judged is below threshold".to_owned()
         } else if found.is_below() {
             format!("the steps of {written} bits are below threshold: no dither is needed")
         } else if found.dithered < times {
-            "write 16 bits, or dither to 8 (--dither-out)".to_owned()
+            format!("{better}, or dither to 8 (--dither-out)")
         } else {
-            "dither would be as visible as the steps: write 16 bits".to_owned()
+            format!("dither would be more visible than the steps: {better}")
         };
         let rounded = found.rounded.map_or_else(String::new, |times| format!("; rounded to 8 bits {times:.3}"));
         let line = format!(

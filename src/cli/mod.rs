@@ -122,6 +122,12 @@ fn option(command: &clap::Command, field: &str) -> String {
     argument.and_then(clap::Arg::get_long).map_or_else(|| field.to_owned(), |long| format!("--{long}"))
 }
 
+/// Returns the message of an error in a request, which names its options.
+fn told_of<T: work::Request>(error: &anyhow::Error) -> String {
+    let command = T::augment_args(clap::Command::new("machband"));
+    told(error, |field| option(&command, field))
+}
+
 /// Runs a command; `writer` writes its outputs. Returns false if it found what it was asked to refuse.
 fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
     let done = match arguments.command {

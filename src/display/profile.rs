@@ -42,6 +42,9 @@ pub struct LuminanceRange {
 }
 
 impl LuminanceRange {
+    /// The least and the largest luminance that a screen's white can have, cd/m².
+    pub const WHITE_CD_M2: [f64; 2] = [1e-3, 1e5];
+
     /// Returns the luminance of the linear light `linear`, 0…1, in cd/m².
     pub fn cd_m2(&self, linear: f64) -> f64 {
         self.black_cd_m2 + linear * (self.white_cd_m2 - self.black_cd_m2)

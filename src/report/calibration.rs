@@ -22,7 +22,7 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
             decimals(found.rms_codes, 2),
             decimals(found.rms_cd_m2, 3),
             decimals(found.largest_codes, 2),
-            decimals(found.score.sqrt(), 2),
+            known(found.score, &|score| format!("{:.2}", score.sqrt())),
         ]
     });
     let validation = TextTable {
@@ -39,10 +39,12 @@ fn decimals(number: f64, decimals: usize) -> Shown {
     Shown::new(number, format!("{number:.decimals$}"))
 }
 
+/// Formats a number if it is known.
+fn known(value: Option<f64>, text: &dyn Fn(f64) -> String) -> Shown {
+    Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
+}
+
 fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
-    let known = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
-        Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
-    };
     let se = channel.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
     let (gain, offset) = channel.curve.gain_and_offset().unzip();
     vec![

@@ -18,7 +18,8 @@ kind! {
     ///
     /// With `rounding` r, the ramp is its mean over r window sides, which turns each corner into a parabola. `nulling` a
     /// subtracts a·(high − low)·(g(x − width/2) − g(x + width/2)), with g a Gaussian of height 1 and standard deviation
-    /// 0.02 window sides: the opposite of the lines that people see.
+    /// 0.02 window sides: the opposite of the lines that people see. If it is negative, it adds to those, and the ramp
+    /// continues beyond the plateaus as far as there is light.
     ///
     /// Files omit the last four parameters if they have their default values, because most ramps have one color.
     MachBand = "mach-band" where contradictions {
@@ -36,7 +37,7 @@ kind! {
         #[serde(skip_serializing_if = "is_default")]
         rounding: f64 = 0.0, Range::Within(0.0, 1.0), "1", "Proportion of the window over which both corners of a ramp of depth 1 are rounded: the ramp is averaged over it", "the proportion of the window over which the corners are rounded", ["0", "0.1", "0.4"];
         #[serde(skip_serializing_if = "is_default")]
-        nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1", ["0", "0.05", "0.1", "0.2"];
+        nulling: f64 = 0.0, Range::Within(-1.0, 1.0), "1", "Amplitude of a dark line at the bright end of the ramp and a bright one at its dark end, as a proportion of their difference", "the amplitude of an opposite profile, from -1 to 1, with lines within the range of light", ["0", "0.05", "0.1", "0.2"];
     }
 }
 
@@ -60,9 +61,15 @@ fn integral(u: f64) -> f64 {
 
 impl MachBand {
     fn contradictions(&self) -> Option<ParameterError> {
-        let is_rounded = self.rounding > 0.0 && self.depth != Depth::Finite(1);
-        let problem = format!("rounds the corners of a ramp of depth 1, but the depth is {}", self.depth);
-        is_rounded.then(|| parameter_error(Self::PARAMETERS, "rounding", self.rounding, problem))?
+        let (name, value, problem) = if self.rounding > 0.0 && self.depth != Depth::Finite(1) {
+            let problem = format!("rounds the corners of a ramp of depth 1, but the depth is {}", self.depth);
+            ("rounding", self.rounding, problem)
+        } else if self.nulling * (self.high - self.low) < -self.low.min(1.0 - self.high) {
+            ("nulling", self.nulling, "draws lines beyond the light 0…1".to_owned())
+        } else {
+            return None;
+        };
+        parameter_error(Self::PARAMETERS, name, value, problem)
     }
 
     /// Returns the profile across the ramp, prepared for repeated evaluation.
@@ -86,19 +93,16 @@ pub struct Ramp<'a> {
 }
 
 impl Ramp<'_> {
-    /// Returns low + (high − low)·I_n at `x` window sides from the center line, positive on the brighter side. The
-    /// result does not depend on the colors or the space.
+    /// Returns low + (high − low)·I_n, less the lines of `nulling`, at `x` window sides from the center line, positive on
+    /// the brighter side. The result does not depend on the colors or the space.
     ///
     /// A ramp of width 0 is the limit of narrow ramps: low before the line, high after it, and halfway between them on
     /// it.
     pub fn luminance_at(&self, x: f64) -> f64 {
-        let fraction = self.fraction_at(x);
-        if fraction >= 1.0 {
-            // low + (high − low) can differ from high by a rounding error.
-            self.band.high
-        } else {
-            (self.band.low + (self.band.high - self.band.low) * fraction).min(self.band.high)
-        }
+        let (MachBand { low, high, .. }, fraction) = (self.band, self.fraction_at(x));
+        let most = if fraction > 1.0 { 1.0 } else { *high };
+        // low + (high − low) can differ from high by a rounding error.
+        if fraction == 1.0 { *high } else { (low + (high - low) * fraction).min(most).max(0.0) }
     }
 
     /// Returns red, green and blue at `x`, 0…1.
@@ -109,7 +113,8 @@ impl Ramp<'_> {
         }
     }
 
-    /// Returns I_n at `x`: the fraction of the way from the darker to the brighter plateau, 0…1.
+    /// Returns I_n, less the lines of `nulling`, at `x`: the fraction of the way from the darker to the brighter plateau,
+    /// 0…1, or beyond it if `nulling` is negative.
     fn fraction_at(&self, x: f64) -> f64 {
         // At a width of 0, x/0 is ±∞ off the line, which the interpolation maps to 0 and 1. Only 0/0 needs a decision
         // here.
@@ -122,12 +127,13 @@ impl Ramp<'_> {
                 (integral(at(x) + 0.5 * share) - integral(at(x) - 0.5 * share)) / share
             }
         };
-        if self.band.nulling == 0.0 {
-            return ramp;
+        let nulling = self.band.nulling;
+        if nulling == 0.0 {
+            return ramp.clamp(0.0, 1.0);
         }
         let line = |center: f64| (-0.5 * ((x - center) / NULLING_SD).powi(2)).exp();
         let opposite = line(0.5 * self.band.width) - line(-0.5 * self.band.width);
-        (ramp - self.band.nulling * opposite).clamp(0.0, 1.0)
+        (ramp - nulling * opposite).clamp(nulling.min(0.0), 1.0 - nulling.min(0.0))
     }
 }
 

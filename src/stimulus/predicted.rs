@@ -10,12 +10,15 @@ use rayon::prelude::*;
 use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     text::Cell,
-    vision::{ContrastSpectrum, Eye, Judge, RampBands, VisionError, luminance, next_fast_length},
+    vision::{
+        ContrastSpectrum, Eye, Judge, MAX_DEG, RampBands, VisionError, check_extent, luminance, next_fast_length,
+    },
 };
 
 /// Pixels per degree of the pictures whose detection is predicted: as fine as an average person sees with ease.
 const DETECTION_PX_PER_DEG: f64 = 25.0;
-/// A ramp's plateaus continue at least this far beyond each side of the window, degrees; the model's picture ends there.
+/// A ramp's plateaus continue at least this far beyond each side of the window, degrees, as far as there is a field around
+/// the eye; the model's picture ends there.
 const PLATEAU_DEG: f64 = 2.0;
 /// Places in each pixel of a line at which its light is averaged.
 const IN_PIXEL: u32 = 8;
@@ -88,7 +91,7 @@ impl ViewingConditions {
     /// plateaus of a ramp continue beyond the window.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if a window is too small, or has no light somewhere.
+    /// Returns a [`VisionError`] if a window is too small or too large, or has no light somewhere.
     pub fn visible(&self, stimuli: &[&Stimulus], size: Option<u32>) -> Result<Vec<Visible>, VisionError> {
         // A judge takes longer than a ramp, and many ramps have the same.
         let judges = Mutex::new(HashMap::new());
@@ -105,6 +108,7 @@ impl ViewingConditions {
         };
         each_once(stimuli, |stimulus| {
             let px = size.unwrap_or_else(|| ViewingConditions::px(stimulus));
+            check_extent(px as usize, px as usize, self.px_per_deg(px))?;
             if let Some(ramp) = self.ramp(stimulus, px) {
                 return Ok(Visible::Ramp(RampBands::of(&*judge(&ramp, px)?, &ramp.light)?));
             }
@@ -123,7 +127,8 @@ impl ViewingConditions {
         let window: Vec<f64> = fine.chunks_exact(IN_PIXEL as usize).map(|pixel| self.cd_m2(mean(pixel))).collect();
         let (first, last) = (*window.first()?, *window.last()?);
         let least = (PLATEAU_DEG * self.px_per_deg(size)).ceil() as usize;
-        let length = next_fast_length(window.len() + 2 * least);
+        let most = ((MAX_DEG * self.px_per_deg(size)) as usize).max(window.len());
+        let length = next_fast_length(window.len() + 2 * least).min(most);
         let before = (length - window.len()) / 2;
         // Without the rounding error of the sum, so that ramps between the same plateaus share a judge.
         let mean = window.iter().sum::<f64>() / window.len() as f64;

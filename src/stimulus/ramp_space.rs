@@ -63,13 +63,14 @@ impl ColorRamp {
         Self { low: lights[0], high: lights[1], space, from, difference }
     }
 
-    /// Returns the light at `fraction` of the way from the low plateau (0) to the high one (1); each channel is 0…1.
+    /// Returns the light at `fraction` of the way from the low plateau (0) to the high one (1), or on the line beyond them;
+    /// each channel is 0…1.
     #[inline]
     pub fn light_at_fraction(&self, fraction: f64) -> [f64; 3] {
-        if fraction <= 0.0 {
+        if fraction == 0.0 {
             return self.low;
         }
-        if fraction >= 1.0 {
+        if fraction == 1.0 {
             return self.high;
         }
         let point = [0, 1, 2].map(|i| self.from[i] + self.difference[i] * fraction);

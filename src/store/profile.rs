@@ -69,9 +69,10 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
         screen_width_cm: form.screen_width_cm,
         native_px: form.native_px,
     };
+    let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
     for (key, value, least, most) in [
-        ("black_cd_m2", form.black_cd_m2, 0.0, 100_000.0),
-        ("white_cd_m2", form.white_cd_m2, 0.0, 100_000.0),
+        ("black_cd_m2", form.black_cd_m2, 0.0, brightest),
+        ("white_cd_m2", form.white_cd_m2, darkest, brightest),
         ("bits", form.bits.map(f64::from), 1.0, 16.0),
         ("screen_width_cm", profile.screen_width_cm, 1.0, 1000.0),
     ] {

@@ -4,7 +4,7 @@
 /// degrees of samples.
 const MAX_PX_PER_DEG: f64 = 2e6;
 /// Maximum extent of an image, degrees. Wider images do not exist, and their masking would need unlimited memory.
-const MAX_DEG: f64 = 360.0;
+pub const MAX_DEG: f64 = 360.0;
 
 /// The reason why an image cannot be predicted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum VisionError {
     TooSmall { width: usize, height: usize },
     /// The number of pixels per degree is not a positive number, or is so large that the surround does not fit into
     /// memory.
-    #[error("{0:e} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}")]
+    #[error("{} pixels per degree; expected a number above 0 and at most {MAX_PX_PER_DEG}", told(*.0))]
     Sampling(f64),
     /// The image is wider or higher than the whole field around the eye.
     #[error("the image extends over {} degrees; expected at most {MAX_DEG}", told(*.0))]
@@ -51,8 +51,8 @@ pub enum VisionError {
 }
 
 /// Returns a number with as many digits as people can read.
-fn told(degrees: f64) -> String {
-    if degrees < 1e6 { ((degrees * 1e4).ceil() / 1e4).to_string() } else { format!("{degrees:e}") }
+fn told(number: f64) -> String {
+    if number < 1e6 { ((number * 1e4).ceil() / 1e4).to_string() } else { format!("{:e}", number.ceil()) }
 }
 
 /// Checks that `light` holds `width` × `height` valid values, that some of them are above 0, and that `px_per_deg` is
@@ -69,7 +69,10 @@ pub(super) fn check(light: &[f64], width: usize, height: usize, px_per_deg: f64)
 }
 
 /// Checks that there are pixels, that `px_per_deg` is positive, and that the picture fits into the field around the eye.
-pub(super) fn check_extent(width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
+///
+/// # Errors
+/// Returns the [`VisionError`] of the first that does not hold.
+pub fn check_extent(width: usize, height: usize, px_per_deg: f64) -> Result<(), VisionError> {
     if width == 0 || height == 0 {
         return Err(VisionError::TooSmall { width, height });
     }

@@ -27,7 +27,7 @@ mod steps;
 
 pub use criterion::Criterion;
 pub use detection::ContrastSpectrum;
-pub use error::VisionError;
+pub use error::{MAX_DEG, VisionError, check_extent};
 pub use eye::{Eye, Masking, luminance, luminances};
 pub use fft::next_fast_length;
 pub use judge::{Difference, DifferenceMap, Judge, Place};

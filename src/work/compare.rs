@@ -54,8 +54,8 @@ pub struct Compare {
     /// smooth picture that they were rounded from.
     #[arg(long)]
     pub steps: bool,
-    /// Width of the picture in degrees of visual angle.
-    #[arg(long = "window", value_name = "DEG", value_parser = positive, required_unless_present = "ppd")]
+    /// Width of the picture in degrees of visual angle; required, unless there are pixels per degree.
+    #[arg(long = "window", value_name = "DEG", value_parser = positive)]
     pub window_deg: Option<f64>,
     /// Pixels per degree of visual angle, in place of the width.
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "window_deg")]
@@ -196,7 +196,7 @@ impl Compare {
     /// A picture cannot be read, they differ in size, or they cannot be judged, for example because a place has no
     /// light.
     pub fn pair(&self, given: Option<[Given; 2]>, watcher: &dyn Watcher) -> anyhow::Result<Compared> {
-        let encoded = self.encoding.read(watcher)?;
+        let encoded = self.encoded(watcher)?;
         let [shown, reference] = match given {
             Some([shown, reference]) => {
                 [(shown, "picture"), (reference, "reference")].map(|(it, name)| lit(it, name, &encoded))
@@ -225,7 +225,7 @@ impl Compare {
     /// # Errors
     /// A folder cannot be read, or there are no pictures. That a picture has no counterpart is the error of its pair.
     pub fn folders(&self, watcher: &dyn Watcher) -> anyhow::Result<(Vec<Pair>, Vec<String>)> {
-        let encoded = self.encoding.read(watcher)?;
+        let encoded = self.encoded(watcher)?;
         let (folder, others) = (&self.picture, self.reference()?);
         let ([names, left], [counterparts, also_left]) = (pictures(folder)?, pictures(others)?);
         let left_out = |(folder, names): (&Path, Vec<String>)| {
@@ -271,7 +271,7 @@ impl Compare {
     /// # Errors
     /// As for [`Compare::pair`].
     pub fn steps(&self, given: Option<CodeImage>, watcher: &dyn Watcher) -> anyhow::Result<Steps> {
-        let encoded = self.encoding.read(watcher)?;
+        let encoded = self.encoded(watcher)?;
         let (name, picture) = match given {
             Some(codes) => ("picture".to_owned(), encoded.shows(Picture::given(codes, encoded.transfers.clone()))),
             None => (self.picture.display().to_string(), self.picture(&self.picture, &encoded)?),
@@ -317,6 +317,15 @@ impl Compare {
             picture_dithered: dithered,
             transfers: picture.transfers,
         })
+    }
+
+    /// Reads the display profile, once the size of the picture is known.
+    fn encoded(&self, watcher: &dyn Watcher) -> anyhow::Result<Encoded> {
+        if self.window_deg.is_none() && self.ppd.is_none() {
+            let message = "is missing; expected the width of the picture in degrees";
+            return Err(RequestError::value("window_deg", message).unless("ppd").into());
+        }
+        self.encoding.read(watcher)
     }
 
     fn reference(&self) -> Result<&Path, RequestError> {
@@ -473,7 +482,7 @@ fn wrong(name: &str, error: &VisionError) -> anyhow::Error {
 fn said(picture: &Picture) -> String {
     match picture.origin {
         Origin::Given => "as asked".to_owned(),
-        Origin::Chunk(name) => format!("by the file's {name} chunk"),
+        Origin::Chunk(name) => format!("by the file's {name}"),
         Origin::Assumed => "sRGB is assumed, because the file does not say what its codes mean".to_owned(),
     }
 }

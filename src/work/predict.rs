@@ -39,9 +39,10 @@ pub struct Predict {
     #[command(flatten)]
     #[serde(flatten)]
     pub drawn: Drawn,
-    #[command(flatten)]
-    #[serde(flatten)]
-    pub encoding: Encoding,
+    /// Display profile written by `machband calibrate`, for its white and black; stimuli have the primaries of sRGB.
+    #[arg(long, value_name = "FILE")]
+    #[serde(serialize_with = "paths")]
+    pub display: Option<PathBuf>,
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = whole(16..=MAX_SIZE))]
     pub size: Option<u32>,
@@ -92,7 +93,7 @@ impl Predict {
     /// # Errors
     /// A value is impossible, a file cannot be read, or the picture is too large, too small or all black.
     pub fn one(&self, given: Option<&Stimulus>, watcher: &dyn Watcher) -> anyhow::Result<Prediction> {
-        let (encoded, criterion) = (self.encoding.read(watcher)?, self.criterion()?);
+        let (encoded, criterion) = (self.encoded(watcher)?, self.criterion()?);
         let drawn;
         let stimulus = match given {
             Some(stimulus) => stimulus,
@@ -129,7 +130,7 @@ impl Predict {
             let message = "the definition determines the stimuli; expected no options of a stimulus";
             return Err(RequestError::whole(message).into());
         }
-        let encoded = self.encoding.read(watcher)?;
+        let encoded = self.encoded(watcher)?;
         let protocol = definition::open(experiment)?;
         protocol.chosen_later().map_or(Ok(()), |message| Err(RequestError::whole(message)))?;
         let conditions = protocol.conditions();
@@ -194,6 +195,10 @@ impl Predict {
         path.map(|path| Ok(observer::open_vision(path)?.criterion())).transpose()
     }
 
+    fn encoded(&self, watcher: &dyn Watcher) -> anyhow::Result<Encoded> {
+        Encoding { transfer: None, display: self.display.clone() }.read(watcher)
+    }
+
     /// Returns the conditions under which a picture of this width is seen; its window has by default `planned` degrees.
     fn viewing(&self, encoded: &Encoded, width_px: u32, planned: f64) -> ViewingConditions {
         let of_ppd = self.ppd.map(|ppd| f64::from(width_px) / ppd);
@@ -204,9 +209,8 @@ impl Predict {
     /// Says why a stimulus cannot be judged.
     fn unseen(&self, kind: &str, error: &VisionError) -> anyhow::Error {
         match error {
-            VisionError::Extent(_) => {
-                let field = if self.ppd.is_some() { "ppd" } else { "window_deg" };
-                RequestError::new(field, format!("with what surrounds the stimulus, {error}")).into()
+            VisionError::Extent(_) | VisionError::Sampling(_) => {
+                RequestError::new(if self.ppd.is_some() { "ppd" } else { "window_deg" }, error).into()
             }
             _ => anyhow::anyhow!("{kind}: {error}"),
         }

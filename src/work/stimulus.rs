@@ -59,6 +59,10 @@ impl Render {
             let message = "a palette has 8 bits per channel; expected 8 bits";
             return Err(RequestError::new("palette", message).into());
         }
+        if self.halftone.is_some() && (self.image.bits, self.image.dither) != (Bits::Eight, Dither::None) {
+            let message = "a halftone has its own bits, and its dots replace dither; expected 8 bits and no dither";
+            return Err(RequestError::new("halftone", message).into());
+        }
         let recipe = self.image.recipe(self.drawn.stimulus()?, watcher)?;
         let quantizer = recipe.quantizer();
         let mut reduced = None;

@@ -171,6 +171,8 @@ fn wrong_usage_is_an_error_and_writes_nothing() {
         2: stimulus --out x.png --transfer gamma:0 => gamma 0 is outside
         2: stimulus --out x.png --transfer srgb --display p.toml => --transfer excludes a display profile
         2: stimulus --out x.png --bits 12 => 12
+        2: stimulus --out x.png --halftone clustered3:1 --bits 16 => --halftone: a halftone has its own bits
+        2: stimulus --out x.png --halftone clustered3:1 --dither ordered => expected 8 bits and no dither
         2: stimulus --out x.png --kind moire => moire";
     refuses(folder.path(), "{}", cases);
 }

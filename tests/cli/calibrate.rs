@@ -38,6 +38,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "gamma  green    2.2000",
         "chosen: gamma",
         "best by cross-validation: gamma",
+        "gamma       0.00      0.000           0.00                   —\n",
         "additivity",
         "white 115.30",
         "wrote left.svg\n",
@@ -69,6 +70,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "2: --on 2026-02-30 => --on 2026-02-30: is not a date; expected one such as 2026-01-31
          2: --name '' => is empty; expected a name",
     );
+    assert!(report["models"][0]["cross_validation"]["score"].is_null(), "there is no noise to compare it with");
     // Request the table model and a chart as PNG.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");
@@ -87,6 +89,21 @@ fn bad_readings_are_errors_and_produce_no_profile() {
     let is_error = |line: &str| line.starts_with("error: bad.csv: ") && line.contains("not monotone");
     assert!(error.lines().all(is_error), "{error}");
     assert!(!folder.path().join("bad.toml").exists());
+    // Light that hardly rises at the top may be a fault, or how the screen is.
+    for one in bad.iter_mut() {
+        one.luminance_cd_m2 = 0.3 + RANGES[3] * one.level.powi(2) * (3.0 - 2.0 * one.level);
+    }
+    bad.retain(|one| one.channel == Channel::Gray);
+    readings::write(&Writer::default(), &folder.path().join("curved.csv"), &bad).unwrap();
+    let error = fails(folder.path(), &split("calibrate curved.csv --out bad.toml"), 1);
+    assert!(
+        error.contains("curved.csv: gray: the light rises by only 4.5 % above level 0.875; expected more"),
+        "{error}"
+    );
+    let made = succeeds(folder.path(), &split("calibrate curved.csv --out curved.toml --model table"));
+    assert!(made.contains("note: gray: the light rises by only 4.5 % above level 0.875\n"), "{made}");
+    let table = profile::open(&folder.path().join("curved.toml")).unwrap().transfers;
+    assert!((table.channels()[0].linear_from_encoded(0.75) - 0.84375).abs() < 1e-3);
 }
 
 #[test]
@@ -101,8 +118,9 @@ fn every_error_in_a_file_has_its_line_and_column() {
             "r.csv:6:5: luminance_cd_m2 \"x\" is not a number; expected one such as 0.5",
         ]
     );
-    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\n");
-    assert_eq!(found.len(), 3, "{found:?}");
+    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\nr,0.75,100001\n");
+    assert_eq!(found[3], "r.csv:6:8: luminance 100001 is not that of a screen; expected cd/m², 0 to 100000");
+    assert_eq!(found.len(), 4, "{found:?}");
     assert!(
         found[0].starts_with("r.csv:3:3: level 1.5") && found[1].starts_with("r.csv:4:5: luminance -2"),
         "{found:?}"

@@ -238,7 +238,7 @@ fn pictures_mean_what_they_say() {
     let turned: Vec<u8> = ramp.chunks_exact(3).flat_map(|pixel| [pixel[1], pixel[0], pixel[2]]).collect();
     let primaries = primaries([30_000, 60_000], [64_000, 33_000]);
     for (name, gamma, said) in
-        [("alone", None, "cHRM (with sRGB's curve)"), ("both", Some(45_455), "gAMA (with its cHRM)")]
+        [("alone", None, "cHRM chunk (with sRGB's curve)"), ("both", Some(45_455), "gAMA and cHRM chunks")]
     {
         let files = [format!("{name}-turned.png"), format!("{name}.png")];
         for (file, codes, primaries) in [(&files[0], &turned, Some(primaries)), (&files[1], &ramp, None)] {
@@ -286,6 +286,8 @@ fn steps_are_judged_without_a_reference() {
     let of_fine = pictures.json("compare fine.png --steps --window 16 --json");
     assert!(number(&of_fine, "steps") < 0.2, "{of_fine}");
     assert!((number(&of_fine, "rounded") / number(&wide, "steps") - 1.0).abs() < 0.1 && wide["rounded"].is_null());
+    let line = pictures.said("compare fine.png --steps --window 16");
+    assert!(line.contains("which is grain; keep 16 bits, or dither to 8 (--dither-out) ("), "{line}");
     // What is written is what was judged: its steps are gone.
     let line = pictures.said("compare slow.png --steps --window 16 --dither-out out.png");
     assert!(line.contains("or dither to 8"), "{line}");
@@ -429,7 +431,8 @@ fn impossible_comparisons_are_refused() {
     fs::write(at("text.png"), "no picture").unwrap();
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
     with("colored.png", png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
-    fs::create_dir(at("empty")).unwrap();
+    ["empty", "one"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
+    fs::copy(at("gray.png"), at("one/gray.png")).unwrap();
     for (line, status, part) in [
         ("compare gray.png wide.png --window 2", 1, "gray.png: has 64 × 64 pixels, but wide.png has 65 × 64"),
         ("compare black.png gray.png --window 2 --black 0", 1, "black.png: no light in column 0, row 0"),
@@ -445,13 +448,18 @@ fn impossible_comparisons_are_refused() {
         ("compare gray.png gray.png --window 2 --mask colored.png", 2, "colored.png has colors"),
         ("compare none.png gray.png --window 2", 1, "none.png: cannot be opened"),
         ("compare empty empty --window 2", 1, "contains no PNG"),
-        ("compare gray.png gray.png", 2, "--window"),
+        (
+            "compare gray.png gray.png",
+            2,
+            "--window is missing; expected the width of the picture in degrees, or the option --ppd",
+        ),
         ("compare gray.png --window 2", 2, "REFERENCE"),
         ("compare gray.png gray.png --steps --window 2", 2, "--steps"),
-        ("compare gray.png gray.png --window 2 --dither-out out.png", 2, "--dither-out"),
+        ("compare gray.png gray.png --window 2 --dither-out out.png", 2, "expected --steps"),
         ("compare gray.png gray.png --window=-1", 2, "--window"),
         ("compare gray.png gray.png --window 400", 1, "degrees"),
         ("compare gray.png gray.png --window 2 --mask wide.png", 2, "--mask"),
+        ("compare one one --window 2 --mask wide.png", 1, "error: --mask: wide.png has 65 × 64 pixels"),
         ("compare empty empty --window 2 --map map.png", 2, "--map"),
     ] {
         let error = pictures.refused(line, status);

@@ -194,6 +194,23 @@ fn a_step_through_pixel_centers_is_halfway_there() {
     }
 }
 
+/// Lines of either sign are as high as their amplitude; beyond the plateaus, too, in every space.
+#[test]
+fn the_lines_of_nulling_are_as_high_as_their_amplitude() {
+    for space in RampSpace::ALL.iter().copied() {
+        for nulling in [-0.5, -0.3, -0.02, 0.05, 0.3] {
+            let band = MachBand { nulling, space, color: StimulusColor::GRAY, ..MachBand::default() };
+            assert_eq!(band.validate(), Ok(()));
+            let ends = [-0.2, 0.2].map(|x| band.ramp().luminance_at(x));
+            let expected = [0.25 + 0.5 * nulling, 0.75 - 0.5 * nulling];
+            assert!((0..2).all(|i| (ends[i] - expected[i]).abs() < 1e-12), "{nulling}: {ends:?}");
+            let [dark, bright] = [-0.2, 0.2].map(|x| band.ramp().light_at(x)[1]);
+            let is_beyond = [dark < 0.25, bright > 0.75];
+            assert_eq!(is_beyond, [nulling < 0.0; 2], "{space} {nulling}: {dark} {bright}");
+        }
+    }
+}
+
 #[test]
 fn every_error_is_reported_in_one_sentence() {
     let band = MachBand { width: 1.5, orientation_deg: f64::NAN, low: 0.8, high: 0.2, ..MachBand::default() };
@@ -206,6 +223,9 @@ fn every_error_is_reported_in_one_sentence() {
             "high 0.2 is below low, which is 0.8; expected the relative luminance of the brighter plateau, not below low",
         ]
     );
+    let beyond = |nulling: f64| MachBand { nulling, high: 0.9, ..MachBand::default() }.validate();
+    let error = "nulling -0.2 draws lines beyond the light 0…1; expected the amplitude of an opposite profile, from -1 to 1, with lines within the range of light";
+    assert_eq!((beyond(-0.2).unwrap_err()[0].to_string(), beyond(-0.15)), (error.to_owned(), Ok(())));
     let equal = MachBand { low: 0.5, high: 0.5, ..MachBand::default() };
     assert_eq!((MachBand::default().validate(), equal.validate()), (Ok(()), Ok(())));
 }

@@ -146,12 +146,14 @@ fn bands_change_smoothly_with_contrast_and_nulling() {
         }
     }
     let opposite: Vec<MachBand> =
-        (0..300).map(|k| MachBand { nulling: 0.001 * f64::from(k), ..ramp(4.0, Depth::Finite(1)) }).collect();
+        (-500..300).map(|k| MachBand { nulling: 0.001 * f64::from(k), ..ramp(4.0, Depth::Finite(1)) }).collect();
     let found = bands_of(&opposite, None);
+    let none = &found[500];
     for pair in found.windows(2) {
-        assert!((pair[1].bright - pair[0].bright).abs() < 0.03 * found[0].bright, "{pair:?}");
-        assert!((pair[1].dark - pair[0].dark).abs() < 0.03 * found[0].dark, "{pair:?}");
+        assert!((pair[1].bright - pair[0].bright).abs() < 0.03 * none.bright, "{pair:?}");
+        assert!((pair[1].dark - pair[0].dark).abs() < 0.03 * none.dark, "{pair:?}");
     }
+    assert!(found[..500].windows(2).all(|pair| pair[1].bright < pair[0].bright), "brighter lines are brighter bands");
 }
 
 const SIDE: usize = 181;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    checks::{Sum, additivity, drift_percent},
+    checks::{RAISE, Sum, additivity, drift_percent},
     fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
     readings::Readings,
     table::tables,
@@ -51,8 +51,9 @@ pub struct Validation {
     pub rms_cd_m2: f64,
     /// Largest error, in 8-bit codes.
     pub largest_codes: f64,
-    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct.
-    pub score: f64,
+    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct; `None` if that
+    /// misfit is 0 but for rounding.
+    pub score: Option<f64>,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
     #[serde(skip)]
     squares: Vec<f64>,
@@ -117,7 +118,8 @@ impl Calibration {
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
         let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
         for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {
-            *score = mean(squares) / (misfit / ASSUMED_NOISE).powi(2).max(f64::MIN_POSITIVE);
+            let unit = (misfit / ASSUMED_NOISE).powi(2);
+            *score = (unit > EXACT).then(|| mean(squares) / unit);
         }
         let mut calibration = Self {
             readings: readings.clone(),
@@ -135,6 +137,14 @@ impl Calibration {
     pub fn model(&self, family: Family) -> &FittedModel {
         // `models` has one model of each family, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
+    }
+
+    /// Returns why there is no profile unless a table was asked for: the light hardly rises at the top. That may be how the
+    /// screen is, or a fault.
+    pub fn refusal(&self, asked: Option<Family>) -> Option<String> {
+        let hardly = self.readings.hardly_rising().join("; ");
+        let is_refused = asked != Some(Family::Table) && !hardly.is_empty();
+        is_refused.then(|| format!("{hardly}; expected more ({RAISE}), or the model table, if the screen is like that"))
     }
 
     /// Returns black and white according to a model, in cd/m².
@@ -224,7 +234,7 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
         rms_codes: mean(&codes).sqrt(),
         rms_cd_m2: mean(&cd_m2).sqrt(),
         largest_codes: codes.iter().copied().fold(0.0, f64::max).sqrt(),
-        score: mean(&squares),
+        score: None,
         squares,
     }
 }
@@ -266,7 +276,7 @@ fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Op
 }
 
 fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = calibration.readings.hardly_rising();
     let read = calibration.readings.channels();
     let unread: Vec<&str> =
         Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();

@@ -1,7 +1,7 @@
 //! Checks whether readings are plausible for a display and agree with each other, and describes the errors.
 
 use super::readings::{LevelMean, Reading, Readings, is_same_level};
-use crate::display::channel::Channel;
+use crate::display::{channel::Channel, profile::LuminanceRange};
 
 /// Minimum number of levels per channel, including 0 and 1.
 pub const MIN_LEVELS: usize = 5;
@@ -12,6 +12,9 @@ const NOISE_FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
 const CLEAR_RISE: f64 = 0.1;
 /// The light has stopped rising if it rises by less than this share of the rise predicted from the levels below.
 const STOPPED: f64 = 0.3;
+/// What to do about light that rises too little at the top.
+pub(super) const RAISE: &str =
+    "lower the screen's contrast, turn off dynamic contrast, or set the photometer to a wider range";
 /// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
@@ -61,11 +64,24 @@ impl Readings {
         }
         if errors.is_empty() { Ok(readings) } else { Err(errors) }
     }
+
+    /// Says for each channel how far the light rises at the top, where it rises too little for a screen.
+    pub fn hardly_rising(&self) -> Vec<String> {
+        let said = |channel: &Channel| {
+            let means = self.means(*channel);
+            let (lowest, white) = (saturated_from(&means, self.black_cd_m2(), self.resolution_cd_m2())?, means.last()?);
+            let percent = 100.0 * (white.luminance_cd_m2 / lowest.luminance_cd_m2 - 1.0);
+            let level = (1e4 * lowest.level).round() / 1e4;
+            Some(format!("{channel}: the light rises by only {percent:.1} % above level {level}"))
+        };
+        self.channels().iter().filter_map(said).collect()
+    }
 }
 
 /// Returns the errors in single readings.
 fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
     let codes = readings.iter().all(|one| (0.0..=255.0).contains(&one.level) && one.level.fract() == 0.0);
+    let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
     let mut errors = Vec::new();
     for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
         if !(0.0..=1.0).contains(level) {
@@ -78,8 +94,8 @@ fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
             };
             errors.push(ReadingsError::new(ErrorLocation::Level(index), message));
         }
-        if !(light.is_finite() && *light >= 0.0) {
-            let message = format!("luminance {light} is not a luminance; expected cd/m², 0 or more");
+        if !(0.0..=brightest).contains(light) {
+            let message = format!("luminance {light} is not that of a screen; expected cd/m², 0 to {brightest}");
             errors.push(ReadingsError::new(ErrorLocation::Luminance(index), message));
         }
     }
@@ -87,8 +103,10 @@ fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
         let message =
             format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
         errors.push(ReadingsError::new(ErrorLocation::All, message));
-    } else if readings.iter().all(|one| one.luminance_cd_m2 == 0.0) {
-        let message = "every reading is 0 cd/m²; expected light: is the photometer on the screen, and is its cap off?";
+    } else if readings.iter().all(|one| one.luminance_cd_m2 < darkest) {
+        let message = format!(
+            "every reading is below {darkest} cd/m²; expected light: is the photometer on the screen, and is its cap off?"
+        );
         errors.push(ReadingsError::new(ErrorLocation::All, message));
     }
     errors
@@ -130,7 +148,7 @@ fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
     messages.into_iter().map(|message| ReadingsError::new(ErrorLocation::All, message)).collect()
 }
 
-/// Returns an error for each channel whose light does not rise all the way to the highest level.
+/// Returns an error for each channel whose light falls, or is the same at some level and at the highest one.
 fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
     let black_cd_m2 = readings.black_cd_m2();
     let (share, steps, of_largest) = NOISE_FALL;
@@ -158,9 +176,13 @@ fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
         }
         if falling.is_empty()
             && let Some(lowest) = saturated_from(&means, black_cd_m2, readings.resolution_cd_m2())
+            && !means
+                .iter()
+                .skip_while(|one| one.level < lowest.level)
+                .is_sorted_by(|a, b| a.luminance_cd_m2 < b.luminance_cd_m2)
         {
             let message = format!(
-                "{channel}: saturated: the light stops rising at level {}, {} cd/m² there and {white_cd_m2} cd/m² at level 1; expected it to rise up to level 1: lower the screen's contrast, turn off dynamic contrast, or set the photometer to a wider range",
+                "{channel}: saturated: the light stops rising at level {}, {} cd/m² there and {white_cd_m2} cd/m² at level 1; expected it to rise up to level 1: {RAISE}",
                 lowest.level, lowest.luminance_cd_m2
             );
             errors.push(ReadingsError::new(ErrorLocation::Levels(*channel, [lowest.level, 1.0]), message));

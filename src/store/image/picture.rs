@@ -47,7 +47,7 @@ pub struct Picture {
 pub enum Origin {
     /// The user said it.
     Given,
-    /// The file says it, in this chunk.
+    /// The file says it, in this chunk or these.
     Chunk(&'static str),
     /// Nobody says it: sRGB is assumed.
     Assumed,
@@ -183,17 +183,18 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
     if let Some(profile) = &info.icc_profile {
         let is_gray = matches!(info.color_type, ColorType::Grayscale | ColorType::GrayscaleAlpha);
         let (transfers, weights) = of_profile(profile, is_gray)?;
-        return Ok((transfers, weights, Origin::Chunk("iCCP")));
+        return Ok((transfers, weights, Origin::Chunk("iCCP chunk")));
     }
     if info.srgb.is_some() {
-        return Ok((Transfer::Srgb.into(), srgb, Origin::Chunk("sRGB")));
+        return Ok((Transfer::Srgb.into(), srgb, Origin::Chunk("sRGB chunk")));
     }
     let primaries = info.chrm_chunk.map(of_primaries).transpose()?;
     // What is sRGB's but for rounding is sRGB's.
     let own = primaries.filter(|own| !Picture::are_alike(*own, srgb));
     let weights = own.unwrap_or(srgb);
     let Some(gamma) = info.gama_chunk else {
-        let origin = if primaries.is_some() { Origin::Chunk("cHRM (with sRGB's curve)") } else { Origin::Assumed };
+        let origin =
+            if primaries.is_some() { Origin::Chunk("cHRM chunk (with sRGB's curve)") } else { Origin::Assumed };
         return Ok((Transfer::Srgb.into(), weights, origin));
     };
     let transfer = match gamma.into_scaled() {
@@ -201,7 +202,7 @@ fn declared(info: &Info<'_>) -> Result<(Transfers, [f64; 3], Origin), String> {
         scaled => Transfer::gamma(100_000.0 / f64::from(scaled))
             .map_err(|error| format!("has a gAMA chunk of {scaled}: {error}"))?,
     };
-    let origin = Origin::Chunk(if own.is_some() { "gAMA (with its cHRM)" } else { "gAMA" });
+    let origin = Origin::Chunk(if own.is_some() { "gAMA and cHRM chunks" } else { "gAMA chunk" });
     Ok((transfer.into(), weights, origin))
 }
 
