@@ -241,20 +241,54 @@ fn a_wrong_level_target_or_mark_is_named() {
 fn sides_places_and_catch_trials_are_balanced() {
     for (name, body) in tasks() {
         let protocol = protocol(&body);
-        let schedule = Schedule::new(&protocol, &identity(), SEED).unwrap();
+        if protocol.task.catches().is_some() {
+            continue;
+        }
         let places = protocol.task.places();
-        for condition in 0..=schedule.trials.iter().map(|trial| trial.condition).max().unwrap() {
-            let main =
-                schedule.trials.iter().filter(|trial| trial.phase.name() == "main" && trial.condition == condition);
-            let seen: Vec<u32> = main.map(|trial| trial.place).collect();
+        for seen in dealt(&protocol) {
             let whole = &seen[..seen.len() / places.len() * places.len()];
-            for place in places.iter().collect::<BTreeSet<_>>() {
-                let share =
-                    |all: &[u32]| all.iter().filter(|one| *one == place).count() as f64 / all.len().max(1) as f64;
-                assert!(whole.is_empty() || (share(whole) - share(&places)).abs() < 1e-12, "{name}");
+            for place in &places {
+                let count = whole.iter().filter(|one| *one == place).count();
+                assert_eq!(count, whole.len() / places.len(), "{name}");
             }
         }
     }
+    for (catch, trials, expected) in
+        [(0.25, 1, 0), (0.25, 2, 1), (0.05, 3, 1), (0.95, 2, 1), (0.25, 27, 7), (0.13, 100, 13), (0.5, 40, 20)]
+    {
+        let body = format!("{ORIENTATIONS}repetitions = {trials}\n{YES_NO}catch = {catch}\n");
+        for seen in dealt(&protocol(&body)) {
+            let catches = |trials: usize| seen[..trials].iter().filter(|place| **place == 0).count();
+            assert_eq!(catches(trials), expected, "{catch} of {trials}");
+            for done in (0..trials).step_by(10) {
+                let share = expected as f64 / trials as f64 * done as f64;
+                assert!((catches(done) as f64 - share).abs() <= 0.5, "{catch} of {trials} after {done}");
+            }
+        }
+    }
+}
+
+/// Returns the places of the main trials of each condition, in their order.
+fn dealt(protocol: &Protocol) -> Vec<Vec<u32>> {
+    let trials = Schedule::new(protocol, &identity(), SEED).unwrap().trials;
+    let of = |condition: usize| {
+        let main = trials.iter().filter(move |trial| trial.phase.name() == "main" && trial.condition == condition);
+        main.map(|trial| trial.place).collect()
+    };
+    (0..=trials.iter().map(|trial| trial.condition).max().unwrap()).map(of).collect()
+}
+
+/// A simulated observer sets what crosses their criterion, on whichever side of the start it lies.
+#[test]
+fn simulated_settings_are_not_the_ends_of_the_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let body =
+        "[design]\nrepetitions = 8\n[task]\nkind = \"adjust\"\nparameter = \"nulling\"\nlow = -0.1\nhigh = 0.3\n";
+    fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--results", "."]);
+    let rows = records(&csv(folder.path()));
+    let set: Vec<f64> = rows.iter().map(|row| number(row, "response")).collect();
+    assert!(set.len() == 8 && set.iter().all(|value| (-0.09..0.29).contains(value)), "{set:?}");
 }
 
 /// The levels of a 1-up-2-down staircase on a linear scale, worked out by hand.
