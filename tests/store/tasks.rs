@@ -391,6 +391,8 @@ YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
 DEPTHS[task]\nkind = "pair"\ntrials = 9\n => 12:1 => trials applies to adaptive pairs only
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
+DEPTHSmax_run = 2\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own; expected no max_run
+DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
@@ -412,7 +414,7 @@ YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse
 QUESTfunction = "cubic"\n => 13:1 => function
 QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
 QUESTstop_width = 30\n => 13:1 => stop_width 30 is reached before the first trial
-CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s is that of intervals
+CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s applies to intervals only
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
@@ -421,6 +423,8 @@ CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 3, 4
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => depth has whole numbers only
 CHOICESTAIRSparameter = "vertices"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => vertices is not known
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = inf\n => 15:1 => adaptive.high is inf; expected a finite number
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\nsteps = [0.2, 20]\n => 15:15 => step 20 goes from one end to the other; expected less than 1.602
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\ntrials = 60\nreversals = 40\n => 16:1 => 40 reversals cannot occur in 60 trials; expected at most 39
 CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 14:1 => high 0.75 is below low, which is 0.9
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
@@ -431,11 +435,20 @@ ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expect
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [0] }\n => 13:31 => high 0.75 is below low, which is 0.9
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:51 => the threshold cannot change with the second parameter
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:69 => 0 appears twice
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
+QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
+[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
+QUESTthreshold = [0.1]\nslope = [3]\nlapse = [0.02]\n => 13:1 => nothing is left to learn
+QUESTslope = [2, 3, 2]\n => 13:16 => 2 appears twice
+QUESTslope = []\n => 13:1 => the list is empty
+QUESTlapse = []\n => 13:1 => the list is empty
 QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
 QUESTlapse = [0.49]\n => 
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
 [presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to intervals
+[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to adjustment
 [response]\nquestion = " "\n => 7:1 => the question is empty
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
