@@ -234,6 +234,9 @@ fn a_wrong_level_target_or_mark_is_named() {
             error.position.is_some_and(|at| at.0 == line) && error.message.contains(&format!(" {column} "))
         });
         assert!(is_told, "{column}: {errors:?}");
+        let contradicts =
+            errors.iter().any(|error| error.message.ends_with("which contradicts its response; expected \"1\""));
+        assert_eq!(contradicts, column == "correct", "{errors:?}");
     }
 }
 
@@ -510,7 +513,10 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         assert!(told.contains(&format!(", {} rows, ", rows.sum::<usize>())), "{name}: {told}");
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
-        assert!(printed.contains("Simulated: a program answered"), "{name}: {printed}");
+        assert!(
+            printed.contains("These data are simulated: a program gave the answers in 3 sessions."),
+            "{name}: {printed}"
+        );
         let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
         assert!(report.contains("Repeat this analysis") && report.contains("<svg"), "{name}");
         if name == "two" {
@@ -521,9 +527,10 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
         assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
         let refused = fails(folder.path(), &["counts", "results/tasks", "--out", "counts.csv"], 1);
-        assert!(refused.contains("which are not ratings"), "{name}: {refused}");
+        let answers = if name == "slider" { "answers on a slider" } else { "answers to the task" };
+        assert!(refused.contains(&format!("has {answers}")), "{name}: {refused}");
         let refused = fails(folder.path(), &["analyze", "results/tasks", "--out", "x", "--terms", "depth"], 2);
-        assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
+        assert!(refused.contains(&format!("does not apply to {answers}")), "{name}: {refused}");
     }
 }
 

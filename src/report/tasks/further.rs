@@ -248,7 +248,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         .text("Participant", |((person, _), _)| *person)
         .number("Circular triads", |((_, triads), _)| whole(triads.circular.into()))
         .number("Decided triads", |((_, triads), _)| whole(triads.all.into()))
-        .number("Span of the own scale (JND)", |(_, own)| fixed(span(own), 2))
+        .number("Span of the participant’s own scale (JND)", |(_, own)| fixed(span(own), 2))
         .add_to(&mut section);
     section.note(
         "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \
