@@ -467,4 +467,4 @@ def test_answers_at_levels():
     with pytest.warns(machband.DataWarning, match="row 60 .counted from 0.: right is .91."):
         found = machband.analyze(wrong, on_error="drop", **given)
     assert found.files == expected.files and len(found.errors) == len(expected.warnings) == 1
-    assert "Simulated: a program answered" in machband.analyze({**table, "simulated": [1] * 13}, **given).report
+    assert "These data are simulated: a program gave the answers" in machband.analyze({**table, "simulated": [1] * 13}, **given).report

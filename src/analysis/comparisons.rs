@@ -1,10 +1,11 @@
 //! Scales from paired comparisons: Thurstone's Case V and the model of Bradley and Terry.
 
+use nalgebra::Cholesky;
 use rand_chacha::{ChaCha8Rng, rand_core::Rng as _};
 use serde::Serialize;
 
 pub use crate::experiment::task::{Scaling, Wins};
-use crate::statistics::{Interval, mean_and_sd, t_quantile};
+use crate::statistics::{Interval, Z_95, mean_and_sd, t_quantile};
 
 /// The scale values of items.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,6 +16,8 @@ pub struct Scale {
     /// The items that were compared with each other, directly or through others. Values of different groups cannot be
     /// compared.
     pub groups: Vec<Vec<usize>>,
+    /// The standard errors of the values, in the same unit, if one person had made all comparisons.
+    pub errors: Vec<f64>,
     /// The logarithm of the likelihood.
     pub log_likelihood: f64,
     /// Whether the values of a group are limited by a weak prior, because some items were always or never chosen over all
@@ -54,22 +57,29 @@ impl Scaling {
     /// Returns `None` if nothing was compared.
     pub fn fit(self, wins: &Wins) -> Option<Scale> {
         let (groups, mut values) = (groups(wins), vec![f64::NAN; wins.nrows()]);
+        let mut errors = values.clone();
         let (mut log_likelihood, mut is_limited) = (0.0, false);
         for group in &groups {
             let own = wins.select_rows(group).select_columns(group);
             let is_connected = is_connected(&own);
             let precision = if is_connected { 0.0 } else { (WEAK_SD * self.jnd()).powi(-2) };
             let mode = self.mode(&own, precision)?;
-            let mean = mode.values.mean();
-            group.iter().zip(&mode.values).for_each(|(item, value)| values[*item] = (value - mean) / self.jnd());
+            let (mean, count) = (mode.values.mean(), group.len() as f64);
+            // The ones stand for the sum of the values, which is known.
+            let covariance = Cholesky::new(mode.information.add_scalar(1.0))?.inverse().add_scalar(-count.powi(-2));
+            for (i, item) in group.iter().enumerate() {
+                values[*item] = (mode.values[i] - mean) / self.jnd();
+                errors[*item] = covariance[(i, i)].max(0.0).sqrt() / self.jnd();
+            }
             log_likelihood += mode.log_likelihood;
             is_limited |= !is_connected;
         }
-        (!groups.is_empty()).then_some(Scale { values, groups, log_likelihood, is_limited })
+        (!groups.is_empty()).then_some(Scale { values, groups, errors, log_likelihood, is_limited })
     }
 
     /// Returns the 95 % interval of each scale value, for people like these: the standard error is that of `draws` studies
-    /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution.
+    /// whose people are drawn from these with replacement (Efron 1979), and the quantile is that of the t distribution. No
+    /// interval is narrower than if all comparisons were one person's: a few people may agree by chance.
     /// `None` for fewer than two people; with fewer than five, also if many such studies compare other groups or, unlike
     /// these people's, are limited by the prior: the rest would be too much alike.
     pub fn intervals(self, people: &[Wins], draws: usize, rng: &mut ChaCha8Rng) -> Option<Vec<Interval>> {
@@ -91,8 +101,10 @@ impl Scaling {
         }
         let n = people.len() as f64;
         let reach = t_quantile(n - 1.0) * (n / (n - 1.0)).sqrt();
-        let interval = |(value, drawn): (&f64, &Vec<f64>)| Interval::around(*value, Some(mean_and_sd(drawn).1), reach);
-        all.values.iter().zip(&drawn).map(interval).collect()
+        let interval = |((value, drawn), error): ((&f64, &Vec<f64>), &f64)| {
+            Interval::around(*value, Some((reach * mean_and_sd(drawn).1).max(Z_95 * error)), 1.0)
+        };
+        all.values.iter().zip(&drawn).zip(&all.errors).map(interval).collect()
     }
 }
 

@@ -14,7 +14,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Adaptive, Given, Layout, Method, Settings, Turn, at_level},
+    task::{Adaptive, Given, Layout, Method, Second, Settings, Turn, at_level},
 };
 use crate::{
     stimulus::{ParameterValue, Stimulus},
@@ -327,9 +327,17 @@ impl Definition {
         let adapted = self.adaptive.iter().flat_map(|adaptive| adaptive.parameters()).collect();
         let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
         self.task.check(&given, errors);
-        if self.presentation.is_some() && matches!(self.task.layout(), Layout::Intervals { .. }) {
-            let message =
-                "[presentation] does not apply to intervals; expected task.duration_s, which says how long each lasts";
+        let is_changed = self.task.dial().is_some_and(|dial| dial.parameter.is_some());
+        let message = match self.task.layout() {
+            Layout::Intervals { .. } => {
+                "[presentation] does not apply to intervals; expected task.duration_s, which says how long each lasts"
+            }
+            _ if is_changed => {
+                "[presentation] does not apply to adjustment; expected none: the stimulus stays until it is set"
+            }
+            _ => "",
+        };
+        if self.presentation.is_some() && !message.is_empty() {
             errors.add("presentation", message);
         }
         let Some(adaptive) = &self.adaptive else { return };
@@ -432,28 +440,36 @@ impl Definition {
         }
     }
 
-    /// Adds an error if the parameter that is adjusted or adapted changes nothing in what these conditions show.
+    /// Adds an error for each parameter that is adjusted or adapted and changes nothing in what these conditions show.
     fn check_effect(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
-        let adapted = |it: &Adaptive| ("adaptive.parameter", it.common.parameter.clone(), it.range());
-        let adjusted = self.task.dial().and_then(|dial| Some(("task.parameter", dial.parameter?, dial.range)));
-        let Some((path, name, [low, high])) = self.adaptive.as_ref().map(adapted).or(adjusted) else { return };
         // A direction can come back to where it began.
-        let [low, middle, high] =
-            [low, f64::midpoint(low, high), high].map(|level| Settings([(name.clone(), level.into())].into()));
-        let differs = |side, shown: &Stimulus| [&middle, &high].iter().any(|to| low.differs(to, shown, side));
+        let between = |[low, high]: [f64; 2]| vec![low, f64::midpoint(low, high), high];
+        let adjusted = self.task.dial().and_then(|dial| Some(("task.parameter", dial.parameter?, between(dial.range))));
+        let adapted = |it: &Adaptive| ("adaptive.parameter", it.common.parameter.clone(), between(it.range()));
+        let second = |it: &Second| ("adaptive.second.parameter", it.parameter.clone(), it.levels.clone());
+        let second = self.adaptive.as_ref().and_then(Adaptive::second).map(second);
         let reference = self.task.reference().cloned().unwrap_or_default();
-        let targets = conditions.iter().flat_map(|one| targets(one, &self.picks()));
-        let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
-        if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(side, &shown))) {
-            errors.add(path, format!("{name} {NO_EFFECT}"));
+        let picks = self.picks();
+        for (path, name, levels) in adjusted.into_iter().chain(self.adaptive.as_ref().map(adapted)).chain(second) {
+            let levels: Vec<Settings> =
+                levels.into_iter().map(|level| Settings([(name.clone(), level.into())].into())).collect();
+            let differs = |side, shown: &Stimulus| levels[1..].iter().any(|to| levels[0].differs(to, shown, side));
+            let targets = conditions.iter().flat_map(|one| targets(one, &picks));
+            let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
+            if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(side, &shown))) {
+                errors.add(path, format!("{name} {NO_EFFECT}"));
+            }
         }
     }
 
     /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.
     fn pairs(&self, conditions: &[Condition], errors: &mut DefinitionErrors) -> Option<Arc<[[usize; 2]]>> {
         let pairs = self.task.pairs(conditions, &self.factors)?;
-        if self.design.order != Order::Random || self.design.max_run.is_some() {
-            errors.add("design.order", "pairs have no levels of their own; expected order = \"random\" and no max_run");
+        if self.design.order != Order::Random {
+            errors.add("design.order", "pairs have no levels of their own; expected order = \"random\"");
+        }
+        if self.design.max_run.is_some() {
+            errors.add("design.max_run", "pairs have no levels of their own; expected no max_run");
         }
         if pairs.is_empty() {
             let message =

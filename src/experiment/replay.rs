@@ -109,7 +109,7 @@ impl<'a> Replay<'a> {
         let level = row.answer.as_ref().and_then(|answer| answer.level);
         let possible = self.course.possible(index, level);
         let Some(shown) = possible.iter().find(|shown| self.shows(row, index, (shown, &given))).cloned() else {
-            return Err(self.unplanned(row, &self.difference(row, index, &given, &[&[shown][..], &possible].concat())));
+            return Err(self.difference(row, index, &given, &[&[shown][..], &possible].concat()));
         };
         if !self.has_gaps {
             return Err(gap.unwrap_or_else(|| {
@@ -138,15 +138,22 @@ impl<'a> Replay<'a> {
         row.clone().of_trial(&context, index, row.attempt, trial)
     }
 
-    /// Names the cells in which a row differs from what is most like it of what its trial could show.
+    /// Says in which cells a row differs from what is most like it of what its trial could show.
     fn difference(&self, row: &TrialRecord, index: usize, given: &Answer, possible: &[Presentation]) -> String {
         let (cells, columns) = (row.cells(), columns(self.course.protocol()));
-        let differing = |shown: &Presentation| -> Vec<String> {
+        let differing = |shown: &Presentation| -> Vec<_> {
             let planned = self.planned(row, index, (shown, given)).cells();
-            let cells = columns.iter().zip(cells.iter().zip(&planned)).filter(|(_, (cell, planned))| cell != planned);
-            cells.map(|(column, (cell, planned))| format!("{} {planned:?} instead of {cell:?}", column.name)).collect()
+            let all = columns.iter().zip(cells.iter().zip(planned));
+            all.filter(|(_, (cell, planned))| *cell != planned)
+                .map(|(column, (cell, is))| (&*column.name, cell, is))
+                .collect()
         };
-        possible.iter().map(differing).min_by_key(Vec::len).unwrap_or_default().join(", ")
+        let found = possible.iter().map(differing).min_by_key(Vec::len).unwrap_or_default();
+        if let [("correct", cell, is)] = &found[..] {
+            return format!("row {} has correct {cell:?}, which contradicts its response; expected {is:?}", row.row_id);
+        }
+        let all = found.iter().map(|(name, cell, is)| format!("{name} {is:?} instead of {cell:?}"));
+        self.unplanned(row, &all.collect::<Vec<_>>().join(", "))
     }
 
     fn expected(&self, index: usize) -> String {

@@ -13,6 +13,7 @@ use super::{
     definition::Order,
     identity::{Identity, fnv1a},
     protocol::Protocol,
+    task::Task,
 };
 use crate::statistics::shuffle;
 use crate::text::names::named;
@@ -128,7 +129,7 @@ impl Schedule {
         let mut rng = generator(seed, identity);
         let mut trials = practice(protocol, &mut rng);
         trials.extend(main(protocol, &conditions, identity, &mut rng)?);
-        draw_places(&mut trials, &protocol.task.places(), &mut rng);
+        draw_places(&mut trials, &protocol.task, &mut rng);
         Ok(Self { conditions, trials, seed, stream: stream(identity) })
     }
 
@@ -138,17 +139,21 @@ impl Schedule {
     }
 }
 
-/// Draws the place and the number of each trial. Within a condition and a phase, every round of `places` is complete
-/// before the next begins. A task with a single place draws nothing.
-fn draw_places(trials: &mut [Trial], places: &[u32], rng: &mut ChaCha8Rng) {
-    if places.len() < 2 {
+/// Draws the place and the number of each trial. Within a condition, and within the practice, every round of places is
+/// complete before the next begins. A task with a single place draws nothing.
+fn draw_places(trials: &mut [Trial], task: &Task, rng: &mut ChaCha8Rng) {
+    if task.places().len() < 2 {
         return;
     }
-    let mut rounds: HashMap<(Phase, usize), Vec<u32>> = HashMap::new();
+    let owner = |trial: &Trial| (trial.phase == Phase::Main).then_some(trial.condition);
+    // The number of trials, the number of those that have a place, and the places that are left of a round.
+    let mut rounds: HashMap<Option<usize>, (usize, usize, Vec<u32>)> = HashMap::new();
+    trials.iter().for_each(|trial| rounds.entry(owner(trial)).or_default().0 += 1);
     for trial in trials {
-        let left = rounds.entry((trial.phase, trial.condition)).or_default();
+        let (all, done, left) = rounds.entry(owner(trial)).or_default();
         if left.is_empty() {
-            left.extend(places);
+            *left = task.round(*done, *all);
+            *done += left.len();
             shuffle(left, rng);
         }
         (trial.place, trial.draw) = (left.pop().unwrap_or_default(), (rng.next_u64() >> 32) as u32);

@@ -19,7 +19,7 @@ use crate::{
     experiment::task::{Common, Curve, Easier},
     report::{
         Study, StudyError,
-        tasks::{Levels, TaskStudy},
+        tasks::{self, Levels, TaskStudy},
     },
     store::{
         Columns, FileError, StoreError,
@@ -168,7 +168,7 @@ impl Analyze {
             return Ok(Some(self.answers(path, |columns| answers::read(path, columns))?));
         }
         let Some((_, task)) = TaskStudy::task_at(paths)? else { return Ok(None) };
-        let message = format!("does not apply to the task {}; expected only --exclude and --seed", task.name());
+        let message = format!("does not apply to {}; expected only --exclude and --seed", tasks::answers(&task));
         allow_only(self, &OF_TASKS, &message)?;
         let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
         Ok(Some(TaskStudy::read(paths, &exclude)?))
@@ -221,6 +221,10 @@ impl Analyze {
         if given.log && range[0] <= 0.0 {
             let message = format!("a level is {}; expected levels above 0 for a logarithmic scale", range[0]);
             return Err(RequestError::new("log", message).into());
+        }
+        if given.function == Some(Curve::Weibull) && !given.log {
+            let message = "weibull: uses logarithms of the level; expected logistic or normal";
+            return Err(RequestError::value("function", message).unless("log").into());
         }
         let model = psychometric::Model {
             curve: given.function.unwrap_or(Curve::Normal),

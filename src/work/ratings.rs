@@ -10,7 +10,10 @@ use crate::{
         counts::{ExclusionError, Exclusions},
         numbers_of,
     },
-    report::{Study, StudyError, tasks::TaskStudy},
+    report::{
+        Study, StudyError,
+        tasks::{self, TaskStudy},
+    },
     store::{
         FileErrors,
         ratings::ReadOptions,
@@ -174,10 +177,9 @@ impl Ratings {
     /// No file can be read, or an exclusion is not possible.
     pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
         if let Some((path, task)) = TaskStudy::task_at(&self.paths)? {
-            let message = format!(
-                "has answers to the task {}, which are not ratings; expected ratings (machband analyze reads every task)",
-                task.name()
-            );
+            let answers = tasks::answers(&task);
+            let message =
+                format!("has {answers}; expected ratings on a scale of categories (machband analyze reads every task)");
             return Err(FileErrors::whole(&path, message).into());
         }
         Study::read(&self.paths, &self.options(also, details, large))

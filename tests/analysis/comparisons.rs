@@ -117,6 +117,10 @@ fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
         println!("{people} people: {share:.3}");
         assert!((0.93..=0.985).contains(&share), "{people} people: {share}");
     }
+    // Three people who agree say no more than their comparisons do.
+    let wins = Wins::from_row_slice(3, 3, &[0.0, 6.0, 8.0, 4.0, 0.0, 6.0, 2.0, 4.0, 0.0]);
+    let same = Scaling::Thurstone.intervals(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
+    assert!(same.iter().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
 }
 
 #[test]

@@ -657,7 +657,7 @@ fn answers_are_of_the_participants_in_the_usual_column() {
     assert_eq!(warnings, format!("warning: answers.csv: {expected}\n"));
     // Who gave no answers has no part in the mean.
     let [printed, _] = answers(folder.path(), &format!("{rows}p9,c,0,0,0\n"), "--guess 0.5 --subject who");
-    assert!(printed.contains("interval") && printed.contains("over 3 participants."), "{printed}");
+    assert!(printed.contains("interval") && printed.contains("across 3 participants."), "{printed}");
 }
 
 /// Functions that fall where they should rise have no threshold anywhere, and no part in a mean.
@@ -738,6 +738,9 @@ fn a_flat_function_has_no_threshold_on_any_side() {
     let rows = "level,right,n\n1,10,20\n2,10,20\n4,10,20\n8,10,20\n";
     let [printed, _] = answers(folder.path(), rows, "--guess free --log");
     assert!(printed.contains("is not determined by the answers") && !printed.contains("lies"), "{printed}");
+    // Equal answers near the highest that are possible say on which side it most probably lies.
+    let [printed, _] = answers(folder.path(), "level,right,n\n5,10,10\n6,10,10\n7,10,10\n", "--guess 0.5");
+    assert!(printed.contains("was not measured: the most probable one lies below the lowest level, 5."), "{printed}");
     // Nor do equal answers say which end of the levels is easier.
     let rows = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32].map(|level| format!("{level},30,30\n")).concat();
     let [printed, _] = answers(folder.path(), &format!("level,right,n\n{rows}"), "--guess 0.5 --log");
@@ -754,7 +757,7 @@ fn thresholds_have_the_digits_of_their_intervals() {
         let population = records(&folder.path().join("a/population.csv")).remove(0);
         let [mean, low, high]: [f64; 3] =
             ["threshold", "threshold_low", "threshold_high"].map(|name| number(&population, name));
-        let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" over").next().unwrap();
+        let told = printed.split("The mean threshold of level is ").nth(1).unwrap().split(" across").next().unwrap();
         let numbers: Vec<f64> = told
             .replace('−', "-")
             .replace("(95\u{a0}%", "")

@@ -66,6 +66,7 @@ fn tables_of_other_programs_are_read() {
         r#"1: => wrong.csv:3:5: right is "12"; expected no more correct answers than trials
            1: => wrong.csv:4:1: x is "high"; expected a level, which is a number
            1: --log => wrong.csv:3:5
+           2: --function weibull => --function weibull: uses logarithms of the level; expected logistic or normal, or the option --log
            2: --link probit => --link: does not apply to answers at levels"#,
     );
     // What is said of ratings is said of answers, too.

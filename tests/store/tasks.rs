@@ -234,6 +234,9 @@ fn a_wrong_level_target_or_mark_is_named() {
             error.position.is_some_and(|at| at.0 == line) && error.message.contains(&format!(" {column} "))
         });
         assert!(is_told, "{column}: {errors:?}");
+        let contradicts =
+            errors.iter().any(|error| error.message.ends_with("which contradicts its response; expected \"1\""));
+        assert_eq!(contradicts, column == "correct", "{errors:?}");
     }
 }
 
@@ -241,20 +244,54 @@ fn a_wrong_level_target_or_mark_is_named() {
 fn sides_places_and_catch_trials_are_balanced() {
     for (name, body) in tasks() {
         let protocol = protocol(&body);
-        let schedule = Schedule::new(&protocol, &identity(), SEED).unwrap();
+        if protocol.task.catches().is_some() {
+            continue;
+        }
         let places = protocol.task.places();
-        for condition in 0..=schedule.trials.iter().map(|trial| trial.condition).max().unwrap() {
-            let main =
-                schedule.trials.iter().filter(|trial| trial.phase.name() == "main" && trial.condition == condition);
-            let seen: Vec<u32> = main.map(|trial| trial.place).collect();
+        for seen in dealt(&protocol) {
             let whole = &seen[..seen.len() / places.len() * places.len()];
-            for place in places.iter().collect::<BTreeSet<_>>() {
-                let share =
-                    |all: &[u32]| all.iter().filter(|one| *one == place).count() as f64 / all.len().max(1) as f64;
-                assert!(whole.is_empty() || (share(whole) - share(&places)).abs() < 1e-12, "{name}");
+            for place in &places {
+                let count = whole.iter().filter(|one| *one == place).count();
+                assert_eq!(count, whole.len() / places.len(), "{name}");
             }
         }
     }
+    for (catch, trials, expected) in
+        [(0.25, 1, 0), (0.25, 2, 1), (0.05, 3, 1), (0.95, 2, 1), (0.25, 27, 7), (0.13, 100, 13), (0.5, 40, 20)]
+    {
+        let body = format!("{ORIENTATIONS}repetitions = {trials}\n{YES_NO}catch = {catch}\n");
+        for seen in dealt(&protocol(&body)) {
+            let catches = |trials: usize| seen[..trials].iter().filter(|place| **place == 0).count();
+            assert_eq!(catches(trials), expected, "{catch} of {trials}");
+            for done in (0..trials).step_by(10) {
+                let share = expected as f64 / trials as f64 * done as f64;
+                assert!((catches(done) as f64 - share).abs() <= 0.5, "{catch} of {trials} after {done}");
+            }
+        }
+    }
+}
+
+/// Returns the places of the main trials of each condition, in their order.
+fn dealt(protocol: &Protocol) -> Vec<Vec<u32>> {
+    let trials = Schedule::new(protocol, &identity(), SEED).unwrap().trials;
+    let of = |condition: usize| {
+        let main = trials.iter().filter(move |trial| trial.phase.name() == "main" && trial.condition == condition);
+        main.map(|trial| trial.place).collect()
+    };
+    (0..=trials.iter().map(|trial| trial.condition).max().unwrap()).map(of).collect()
+}
+
+/// A simulated observer sets what crosses their criterion, on whichever side of the start it lies.
+#[test]
+fn simulated_settings_are_not_the_ends_of_the_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let body =
+        "[design]\nrepetitions = 8\n[task]\nkind = \"adjust\"\nparameter = \"nulling\"\nlow = -0.1\nhigh = 0.3\n";
+    fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
+    succeeds(folder.path(), &["simulate", "tasks.toml", "--results", "."]);
+    let rows = records(&csv(folder.path()));
+    let set: Vec<f64> = rows.iter().map(|row| number(row, "response")).collect();
+    assert!(set.len() == 8 && set.iter().all(|value| (-0.09..0.29).contains(value)), "{set:?}");
 }
 
 /// The levels of a 1-up-2-down staircase on a linear scale, worked out by hand.
@@ -357,6 +394,8 @@ YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
 DEPTHS[task]\nkind = "pair"\ntrials = 9\n => 12:1 => trials applies to adaptive pairs only
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
+DEPTHSmax_run = 2\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own; expected no max_run
+DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
@@ -378,7 +417,7 @@ YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse
 QUESTfunction = "cubic"\n => 13:1 => function
 QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
 QUESTstop_width = 30\n => 13:1 => stop_width 30 is reached before the first trial
-CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s is that of intervals
+CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s applies to intervals only
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
@@ -387,6 +426,8 @@ CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 3, 4
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => depth has whole numbers only
 CHOICESTAIRSparameter = "vertices"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => vertices is not known
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = inf\n => 15:1 => adaptive.high is inf; expected a finite number
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\nsteps = [0.2, 20]\n => 15:15 => step 20 goes from one end to the other; expected less than 1.602
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\ntrials = 60\nreversals = 40\n => 16:1 => 40 reversals cannot occur in 60 trials; expected at most 39
 CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 14:1 => high 0.75 is below low, which is 0.9
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
@@ -397,11 +438,20 @@ ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expect
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [0] }\n => 13:31 => high 0.75 is below low, which is 0.9
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:51 => the threshold cannot change with the second parameter
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:69 => 0 appears twice
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
+QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
+[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
+QUESTthreshold = [0.1]\nslope = [3]\nlapse = [0.02]\n => 13:1 => nothing is left to learn
+QUESTslope = [2, 3, 2]\n => 13:16 => 2 appears twice
+QUESTslope = []\n => 13:1 => the list is empty
+QUESTlapse = []\n => 13:1 => the list is empty
 QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
 QUESTlapse = [0.49]\n => 
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
 [presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to intervals
+[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to adjustment
 [response]\nquestion = " "\n => 7:1 => the question is empty
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
@@ -463,7 +513,10 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         assert!(told.contains(&format!(", {} rows, ", rows.sum::<usize>())), "{name}: {told}");
         let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
         assert!(printed.starts_with("3 participants gave "), "{name}: {printed}");
-        assert!(printed.contains("Simulated: a program answered"), "{name}: {printed}");
+        assert!(
+            printed.contains("These data are simulated: a program gave the answers in 3 sessions."),
+            "{name}: {printed}"
+        );
         let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
         assert!(report.contains("Repeat this analysis") && report.contains("<svg"), "{name}");
         if name == "two" {
@@ -474,9 +527,10 @@ fn every_task_is_analyzed_and_none_is_taken_for_ratings() {
         let without = ["analyze", "results/tasks", "--out", "without", "--exclude", "S002", "--tables-only"];
         assert!(succeeds(folder.path(), &without).contains("Left out on request: S002."), "{name}");
         let refused = fails(folder.path(), &["counts", "results/tasks", "--out", "counts.csv"], 1);
-        assert!(refused.contains("which are not ratings"), "{name}: {refused}");
+        let answers = if name == "slider" { "answers on a slider" } else { "answers to the task" };
+        assert!(refused.contains(&format!("has {answers}")), "{name}: {refused}");
         let refused = fails(folder.path(), &["analyze", "results/tasks", "--out", "x", "--terms", "depth"], 2);
-        assert!(refused.contains("does not apply to the task"), "{name}: {refused}");
+        assert!(refused.contains(&format!("does not apply to {answers}")), "{name}: {refused}");
     }
 }
 

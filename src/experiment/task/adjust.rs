@@ -1,5 +1,7 @@
 //! Adjustment: participants change one parameter until a criterion holds.
 
+use std::iter::once;
+
 use super::{
     kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn, at_level},
     options::{OptionValue, options},
@@ -8,8 +10,8 @@ use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
 
 /// The share of the range, at either end, in which an adjustment begins.
 const START: f64 = 0.3;
-/// Number of values that a simulated observer tries.
-const TRIED: u32 = 400;
+/// Number of steps between the values that a simulated observer tries.
+const TRIED: u32 = 40;
 
 options! {
     /// Adjustment of a parameter, beginning equally often at low and at high values.
@@ -62,22 +64,34 @@ impl Kind for Adjust {
         Presentation { start: Some(start), ..Presentation::of(at_level(turn.target(), &self.parameter, start)) }
     }
 
-    /// The observer turns the dial away from its start until what they see crosses the criterion.
+    /// The observer turns the dial from its start toward the farther end, and then toward the other one, until what they
+    /// see crosses the criterion. If it never does, they set where it comes closest.
     fn answer(&self, shown: &Presentation, senses: Senses<'_>) -> Answer {
         let (dial, start) = (self.own_dial(), shown.start.unwrap_or_default());
         let Senses { noisy, mean, criterion } = senses;
         let seen = |value: f64| mean(&at_level(shown.stimuli[0].clone(), &self.parameter, value));
-        // The noise of one look moves the criterion of this trial.
-        let criterion = criterion + noisy(&shown.stimuli[0]) - mean(&shown.stimuli[0]);
-        let upward = start < dial.at(0.5);
-        let values = (0..=TRIED).map(|i| {
-            let share = f64::from(i) / f64::from(TRIED);
-            dial.at(if upward { share } else { 1.0 - share })
-        });
-        let mut ahead = values.filter(|value| if upward { *value >= start } else { *value <= start });
-        let above = seen(start) > criterion;
-        let end = dial.at(if upward { 1.0 } else { 0.0 });
-        Answer::Value(ahead.find(|value| (seen(*value) > criterion) != above).unwrap_or(end))
+        // The noise of one look moves the criterion of this trial; less than nothing cannot be seen.
+        let criterion = (criterion + noisy(&shown.stimuli[0]) - mean(&shown.stimuli[0])).max(0.0);
+        let start = (dial.share(start), seen(start) - criterion);
+        // The same values in every trial, so that an observer may remember what it saw.
+        let tried: Vec<(f64, f64)> = (0..=TRIED)
+            .map(|i| f64::from(i) / f64::from(TRIED))
+            .map(|share| (share, seen(dial.at(share)) - criterion))
+            .collect();
+        let crossing = |way: Vec<(f64, f64)>| {
+            let is_across = |pair: &&[(f64, f64)]| (pair[0].1 > 0.0) != (pair[1].1 > 0.0);
+            let between = |pair: &[(f64, f64)]| {
+                let [(from, over), (to, under)] = [pair[0], pair[1]];
+                from + (to - from) * over / (over - under)
+            };
+            way.windows(2).find(is_across).map(between)
+        };
+        let up = || crossing(once(start).chain(tried.iter().copied().filter(|next| next.0 > start.0)).collect());
+        let down =
+            || crossing(once(start).chain(tried.iter().rev().copied().filter(|next| next.0 < start.0)).collect());
+        let found = if start.0 < 0.5 { up().or_else(down) } else { down().or_else(up) };
+        let nearest = |best: (f64, f64), next: &(f64, f64)| if next.1.abs() < best.1.abs() { *next } else { best };
+        Answer::Value(dial.at(found.unwrap_or_else(|| tried.iter().fold(start, nearest).0)))
     }
 
     fn measures(&self) -> Measures {

@@ -66,7 +66,7 @@ impl Kind for Choice {
         {
             if self.shown == Shown::Places && own != usual {
                 let message =
-                    format!("{key} is that of intervals; expected none, or [presentation] with its duration_s");
+                    format!("{key} applies to intervals only; expected none, or [presentation] with its duration_s");
                 errors.add(format!("task.{key}"), message);
             }
         }

@@ -11,7 +11,7 @@ use crate::{
         scale::ResponseScale,
     },
     stimulus::{Stimulus, picture::Picture},
-    text::names::named,
+    text::names::{expected_one_of, named},
 };
 
 named! {
@@ -116,7 +116,10 @@ impl Kind for Pair {
         let are_known = !(given.is_listed() && given.factors.is_empty());
         if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() && are_known {
             let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();
-            let message = format!("along does not name a factor; expected one of {}", names.join(", "));
+            let message = match &self.along {
+                Some(along) => format!("along {along:?} is not a factor; {}", expected_one_of(along, &names)),
+                None => format!("along is missing; expected one of {}", names.join(", ")),
+            };
             errors.add("task.along", message);
         }
         errors.check_range("task.trials", self.trials.unwrap_or(1).into(), 1.0, 10_000.0, "the number of comparisons");

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use super::{
     common::Common,
@@ -26,12 +26,13 @@ options! {
     QuestPlus {
         levels: Vec<f64> = Vec::new(), "Levels", OptionValue::Numbers(""), "The levels to choose from.";
         function: Curve = Curve::Weibull, "Function", OptionValue::OneOf(Curve::NAMES), "The shape of the psychometric function.";
-        #[serde(skip_serializing_if = "Vec::is_empty")]
+        #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "filled")]
         threshold: Vec<f64> = Vec::new(), "Thresholds", OptionValue::Numbers("the levels"), "Possible thresholds, as levels; by default the levels.";
-        #[serde(skip_serializing_if = "Vec::is_empty")]
+        #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "filled")]
         slope: Vec<f64> = Vec::new(), "Slopes", OptionValue::Numbers("seven, from shallow to steep"), "Possible slopes; by default seven from shallow to steep.";
-        #[serde(skip_serializing_if = "Vec::is_empty")]
+        #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "filled")]
         guess: Vec<f64> = Vec::new(), "Guess rates", OptionValue::Numbers("that of the task"), "Possible guess rates; by default that of the task.";
+        #[serde(deserialize_with = "filled")]
         lapse: Vec<f64> = vec![0.0, 0.02, 0.04, 0.06], "Lapse rates", OptionValue::Numbers(""), "Possible lapse rates.";
         #[serde(skip_serializing_if = "Option::is_none")]
         stop_width: Option<f64> = None, "Stops at a width of", OptionValue::Optional("never"), "It stops when the 95 % interval of the threshold is this narrow, on the scale of the levels.";
@@ -57,6 +58,12 @@ pub struct Second {
     pub gradient: Vec<f64>,
 }
 
+/// Reads a list that has a default if it is missing; an empty one says nothing.
+fn filled<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let list = Vec::deserialize(deserializer)?;
+    if list.is_empty() { Err(D::Error::custom("the list is empty; expected at least one value")) } else { Ok(list) }
+}
+
 /// The default slopes of the Weibull function, per base-10 logarithm.
 const SLOPES: [f64; 7] = [1.0, 1.5, 2.2, 3.2, 4.6, 6.8, 10.0];
 /// The default guess rates of a task in which they depend on the participant.
@@ -73,14 +80,20 @@ impl QuestPlus {
             let message = "a Weibull function uses logarithms of the level; expected log = true, logistic or normal";
             errors.add("adaptive.function", message);
         }
+        let gradients = self.second.as_ref().map_or(&[][..], |second| &second.gradient);
         for (key, values, least, most) in [
-            ("guess", &self.guess, 0.0, 0.99),
+            ("guess", &self.guess[..], 0.0, 0.99),
             ("lapse", &self.lapse, 0.0, 0.5),
             ("slope", &self.slope, 1e-6, 1e6),
             ("threshold", &self.threshold, if common.log { 1e-12 } else { -1e12 }, 1e12),
+            ("second.gradient", gradients, -1e6, 1e6),
         ] {
             for (i, value) in values.iter().enumerate() {
-                errors.check_range(&format!("adaptive.{key}.{i}"), *value, least, most, "a number in this range");
+                let path = format!("adaptive.{key}.{i}");
+                errors.check_range(&path, *value, least, most, "a number in this range");
+                if values[..i].contains(value) {
+                    errors.add(path, format!("{value} appears twice; expected each value once"));
+                }
             }
         }
         if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
@@ -95,9 +108,6 @@ impl QuestPlus {
                 most(&self.lapse)
             );
             errors.add("adaptive.lapse", message);
-        }
-        if self.lapse.is_empty() {
-            errors.add("adaptive.lapse", "lapse is empty; expected at least one rate, such as [0.02]");
         }
         let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
         if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
@@ -123,6 +133,15 @@ impl QuestPlus {
             && (second.levels.len() < 2 || second.gradient.is_empty())
         {
             errors.add("adaptive.second", "second has too few values; expected at least two levels and one gradient");
+        } else if self.second.is_some() && gradients.iter().all(|gradient| *gradient == 0.0) {
+            let message =
+                "the threshold cannot change with the second parameter; expected other gradients than 0, or no second";
+            errors.add("adaptive.second.gradient", message);
+        }
+        if self.grid(common, guess).len() == 1 {
+            let message =
+                "every parameter has one possible value, so nothing is left to learn; expected several thresholds";
+            errors.add("adaptive.threshold", message);
         }
         let second = self.second.as_ref().map_or(1, |second| second.levels.len());
         let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);

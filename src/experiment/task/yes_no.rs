@@ -6,8 +6,9 @@ use super::{
 };
 use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
 
-/// Number of trials of a condition over which catch trials are balanced.
-const CYCLE: u32 = 20;
+/// Number of trials of a condition over which catch trials are balanced, so that an adaptive method that stops early has had
+/// about their share.
+const CYCLE: usize = 10;
 
 options! {
     /// Yes or no.
@@ -37,8 +38,17 @@ impl Kind for YesNo {
     }
 
     fn places(&self) -> Vec<u32> {
-        let catch = (self.catch * f64::from(CYCLE)).round() as u32;
-        (0..CYCLE).map(|place| u32::from(place >= catch)).collect()
+        vec![0, 1]
+    }
+
+    fn round(&self, done: usize, all: usize) -> Vec<u32> {
+        // If possible, there is at least one catch trial and one target.
+        let least = usize::from(all > 1);
+        let catches = ((self.catch * all as f64).round() as usize).clamp(least, all - least);
+        let catches_in = |trials: usize| (2 * catches * trials + all) / (2 * all);
+        let end = all.min(done + CYCLE);
+        let catch = catches_in(end) - catches_in(done);
+        (done..end).map(|trial| u32::from(trial - done >= catch)).collect()
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {

@@ -94,6 +94,14 @@ pub(crate) fn task(task: &Task) -> &'static str {
     }
 }
 
+/// Names the answers to a task other than a rating on a scale of categories.
+pub(crate) fn answers(task: &Task) -> String {
+    match task {
+        Task::Rating(_) => "answers on a slider".to_owned(),
+        _ => format!("answers to the task {}", task.name()),
+    }
+}
+
 impl From<&Protocol> for Asked {
     fn from(protocol: &Protocol) -> Self {
         let title = if protocol.title.trim().is_empty() { &protocol.name } else { &protocol.title };

@@ -68,7 +68,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             Some(_) => format!("in {}", simulated("session")),
             None => format!("for {}", simulated("participant")),
         };
-        section.warning(format!("Simulated: a program answered {place}. These answers are not from people."));
+        section.warning(format!("These data are simulated: a program gave the answers {place}."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
@@ -81,7 +81,7 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         let level = level(common, population.interval);
         let interval = with_interval(population.interval, &level);
         let who = count(population.people.len() as u64, "participant");
-        format!("The mean threshold of {name}{of} is {}{interval} over {who}.", level(population.mean))
+        format!("The mean threshold of {name}{of} is {}{interval} across {who}.", level(population.mean))
     };
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {
@@ -100,10 +100,14 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
-            let what = match (function.side(), function.threshold()) {
-                (Some(place), _) => format!("was not measured: it lies {}", end(common, place)),
-                (None, Some(threshold)) => format!("is {}{interval}", level(threshold)),
-                (None, None) => format!("is not determined by the answers{interval}"),
+            let says_nothing = fit.range.iter().all(|end| fit.threshold.contains(*end));
+            let what = match (function.side(), function.beyond, function.threshold()) {
+                (Some(place), ..) => format!("was not measured: it lies {}", end(common, place)),
+                (_, Some(place), _) if !says_nothing => {
+                    format!("was not measured: the most probable one lies {}", end(common, place))
+                }
+                (.., Some(threshold)) => format!("is {}{interval}", level(threshold)),
+                (.., None) => format!("is not determined by the answers{interval}"),
             };
             Some(format!("{who}: the threshold of {name}{of} {what}."))
         };

@@ -232,8 +232,9 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         fixed(thurstone.log_likelihood, 1),
         fixed(bradley_terry.log_likelihood, 1),
         if found.intervals.is_some() {
-            "Intervals are those of the mean of people like these: their standard error comes from 1,000 studies whose people are drawn with \
-             replacement, and their width from the t distribution."
+            "Intervals are those of the mean of a population like this sample: their standard error comes from 1,000 studies whose people are \
+             drawn with replacement, and their width from the t distribution. They are at least as wide as if one participant had made all \
+             comparisons."
         } else {
             "There are no intervals: they need at least two participants, and with fewer than five, each participant’s own comparisons must \
              determine a scale."
@@ -247,7 +248,7 @@ fn comparisons(study: &TaskStudy, found: &Comparisons, figures: &[Figure]) -> Se
         .text("Participant", |((person, _), _)| *person)
         .number("Circular triads", |((_, triads), _)| whole(triads.circular.into()))
         .number("Decided triads", |((_, triads), _)| whole(triads.all.into()))
-        .number("Span of the own scale (JND)", |(_, own)| fixed(span(own), 2))
+        .number("Span of the participant’s own scale (JND)", |(_, own)| fixed(span(own), 2))
         .add_to(&mut section);
     section.note(
         "A triad is circular if a is chosen over b, b over c, and c over a. By chance, one in four would be; adaptive pairs leave many triads \

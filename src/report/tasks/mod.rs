@@ -9,7 +9,7 @@ mod study;
 mod tables;
 
 pub use asked::{Asked, Levels};
-pub(crate) use asked::{method, task};
+pub(crate) use asked::{answers, method, task};
 pub use document::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, document, model_of_a_person};
 pub use figures::figures;
 pub use results::{Beyond, Comparisons, Detected, Misfit, OfPerson, PersonFunction, TaskResults};

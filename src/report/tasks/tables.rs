@@ -172,7 +172,8 @@ fn scale(study: &TaskStudy, found: &Comparisons) -> Table {
 
 fn settings(study: &TaskStudy, results: &TaskResults) -> Table {
     let log = study.asked.dial.as_ref().is_some_and(|dial| dial.log);
-    let direction = "Mean of those that began above minus that of those that began below.";
+    let direction =
+        "Mean of settings that began in the upper half of the range minus that of those that began in the lower half.";
     of_people(study, &results.settings)
         .column("n", "Number of settings.", |own| own.found.n)
         .column("mean", "Mean of the settings.", |own| own.found.mean)
