@@ -24,7 +24,7 @@ const PLACES = 1e-4, NORMALS = 1.75e-3;
 export function welded(positions, normals, index) {
   const count = positions.length / 3;
   if (normals.length !== positions.length) {
-    throw new RangeError(`${positions.length} numbers of positions, but ${normals.length} of normals; expected as many`);
+    throw new RangeError(`${positions.length} numbers of positions, but ${normals.length} of normals; expected the same number`);
   }
   const wrong = index?.find((i) => !(Number.isInteger(i) && i >= 0 && i < count));
   if (wrong !== undefined) throw new RangeError(`index ${wrong} is not that of a position; expected 0 to ${count - 1}`);

@@ -144,10 +144,14 @@ fn textures_may_be_jpeg_images() {
 /// A node may place, scale and mirror its mesh.
 #[test]
 fn nodes_of_a_glb_file_are_placed() {
-    let moved = glb(|json| {
-        json["nodes"] = json!([{ "children": [1], "translation": [0, 0, 5] }, { "mesh": 0, "scale": [-2, 1, 1] }]);
+    let nodes = json!([{ "children": [1], "translation": [0, 0, 5] }, { "mesh": 0, "scale": [-2, 1, 1] }]);
+    let mesh = parsed(&glb(|json| json["nodes"] = nodes.clone())).mesh;
+    // Without scenes, the roots are the nodes that are nobody's children.
+    let rootless = glb(|json| {
+        json["nodes"] = nodes;
+        json.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
     });
-    let mesh = parsed(&moved).mesh;
+    assert_eq!(parsed(&rootless).mesh, mesh);
     assert!(mesh.vertices.iter().all(|v| v.position.z == 5.0 && v.position.x.abs() == 2.0 && v.normal == DVec3::Z));
     for t in 0..2 {
         let [a, b, c] = mesh.corners(t);
@@ -179,7 +183,11 @@ fn errors_of_glb_files_say_what_is_expected() {
     let set = |path: &'static str, value: Value| glb(move |json| *json.pointer_mut(path).unwrap() = value);
     for (content, words) in [
         (set("/accessors/0/count", json!(40_000)), "its positions (accessor 0) reach beyond their buffer view"),
-        (set("/accessors/1/count", json!(3)), "it has 4 positions and 3 normals; expected as many"),
+        (set("/accessors/1/count", json!(3)), "it has 4 positions and 3 normals; expected the same number"),
+        (set("/accessors/4/count", json!(5)), "its triangles have 5 corners; expected a multiple of 3"),
+        (set("/asset/version", json!("3.0")), "is glTF 3.0; expected glTF 2.0"),
+        (set("/asset", json!({ "version": "2.1", "minVersion": "2.1" })), "is glTF 2.1; expected glTF 2.0"),
+        (glb(|_| {})[..700].to_vec(), "ends after 700 bytes; expected 1"),
         (set("/accessors/4/bufferView", json!(0)), "an index is"),
         (set("/bufferViews/0/byteLength", json!(1_000_000)), "buffer view 0 reaches beyond its buffer"),
         (set("/bufferViews/5/byteLength", json!(20)), "image 0 is not a PNG image"),
@@ -289,6 +297,9 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         let message = message(ascii.replace(from, to).as_bytes());
         assert!(message.contains(words) && message.contains("; expected"), "{words}: {message}");
     }
+    let binary = ply("binary_big_endian");
+    let ended = message(&binary[..binary.len() - 3]);
+    assert_eq!(ended, "it: ends within face 0 of 1; expected as many as its header says");
     // Numbers as C reads and writes them, between tabs and spaces.
     let as_written = ascii.replace("-1 -1 0", " -1.\t-.1e1  +.0").replace("4 0 1", "4\t0 1");
     assert_eq!(parsed(as_written.as_bytes()), parsed(ascii.as_bytes()));
@@ -412,13 +423,22 @@ fn glb_files_are_morphed_and_wrapped() {
         json["meshes"][0]["weights"] = json!([0.5, 0.0]);
         json["nodes"] = json!([{ "mesh": 0, "skin": 0 }, {}]);
         json["skins"] = json!([{ "joints": [1] }]);
+        json["animations"] = json!([{ "channels": [], "samplers": [] }]);
+        json["materials"][0]["alphaMode"] = json!("BLEND");
+        json["extensionsUsed"] = json!(["EXT_b", "EXT_a", "EXT_b"]);
         json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
         json["textures"][0]["sampler"] = json!(0);
     }));
     assert!(file.mesh.vertices.iter().all(|vertex| vertex.position.abs() == DVec3::new(1.5, 1.5, 0.0)));
     assert_eq!(
         file.notes,
-        ["skins were ignored", "textures are interpolated, although the file asks for the nearest texel"]
+        [
+            "animations were ignored",
+            "skins were ignored",
+            "textures are interpolated, although the file asks for the nearest texel",
+            "transparency was ignored",
+            "extensions were ignored: EXT_a, EXT_b"
+        ]
     );
     let base = file.mesh.paint.as_ref().unwrap().coats[0].base.clone().unwrap();
     assert_eq!(base.wrap, [Wrap::Clamp, Wrap::Mirror]);

@@ -2,8 +2,8 @@
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
 //! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates. Morph
-//! targets have their default weights. Skins, points, lines, other scenes and other extensions are ignored and named;
-//! animations, lamps, cameras and everything else about materials are ignored. Textures are interpolated.
+//! targets have their default weights. Animations, skins, points, lines, transparency, other scenes and other extensions
+//! are ignored and named; cameras and everything else about materials are ignored. Textures are interpolated.
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
@@ -18,6 +18,7 @@ use gltf::{
     accessor::{DataType, sparse},
     buffer, image,
     json::{self, validation::Checked},
+    material::AlphaMode,
     mesh::Mode,
     texture::{MagFilter, WrappingMode},
 };
@@ -59,9 +60,12 @@ const COMPRESSION: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compr
 
 fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, String> {
     // The header has 12 bytes, and its last four count them as well; the crate relies on that.
-    let length = content.get(8..12).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
-    if content.starts_with(b"glTF") && length.is_none_or(|length| length < 12) {
-        return Err("its header is damaged; expected a GLB file".to_owned());
+    if content.starts_with(b"glTF") {
+        let length = content.get(8..12).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
+        let length = length.filter(|length| *length >= 12).ok_or("its header is damaged; expected a GLB file")?;
+        if content.len() < length as usize {
+            return Err(format!("ends after {} bytes; expected {length}, as its header says", content.len()));
+        }
     }
     let not_gltf = |error: gltf::Error| match version(content) {
         Some(version) if !version.starts_with('2') => format!("is glTF {version}; expected glTF 2.0"),
@@ -69,6 +73,10 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     };
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     let mut json = document.into_json();
+    let newer = json.asset.min_version.as_deref().filter(|least| *least > "2.0");
+    if let Some(version) = newer.or(Some(&*json.asset.version).filter(|version| !version.starts_with('2'))) {
+        return Err(format!("is glTF {version}; expected glTF 2.0"));
+    }
     // A required extension says more than what is missing without it.
     let ignored = extensions(&mut json)?;
     check(&json)?;
@@ -143,7 +151,8 @@ fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
             KNOWN.join(", ")
         ));
     }
-    Ok(json.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())).cloned().collect())
+    let others: BTreeSet<_> = json.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())).collect();
+    Ok(others.into_iter().cloned().collect())
 }
 
 /// Maximum number of nodes, because finding one takes time that grows with their number.
@@ -223,7 +232,7 @@ impl Source<'_> {
     fn each<const N: usize>(&self, accessor: &Accessor<'_>, what: &str, count: usize) -> Result<Vec<[f64; N]>, String> {
         let numbers = self.numbers(accessor, what)?;
         let found = numbers.len();
-        let wrong = || format!("it has {count} positions and {found} {what}; expected as many");
+        let wrong = || format!("it has {count} positions and {found} {what}; expected the same number");
         (found == count).then_some(numbers).ok_or_else(wrong)
     }
 
@@ -325,12 +334,16 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn document(&mut self, document: &Document) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next());
-        if document.scenes().len() > 1 {
-            self.notes.insert("scenes other than the default one were ignored");
-        }
+        let others = (document.scenes().len() > 1).then_some("scenes other than the default one were ignored");
+        let moves = (document.animations().len() > 0).then_some("animations were ignored");
+        self.notes.extend(others.into_iter().chain(moves));
         let roots: Vec<_> = match scene {
             Some(scene) => scene.nodes().collect(),
-            None => document.nodes().collect(),
+            None => {
+                let children = document.as_json().nodes.iter().flat_map(|node| node.children.iter().flatten());
+                let children: HashSet<usize> = children.map(|child| child.value()).collect();
+                document.nodes().filter(|node| !children.contains(&node.index())).collect()
+            }
         };
         let mut waiting: Vec<_> = roots.into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
         let mut seen = vec![false; document.nodes().len()];
@@ -365,6 +378,9 @@ impl Reader<'_> {
         let (positions, normals) = self.morphed(primitive, weights)?;
         let count = positions.len();
         let corners = self.corners(primitive, count)?;
+        if mode == Mode::Triangles && corners.len() % 3 != 0 {
+            return Err(format!("its triangles have {} corners; expected a multiple of 3", corners.len()));
+        }
         let triangles = triangles(mode, &corners);
         self.triangles += triangles.len();
         if self.triangles > MAX_TRIANGLES {
@@ -497,6 +513,9 @@ impl Reader<'_> {
         let key = (material.index(), textures);
         if let Some(known) = self.coats.get(&key) {
             return Ok(*known);
+        }
+        if material.alpha_mode() != AlphaMode::Opaque {
+            self.notes.insert("transparency was ignored");
         }
         let texture = |pixels: &Pixels, given: &gltf::Texture<'_>, of: &dyn Fn([u8; 3]) -> [f32; 3]| {
             let texels = pixels.codes.iter().map(|code| of(*code)).collect();

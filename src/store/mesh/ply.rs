@@ -3,6 +3,8 @@
 //! The reader uses the positions, normals and colors of the vertices, and the faces or triangle strips. Colors are sRGB,
 //! as scanners write them. Other elements and properties are ignored.
 
+use std::io::ErrorKind;
+
 use glam::DVec3;
 use ply_rs_bw::{
     parser::{ParseError, Parser, Reader},
@@ -172,6 +174,13 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
         // Without properties, any number of elements needs no bytes.
         let count = if definition.properties.is_empty() { 0 } else { definition.count };
         for i in 0..count {
+            let ended = |error: ParseError| match error.kind() {
+                ErrorKind::UnexpectedEof => {
+                    let message = format!("ends within {name} {i} of {count}; expected as many as its header says");
+                    FileErrors::whole(file, message)
+                }
+                _ => at(None, error),
+            };
             let element = match header.encoding {
                 Encoding::Ascii => {
                     let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
@@ -183,11 +192,9 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
                     element
                 }
                 Encoding::BinaryLittleEndian => {
-                    parser.read_little_endian_element(&mut rest, definition).map_err(|error| at(None, error))?
+                    parser.read_little_endian_element(&mut rest, definition).map_err(ended)?
                 }
-                Encoding::BinaryBigEndian => {
-                    parser.read_big_endian_element(&mut rest, definition).map_err(|error| at(None, error))?
-                }
+                Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut rest, definition).map_err(ended)?,
             };
             let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
             match name.as_str() {
