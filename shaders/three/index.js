@@ -112,6 +112,7 @@ vec3 c1_normal() {
 // vertex shader get an approximation that does not depend on the view; those that can have neither, or whose materials use
 // no interpolated normals, stay as they are. The console names them. Returns { meshes, approximate, skipped, dispose }.
 export function applyC1(root, { gpu } = {}) {
+  if (!root?.isObject3D) throw new TypeError("applyC1: root is not an Object3D; expected one, such as gltf.scene");
   const meshes = [], approximate = [], skipped = [];
   root.traverse((mesh) => {
     if (!mesh.isMesh || applied.has(mesh)) return;

@@ -47,7 +47,7 @@ for (const x of [1e13, 3e38]) {
   expect(found > 5 * 8, `a vertex at ${x}: ${position.count} vertices become ${found}`);
 }
 const { position: places, normal: normals } = sphere(0).geometry.attributes;
-for (const [short, index, word] of [[3, undefined, "as many"], [0, [0, 1, 1e6], "index 1000000"], [0, [0, 1, -1], "index -1"]]) {
+for (const [short, index, word] of [[3, undefined, "the same number"], [0, [0, 1, 1e6], "index 1000000"], [0, [0, 1, -1], "index -1"]]) {
   let error;
   try {
     welded(places.array, normals.array.slice(short), index);
@@ -63,6 +63,13 @@ const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
 const outside = sphere(0, new THREE.MeshStandardMaterial());
 outside.geometry.index.setX(0, 1e4);
 others.push(outside);
+let refusal;
+try {
+  applyC1({ scene: smooth });
+} catch (thrown) {
+  refusal = thrown;
+}
+expect(refusal instanceof TypeError && refusal.message.endsWith("expected one, such as gltf.scene"), `a glTF: ${refusal}`);
 const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
 expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
 const reasons = skipped.map(({ reason }) => reason).join();
