@@ -182,7 +182,8 @@ def shade(
     diffuse
         Diffuse light at normal incidence, 0 to 1.
     specular
-        Specular light at the center of a highlight, 0 to 1.
+        Strength of the highlight, 0 to 1: what phong and blinn add at its center; torrance-sparrow and cook-torrance
+        may add more or less.
     highlight
         Highlight model.
     shininess

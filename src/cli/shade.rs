@@ -1,9 +1,12 @@
 //! `machband shade`
 
-use super::{Bar, OutPath, count, message, print_line, report_written};
+use clap::Args as _;
+
+use super::{Bar, OutPath, count, message, option, print_line, report_written};
 use crate::{
     light::Transfer,
-    shading::Shader,
+    report::document::numbers::{ratio, significant},
+    shading::{Shader, crease},
     store::{self, Writer},
     work::{
         RequestError,
@@ -46,7 +49,9 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     let shaded = request.shade(None, wanted, &bar);
     bar.clear();
     let shaded = shaded?;
-    shaded.notes.iter().for_each(|note| message("note", note));
+    let command = Arguments::augment_args(clap::Command::new("shade"));
+    let idle = shaded.idle.iter().map(|idle| idle.told(|field| option(&command, field)));
+    idle.chain(shaded.notes).for_each(|note| message("note", &note));
     if let (Some(path), Some(codes)) = (out, &shaded.picture) {
         store::image::write_shaded(writer, path, codes, &shaded.transfers, &shaded.description)?;
     }
@@ -63,11 +68,21 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 /// Prints the measurements that matter most.
 fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
     let relative = |over: Option<f64>| match over {
-        Some(over) => format!("{over:.4} times Gouraud's"),
+        Some(over) => format!("{} times Gouraud's", ratio(over)),
         None => "Gouraud has none".to_owned(),
     };
-    let (edges, over) = (count(found.edges as u64, "edge"), relative(found.crease_rms_over_gouraud));
-    print_line(&format!("{shader}: crease rms {:.3e} per pixel over {edges}, {over}", found.crease_rms))?;
+    let number = |value: f64| significant(value, value, value);
+    let steps = (found.step_rms > crease::NOISE).then(|| format!(", but steps of {} (rms)", number(found.step_rms)));
+    // A few narrow triangles decide the root mean square.
+    print_line(&format!(
+        "{shader}: crease median {} per pixel over {}, {} (95 % of their length: at most {}, {}){}",
+        number(found.crease_median),
+        count(found.edges as u64, "edge"),
+        relative(found.crease_median_over_gouraud),
+        number(found.crease_p95),
+        relative(found.crease_p95_over_gouraud),
+        steps.unwrap_or_default()
+    ))?;
     print_line(&match &found.difference {
         Some(difference) => format!(
             "{shader}: differs from the smooth surface by {:.2} times what people can just see in a {}° window (95 % of the surface: at most {:.2}), {}",

@@ -86,7 +86,7 @@ impl ShadedMesh {
         if self.mesh.has_vertices() && (self.vertices as usize) < least {
             return fault("vertices", &self.vertices, &format!("is below the {least} that a {} needs", self.mesh));
         }
-        if let Some((name, correction, problem)) = self.shade().idle_correction() {
+        if let Some((name, correction, problem)) = self.shade().idle_correction(&self.shader) {
             return fault(name, &correction, &problem);
         }
         if self.high + self.highlight > 1.0 {

@@ -274,33 +274,37 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
 /// Returns the keys of a mesh that differ from their defaults but have no effect, and what is wrong with each.
 fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
     let (shade, default) = (table.shade(), MeshTable::default());
-    let of_shader = format!("has no effect on the shader {}; expected none", table.shader);
-    let strip = [("depth", table.depth.is_some()), ("boundary", table.boundary.is_some())];
-    let strip = strip.into_iter().filter(|(_, is_given)| *is_given && !shade.has_strip());
-    let mut idle: Vec<_> = strip.map(|(key, _)| (key, of_shader.clone())).collect();
-    if table.gradients != default.gradients && !shade.has_gradients() {
-        idle.push(("gradients", of_shader));
-    }
     let shape = table.mesh.parse::<Shape>().ok();
-    if table.vertices != default.vertices && shape.map_or(table.mesh.contains('.'), |shape| !shape.has_vertices()) {
-        idle.push(("vertices", "has no effect on this mesh; expected none".to_owned()));
-    }
-    if table.crease != default.crease && shape.is_some() {
-        idle.push(("crease", "has no effect on a built-in shape; expected none".to_owned()));
-    }
-    idle.extend(shade.idle_correction().map(|(key, _, problem)| (key, format!("{problem}; expected \"off\""))));
-    idle.extend(table.highlight.idle_option(table.mirrors()));
-    let of_transparent =
-        [("transmission", table.transmission != default.transmission), ("index", table.index.is_some())];
-    for (key, is_given) in of_transparent {
-        if is_given && table.transparency == Transmits::Opaque {
-            idle.push((key, "has no effect on an opaque mesh; expected transparency".to_owned()));
-        }
-    }
-    if table.transparency != Transmits::Filtered && table.filter != default.filter {
-        idle.push(("filter", "has no effect; expected transparency = \"filtered\"".to_owned()));
-    }
-    idle
+    let has_vertices = shape.map_or(!table.mesh.contains('.'), Shape::has_vertices);
+    let on_shader = format!("on the shader {}; expected none", table.shader);
+    let on_dull = "without specular light; expected none, or specular above 0";
+    let on_opaque = "on an opaque mesh; expected transparency";
+    let on_unfiltered = "without a filter; expected transparency = \"filtered\"";
+    let (is_dull, is_opaque) = (table.specular == 0.0, table.transparency == Transmits::Opaque);
+    let is_shiny = table.shininess != default.shininess;
+    // Each key, whether it is given in vain, and where it has no effect.
+    let rules = [
+        ("depth", table.depth.is_some() && !shade.has_strip(), on_shader.as_str()),
+        ("boundary", table.boundary.is_some() && !shade.has_strip(), &on_shader),
+        ("gradients", table.gradients != default.gradients && !shade.has_gradients(), &on_shader),
+        ("vertices", table.vertices != default.vertices && !has_vertices, "on this mesh; expected none"),
+        ("crease", table.crease != default.crease && shape.is_some(), "on a built-in shape; expected none"),
+        ("specular_color", table.specular_color != default.specular_color && is_dull, on_dull),
+        ("highlight", table.highlight != default.highlight && is_dull, on_dull),
+        ("shininess", is_shiny && is_dull, on_dull),
+        ("shininess", is_shiny && table.facet_slope.is_some(), "beside facet_slope; expected one"),
+        ("facet_slope", table.facet_slope.is_some() && is_dull, on_dull),
+        ("facet_c1", table.facet_c1.is_some() && is_dull, on_dull),
+        ("facet_index", table.facet_index.is_some() && is_dull, on_dull),
+        ("transmission", table.transmission != default.transmission && is_opaque, on_opaque),
+        ("index", table.index.is_some() && is_opaque, on_opaque),
+        ("filter", table.filter != default.filter && table.transparency != Transmits::Filtered, on_unfiltered),
+    ];
+    let idle = rules.into_iter().filter(|(_, is_idle, _)| *is_idle);
+    let idle = idle.map(|(key, _, place)| (key, format!("has no effect {place}")));
+    let correction = shade.idle_correction(&table.shader);
+    let correction = correction.map(|(key, _, problem)| (key, format!("{problem}; expected \"off\"")));
+    idle.chain(correction).chain(table.highlight.idle_option(table.mirrors())).collect()
 }
 
 impl MeshTable {

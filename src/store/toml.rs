@@ -8,7 +8,7 @@ use toml::de::{DeTable, DeValue};
 use super::{FileError, FileErrors, error::position};
 use crate::{
     experiment::{DefinitionErrors, task::OptionReader},
-    text::names::expected_one_of,
+    text::{Cell, names::expected_one_of},
 };
 
 /// Maximum number of unreadable values, because the document is deserialized again for each of them.
@@ -131,7 +131,7 @@ impl<'t> Document<'t> {
     pub(super) fn check_range(&mut self, path: &str, values: &[f64], least: f64, most: f64) {
         // NaN is not in any range.
         if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
-            let key = path.rsplit('.').next().unwrap_or(path);
+            let (key, value) = (path.rsplit('.').next().unwrap_or(path), Cell::Number(*value));
             self.error(path, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
         }
     }

@@ -14,6 +14,7 @@ mod export;
 mod findings;
 mod image;
 mod model;
+mod one_mesh;
 mod paths;
 pub mod plan;
 pub mod plan_thresholds;

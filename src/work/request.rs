@@ -174,7 +174,8 @@ fn given<T: Request + Serialize>(request: &T) -> Vec<(Arg, Value)> {
         let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
         let is_nothing =
             matches!(value, Value::Null | Value::Bool(false)) || value.as_array().is_some_and(Vec::is_empty);
-        if default.is_empty() { is_nothing } else { default.join(",") == text(value) }
+        // An infinite number is null in JSON.
+        if default.is_empty() { is_nothing } else { value.is_null() || default.join(",") == text(value) }
     };
     let command = T::augment_args(Command::new("machband"));
     let arguments = command.get_arguments().map(|argument| (argument, &values[argument.get_id().as_str()]));

@@ -7,30 +7,22 @@ use std::{
 };
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
-use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{
-    Image, Luminances, RequestError, Watcher, named,
+    Image, Luminances, RequestError, Watcher,
+    one_mesh::{OneMesh, append},
     request::{self, paths},
 };
 use crate::{
-    light::{Bits, CodeImage, Depth, LinearImage, Quantizer, Transfer, Transfers},
+    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
-    shading::{
-        self, Body, Correction, Creases, EdgeKind, Frame, Gradients, Highlight, Mirrors, Normals, Scene, Shader,
-        Surface, Truth, crease,
-        shapes::{self, Shape},
-    },
-    stimulus::{
-        Judged, Renderer, Residual, StimulusColor, SurfaceDifference, Triple, Undershoot, ViewingConditions,
-        describe_scene,
-    },
+    shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
+    stimulus::{Judged, Renderer, Residual, SurfaceDifference, Undershoot, ViewingConditions},
     store::{self, mesh::MeshFile, scene::SceneFile},
-    system::{checkpoint, found},
-    text::number::{whole, within},
+    system::checkpoint,
     vision::VisionError,
 };
 
@@ -38,7 +30,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
-    #[arg(value_name = "SCENE.toml", conflicts_with = "OneMesh", value_parser = scene_path())]
+    #[arg(value_name = "SCENE.toml", value_parser = scene_path())]
     #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -52,105 +44,13 @@ pub struct Shade {
     pub luminances: Luminances,
 }
 
-/// One mesh, and how it is shaded and seen.
-#[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
-pub struct OneMesh {
-    #[arg(long, value_name = "MESH", default_value = "blob", help = format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", ")))]
-    #[serde(serialize_with = "paths")]
-    pub mesh: PathBuf,
-    /// Number of vertices; exact for a blob, approximate for other round shapes.
-    #[arg(long, value_name = "N", default_value_t = 313, value_parser = whole(1..=usize::MAX))]
-    pub vertices: usize,
-    /// Angle in degrees above which the edge between two faces of a file without normals is a crease.
-    #[arg(long, value_name = "DEG", default_value_t = 180.0, value_parser = within(0.0, 180.0))]
-    pub crease: f64,
-    /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
-    /// weighted mean (1999), from a cubic fitted to the neighbors, or as the best between a mean and the cubic, which is
-    /// also what a mesh without normals gets.
-    #[arg(long, default_value = "given", value_parser = named::<Normals>(Normals::NAMES))]
-    pub normals: Normals,
-    /// Shader: how the light inside each triangle is computed.
-    #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
-    pub shader: Option<Shader>,
-    /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, give a file of the same
-    /// surface with many more triangles; with a shader, that surface is not drawn, but the picture is compared with it.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
-    #[serde(serialize_with = "paths")]
-    pub truth: Option<PathBuf>,
-    /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub depth: Depth,
-    /// Width b of the strips, as a barycentric weight, 0 to 1; values above 1/3 act as 1/3.
-    #[arg(long, value_name = "B", default_value_t = shading::Shade::new(Shader::Fixed).boundary, value_parser = within(0.0, 1.0))]
-    pub boundary: f64,
-    /// Vertex shading correction (Bangay, eq. 7).
-    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
-    pub vertex: Correction,
-    /// Intensity reweighting correction (Bangay, eq. 9).
-    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
-    pub reweight: Correction,
-    /// How patch and c1-phong compute their slopes.
-    #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
-    pub gradients: Gradients,
-    /// Rotation of the mesh about x, then y, then z, in degrees.
-    #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
-    pub rotate: Triple,
-    /// Direction toward the lamp: x right, y up, z toward the viewer.
-    #[arg(long, value_name = "X,Y,Z", default_value = "0.36,0.48,0.8", allow_hyphen_values = true)]
-    pub light: Triple,
-    /// Color of the surface: gray, yellow, red, green, blue, R,G,B (linear weights), hsv:H,S,V or xyY:x,y,Y.
-    #[arg(long, default_value = "gray")]
-    pub color: StimulusColor,
-    /// Ambient light, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().ambient, value_parser = within(0.0, 1.0))]
-    pub ambient: f64,
-    /// Diffuse light at normal incidence, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().diffuse, value_parser = within(0.0, 1.0))]
-    pub diffuse: f64,
-    /// Specular light at the center of a highlight, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().specular, value_parser = within(0.0, 1.0))]
-    pub specular: f64,
-    /// Highlight model.
-    #[arg(long, default_value = "phong", value_parser = named::<Highlight>(Highlight::NAMES))]
-    pub highlight: Highlight,
-    /// Exponent of the highlight.
-    #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]
-    pub shininess: f64,
-    /// Root mean square slope m of the small mirrors of torrance-sparrow and cook-torrance, 0.001 to 10; without it, the
-    /// highlight is as sharp as Blinn's.
-    #[arg(long, value_name = "M", value_parser = within(0.001, 10.0))]
-    pub facet_slope: Option<f64>,
-    /// Constant c1 of torrance-sparrow, 0 to 1e6; without it, as many mirrors face along the normal as in cook-torrance.
-    #[arg(long, value_name = "C1", value_parser = within(0.0, 1e6))]
-    pub facet_c1: Option<f64>,
-    /// Index of refraction of the small mirrors, 1 to 1000; they reflect ((index - 1) / (index + 1))^2 of the light at
-    /// normal incidence [default: 3].
-    #[arg(long, value_name = "INDEX", value_parser = within(1.0, 1000.0))]
-    pub facet_index: Option<f64>,
-    /// Background light, 0 to 1.
-    #[arg(long, value_name = "L", default_value_t = Scene::default().background, value_parser = within(0.0, 1.0))]
-    pub background: f64,
-    /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
-    #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
-    pub distance: f64,
-    /// Interpolate encoded values, like a renderer that ignores gamma.
-    #[arg(long)]
-    pub naive: bool,
-    /// Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
-    #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
-    pub window_deg: f64,
-}
-
 /// A mesh and the surface with which it is compared are taken for different ones if more than this share of their pixels
 /// shows only one of them.
 const APART: f64 = 0.1;
 /// From this share of pixels that are not compared on, a caller is told about it.
 const MASKED: f64 = 0.5;
 
-/// What the request's `truth` stands for without a file: the surface that the built-in shape approximates.
-const KNOWN: &str = "known";
-
-/// Parses the path of a scene. What is the name of a mesh here would otherwise be a contradiction with every other option.
+/// Parses the path of a scene. The name of a mesh is not one.
 fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| {
         let is = |ending: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
@@ -158,14 +58,6 @@ fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
             || path.to_str().is_some_and(|name| name.parse::<Shape>().is_ok());
         if is_mesh { Err(format!("is a mesh; expected a scene, or --mesh {}", path.display())) } else { Ok(path) }
     })
-}
-
-/// Parses the distance of the eye, in mesh radii.
-fn distance(text: &str) -> Result<f64, String> {
-    match text {
-        "inf" => Ok(f64::INFINITY),
-        _ => within(1.05, 1e6)(text).map_err(|error| format!("{error}, or inf (the mesh has a radius of 1)")),
-    }
 }
 
 /// Which results are wanted.
@@ -189,6 +81,8 @@ pub struct Shaded {
     pub transfers: Transfers,
     /// Every parameter, as image files record them.
     pub description: Value,
+    /// The options that were given but have no effect.
+    pub idle: Vec<RequestError>,
     /// What is unusual about the mesh or the light.
     pub notes: Vec<String>,
 }
@@ -282,33 +176,65 @@ impl Shade {
     /// prediction.
     pub fn shade(&self, given: Option<MeshFile>, wanted: Wanted, watcher: &dyn Watcher) -> anyhow::Result<Shaded> {
         let encoded = self.image.encoding.read(watcher)?;
+        let one = &self.one;
         if let Some(scene) = &self.scene {
+            request::allow_only(
+                one,
+                &[],
+                "does not apply to a scene; expected keys in its file, or --mesh in its place",
+            )?;
             return self.scene(scene, encoded.transfers);
         }
-        let one = &self.one;
         if one.shader.is_none() && (wanted.metrics || wanted.creases) {
             let message = format!("is missing, but the measurements need one; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
-        if one.shader.is_some() && one.truth.as_deref() == Some(Path::new(KNOWN)) {
+        if one.shader.is_some() && one.truth.is_some() && one.fine_file().is_none() {
             let message = "draws the smooth surface itself; expected no --shader, or a file of the smooth surface, with which the picture is compared";
             return Err(RequestError::new("truth", message).into());
         }
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let mut notes = Vec::new();
-        let drawing = one.drawing(found, self.image.size, encoded.transfers, viewing, &mut notes)?;
+        let drawing = Drawing::new(one, found, self.image.size, encoded.transfers, viewing, &mut notes)?;
         let picture = wanted.picture.then(|| {
-            let image = drawing.image();
+            let (image, transfers) = drawing.image();
             notes.extend(clipped(&image));
-            let quantizer = Quantizer::new(drawing.transfers.clone(), self.image.bits);
-            quantizer.quantize_with(&image, &self.image.dither())
+            Quantizer::new(transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
         let creases = wanted.creases.then(|| drawing.creases());
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, creases, transfers, description, notes })
+        Ok(Shaded { picture, metrics, creases, transfers, description, idle: self.idle(wanted), notes })
+    }
+
+    /// Names the options that were given but have no effect.
+    fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
+        let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
+        let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
+        let rules: [(&[&str], bool, &str); 11] = [
+            (&["depth", "boundary"], shade.has_strip(), &shader),
+            (&["gradients"], shade.has_gradients(), &shader),
+            (&["naive"], shade.shader.interpolates_light(), &shader),
+            (&["crease"], shape.is_none(), &mesh),
+            (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
+            (
+                &["highlight", "shininess", "facet_slope", "facet_c1", "facet_index"],
+                one.specular > 0.0,
+                "without specular light",
+            ),
+            (&["shininess"], one.facet_slope.is_none(), "beside a slope of the small mirrors"),
+            (&["bits", "dither", "seed"], wanted.picture, "without a picture"),
+            (&["seed"], matches!(self.image.dither, Dither::Random { .. }), "without random dither"),
+            (&["window_deg", "white", "black"], wanted.metrics, "without the measurements"),
+            (&["truth"], wanted.metrics || one.draws_truth(), "without the measurements"),
+        ];
+        let without_effect = |(field, _): (String, Value)| {
+            let (_, _, why) = rules.iter().find(|(fields, is_used, _)| !is_used && fields.contains(&field.as_str()))?;
+            Some(RequestError::value(&field, format!("has no effect {why}")))
+        };
+        request::changed(self).into_iter().filter_map(without_effect).collect()
     }
 
     /// Draws a scene of several meshes.
@@ -323,7 +249,8 @@ impl Shade {
         notes.extend(clipped(&image));
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
-        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, notes })
+        let idle = self.idle(Wanted { picture: true, ..Wanted::default() });
+        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, idle, notes })
     }
 }
 
@@ -342,13 +269,46 @@ struct Drawing<'a> {
     description: Value,
 }
 
-impl Drawing<'_> {
-    /// Returns the light of the picture.
-    fn image(&self) -> LinearImage {
+impl<'a> Drawing<'a> {
+    /// Puts a mesh in its place.
+    fn new(
+        one: &'a OneMesh,
+        file: MeshFile,
+        size: u32,
+        transfers: Transfers,
+        viewing: ViewingConditions,
+        notes: &mut Vec<String>,
+    ) -> anyhow::Result<Self> {
+        let (renderer, scene) = (one.renderer()?, one.scene()?);
+        notes.extend(file.note(&one.mesh));
+        let surface = Surface::new(file.mesh.estimated(one.normals));
+        let frame = scene.frame(&surface, size, size);
+        let name = one.mesh.display();
+        notes.extend(non_manifold(&name, &surface));
+        if one.truth.is_some() && one.fine_file().is_none() && frame.smooth.is_none() {
+            let message = format!("the smooth surface behind {name} is not known; expected the file of a finer mesh");
+            return Err(RequestError::new("truth", message).into());
+        }
+        if frame.triangles.is_empty() {
+            anyhow::bail!("{name}: no triangle faces the viewer and is large enough to be seen; expected at least one");
+        }
+        // A smooth surface is not flat for want of normals.
+        let fine = |path| {
+            let file = store::mesh::read(path, one.crease, Normals::Best)?;
+            notes.extend(file.note(path));
+            anyhow::Ok(Surface::new(file.mesh))
+        };
+        let fine = one.fine_file().map(fine).transpose()?;
+        let description = one.describe(&scene, &renderer, size);
+        Ok(Drawing { one, renderer, scene, viewing, transfers, surface, frame, fine, description })
+    }
+
+    /// Returns the light of the picture, or values that are encoded already, and what turns them into codes.
+    fn image(&self) -> (LinearImage, Transfers) {
         let shot = self.renderer.shoot(&self.frame, &self.transfers);
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
         let truth = self.one.draws_truth().then(truth).flatten();
-        truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame))
+        (truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame)), shot.transfers)
     }
 
     /// Returns the codes of a picture of the change of slope at each edge.
@@ -395,7 +355,13 @@ impl Drawing<'_> {
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
         notes.extend(self.doubts(&judged));
-        let unseen = |error: VisionError| RequestError::value("window_deg", format!("{}: {error}", viewing.window_deg));
+        let unseen = |error: VisionError| {
+            let (field, value) = match error {
+                VisionError::Black { .. } | VisionError::AllBlack => ("black", viewing.black_cd_m2),
+                _ => ("window_deg", viewing.window_deg),
+            };
+            RequestError::value(field, format!("{value}: {error}"))
+        };
         let measured = |renderer: &Renderer| {
             let shot = renderer.shoot(&seen, transfers);
             let emitted = shot.emitted();
@@ -478,152 +444,4 @@ fn clipped(image: &LinearImage) -> Option<String> {
 /// Returns `value` relative to Gouraud's; `None` if Gouraud's is only rounding error.
 fn over(value: f64, gouraud: f64) -> Option<f64> {
     (gouraud > crease::NOISE).then(|| value / gouraud)
-}
-
-/// Adds the fields of one object to another.
-fn append(object: &mut Value, fields: Value) {
-    if let (Value::Object(object), Value::Object(fields)) = (object, fields) {
-        object.extend(fields);
-    }
-}
-
-impl OneMesh {
-    /// Puts a mesh in its place.
-    fn drawing(
-        &self,
-        file: MeshFile,
-        size: u32,
-        transfers: Transfers,
-        viewing: ViewingConditions,
-        notes: &mut Vec<String>,
-    ) -> anyhow::Result<Drawing<'_>> {
-        let (renderer, scene) = (self.renderer()?, self.scene()?);
-        notes.extend(self.idle(&renderer.shade));
-        notes.extend(file.note(&self.mesh));
-        let surface = Surface::new(file.mesh.estimated(self.normals));
-        let frame = scene.frame(&surface, size, size);
-        let name = self.mesh.display();
-        notes.extend(non_manifold(&name, &surface));
-        if self.truth.is_some() && self.fine_file().is_none() && frame.smooth.is_none() {
-            let message = format!("the smooth surface behind {name} is not known; expected the file of a finer mesh");
-            return Err(RequestError::new("truth", message).into());
-        }
-        if frame.triangles.is_empty() {
-            anyhow::bail!("{name}: no triangle faces the viewer and is large enough to be seen; expected at least one");
-        }
-        // A smooth surface is not flat for want of normals.
-        let fine = |path| {
-            let file = store::mesh::read(path, self.crease, Normals::Best)?;
-            notes.extend(file.note(path));
-            anyhow::Ok(Surface::new(file.mesh))
-        };
-        let fine = self.fine_file().map(fine).transpose()?;
-        let description = self.describe(&scene, &renderer, size);
-        Ok(Drawing { one: self, renderer, scene, viewing, transfers, surface, frame, fine, description })
-    }
-
-    fn renderer(&self) -> Result<Renderer, RequestError> {
-        let Self { depth, boundary, vertex, reweight, gradients, naive, .. } = *self;
-        // Without a shader, only the smooth surface is drawn, which every pixel lights.
-        let shader = self.shader.unwrap_or(Shader::Phong);
-        let shade = shading::Shade { shader, depth, boundary, vertex, reweight, gradients };
-        match shade.idle_correction() {
-            Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
-            None => Ok(Renderer { shade, naive }),
-        }
-    }
-
-    /// Names the options that were given but have no effect.
-    fn idle(&self, shade: &shading::Shade) -> impl Iterator<Item = String> {
-        let (shader, mesh) = (format!("the shader {}", shade.shader), self.mesh.display().to_string());
-        let without_effect = move |(option, _): (String, Value)| {
-            let on = match option.as_str() {
-                "depth" | "boundary" if !shade.has_strip() => &shader,
-                "gradients" if !shade.has_gradients() => &shader,
-                "crease" if self.named().is_some() => &mesh,
-                "vertices" if !self.named().is_some_and(Shape::has_vertices) => &mesh,
-                _ => return None,
-            };
-            Some(format!("{option} has no effect on {on}"))
-        };
-        request::changed(self).into_iter().filter_map(without_effect)
-    }
-
-    /// Returns the built-in shape that the request names, if it does.
-    fn named(&self) -> Option<Shape> {
-        self.mesh.to_str().and_then(|name| name.parse().ok())
-    }
-
-    fn scene(&self) -> Result<Scene, RequestError> {
-        let light = DVec3::from_array(self.light.0);
-        if !(1e-6..=1e6).contains(&light.length()) {
-            let message = format!("{} is too short or too long; expected a length from 1e-6 to 1e6", self.light);
-            return Err(RequestError::value("light", message));
-        }
-        let mirrors = Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index };
-        if let Some((name, problem)) = self.highlight.idle_option(mirrors) {
-            return Err(RequestError::value(name, problem));
-        }
-        Ok(Scene {
-            rotate_deg: self.rotate.0,
-            light,
-            color: DVec3::from_array(self.color.rgb()),
-            ambient: self.ambient,
-            diffuse: self.diffuse,
-            specular: self.specular,
-            highlight: self.highlight,
-            shininess: self.shininess,
-            mirrors,
-            background: self.background,
-            distance: self.distance,
-            ..Scene::default()
-        })
-    }
-
-    /// True if the picture is the smooth surface's.
-    fn draws_truth(&self) -> bool {
-        self.shader.is_none()
-    }
-
-    fn fine_file(&self) -> Option<&Path> {
-        self.truth.as_deref().filter(|file| *file != KNOWN)
-    }
-
-    /// Returns the smooth surface in `frame`, if it is known.
-    fn truth(&self, frame: &Frame, fine: Option<&Surface>) -> Option<Truth> {
-        match fine {
-            Some(fine) => Some(Truth::of_mesh(frame, fine)),
-            None => Truth::traced(frame),
-        }
-    }
-
-    /// Returns the mesh that the request names.
-    ///
-    /// # Errors
-    /// There is no such shape, or the file cannot be read.
-    pub fn mesh(&self) -> anyhow::Result<MeshFile> {
-        let path = &self.mesh;
-        if let Some(shape) = self.named() {
-            let mesh = shapes::mesh(shape, self.vertices);
-            let mesh = mesh.map_err(|error| RequestError::new("vertices", error))?;
-            return Ok(MeshFile { mesh, notes: Vec::new() });
-        }
-        if path.extension().is_none() && matches!(found(path), Ok(None)) {
-            return Err(RequestError::new("mesh", Shape::missing(&path.to_string_lossy())).into());
-        }
-        Ok(store::mesh::read(path, self.crease, self.normals)?)
-    }
-
-    /// Describes all parameters of the image.
-    fn describe(&self, scene: &Scene, renderer: &Renderer, size: u32) -> Value {
-        let vertices = self.named().is_some_and(Shape::has_vertices).then_some(self.vertices);
-        let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
-        append(&mut all, renderer.describe());
-        if let Some(file) = &self.truth {
-            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
-        }
-        append(&mut all, describe_scene(scene));
-        append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": size }));
-        all
-    }
 }

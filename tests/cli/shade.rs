@@ -34,6 +34,14 @@ fn the_picture_matches_the_reference() {
     assert_eq!(parameters["shader"], "patch");
     assert_eq!(parameters["depth"], 1);
     assert_eq!(parameters["mesh"], "torus");
+    // Ignoring gamma changes what is interpolated, not the background.
+    let of = |naive: &str| {
+        succeeds(folder.path(), &split(&format!("shade --shader gouraud --size 64 {naive} --out b.png --force")));
+        pixels(&folder.path().join("b.png")).1
+    };
+    let (plain, naive) = (of(""), of("--naive"));
+    assert!(plain != naive && plain.iter().zip(&naive).all(|(plain, naive)| plain.abs_diff(*naive) < 30));
+    assert_eq!(plain[0], naive[0]);
 }
 
 /// All documented fields are present. The meshes have 622 and 1538 triangles. `patch` has no
@@ -48,6 +56,10 @@ fn metrics_have_every_documented_field_and_patch_has_no_creases() {
         assert!(found["edges"].as_u64().unwrap() > 300, "{found}");
         assert!(found["crease_rms_over_gouraud"].as_f64().unwrap() < 1e-3, "{found}");
     }
+    // Flat light has no slopes, but steps; the root mean square is left to the file.
+    let line = succeeds(folder.path(), &split("shade --shader flat --size 64 --metrics flat.json"));
+    assert!(line.contains("flat: crease median 0 per pixel over ") && line.contains("), but steps of 0.0"), "{line}");
+    assert!(line.contains(" edges, 0 times Gouraud's (95 % of their length: at most 0, 0 times Gouraud's)"), "{line}");
     let gouraud = metrics(folder.path(), "--shader gouraud");
     assert!((gouraud["crease_rms_over_gouraud"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{gouraud}");
 }
@@ -93,7 +105,7 @@ fn every_error_has_its_own_message() {
         2: flat --light 0,0,0 => too short or too long
         2: flat --rotate 1,2 => three numbers
         2: flat --distance 0.5 => outside 1.05…1000000
-        2: phong --reweight repaired => --reweight corrects interpolated light, which phong does not use; expected off
+        2: phong --reweight repaired => --reweight corrects interpolated light, which the shader phong does not use; expected off
         2: flat --metrics x.png => is another output
         2: flat --window 0 => '0' for '--window <DEG>': outside 0.5…170
         1: flat --mesh none.obj => none.obj
@@ -105,14 +117,46 @@ fn every_error_has_its_own_message() {
         2: bunny.obj => expected a scene, or --mesh bunny.obj
         2: scan.PLY --shader flat --out x.png => expected a scene, or --mesh scan.PLY
         2: blob --shader flat => expected a scene, or --mesh blob
-        2: --shader gouraud --background 0 --black 0 --metrics x.json => no light";
+        2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
+        2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
     refuses(folder.path(), "shade {}", cases);
-    let idle = "shade --mesh cube --shader phong --depth 3 --boundary 0.1 --gradients ring --crease 30 --vertices 99";
-    let notes = text(&machband(folder.path(), &split(&format!("{idle} --size 64 --out idle.png"))).stderr);
-    for (option, on) in [("depth", "the shader phong"), ("gradients", "the shader phong"), ("vertices", "cube")] {
-        assert!(notes.contains(&format!("note: {option} has no effect on {on}")), "{notes}");
-    }
-    assert_eq!(notes.matches("has no effect").count(), 5, "{notes}");
+    fs::write(folder.path().join("s.toml"), "schema = 1\n[[mesh]]\nmesh = \"cube\"\n").unwrap();
+    fs::write(folder.path().join("fine.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let idle = |line: &str, options: &[&str]| {
+        let notes = text(&machband(folder.path(), &split(&format!("shade {line} --size 64"))).stderr);
+        let note = |option: &&str| format!("note: {}\n", option.replacen(' ', " has no effect ", 1));
+        assert_eq!(notes, options.iter().map(note).collect::<String>(), "{line}");
+    };
+    idle(
+        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --naive --out a.png",
+        &[
+            "--vertices on cube",
+            "--crease on cube",
+            "--depth on the shader phong",
+            "--gradients on the shader phong",
+            "--naive on the shader phong",
+        ],
+    );
+    idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
+    idle(
+        "--shader flat --specular 0 --shininess 9 --window 5 --white 9 --truth fine.obj --seed 2 --out c.png",
+        &[
+            "--truth without the measurements",
+            "--shininess without specular light",
+            "--window without the measurements",
+            "--seed without random dither",
+            "--white without the measurements",
+        ],
+    );
+    idle(
+        "--shader flat --highlight cook-torrance --facet-slope 0.2 --shininess 9 --dither random --bits 16 --metrics d.json",
+        &["--shininess beside a slope of the small mirrors", "--bits without a picture", "--dither without a picture"],
+    );
+    idle(
+        "s.toml --seed 2 --black 9 --out e.png",
+        &["--seed without random dither", "--black without the measurements"],
+    );
+    idle("--shader flat --window 5 --dither random --seed 2 --out f.png --metrics f.json", &[]);
 }
 
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.
@@ -227,7 +271,7 @@ fn a_scene_is_drawn() {
     let codes = pixels(&folder.path().join("scene.png")).1;
     assert!(codes.as_chunks::<3>().0.iter().filter(|[r, g, _]| *r > g.saturating_mul(2)).count() > 500);
     let cases = r"
-        2: scene.toml --mesh torus --out x.png => cannot be used with
+        2: scene.toml --mesh torus --out x.png => --mesh: does not apply to a scene
         2: scene.toml => nothing to write
         2: scene.toml --metrics x.json => cannot be used with
         1: none.toml --out x.png => none.toml: cannot be opened";

@@ -81,7 +81,7 @@ pub struct Scene {
     pub ambient: f64,
     /// Diffuse light at normal incidence, k_d·I_p.
     pub diffuse: f64,
-    /// Light added in the middle of the highlight, k_s·I_p.
+    /// k_s·I_p, the light that Phong's or Blinn's highlight adds in its middle; small mirrors may add more or less.
     pub specular: f64,
     /// The shape of the highlight.
     pub highlight: Highlight,

@@ -1,5 +1,7 @@
 //! A shader and its options.
 
+use std::fmt::Display;
+
 use crate::{light::Depth, shading::frame::Gradients, text::names::named};
 
 named! {
@@ -81,11 +83,11 @@ impl Shade {
         }
     }
 
-    /// Returns the name of a correction that has no effect on this shader, its value, and why.
-    pub fn idle_correction(&self) -> Option<(&'static str, Correction, String)> {
+    /// Returns the name of a correction that has no effect on this shader, its value, and why; `drawn` names the shader.
+    pub fn idle_correction(&self, drawn: &dyn Display) -> Option<(&'static str, Correction, String)> {
         let corrections = [("vertex", self.vertex), ("reweight", self.reweight)];
         let (name, value) = corrections.into_iter().find(|(_, correction)| *correction != Correction::Off)?;
-        let why = || format!("corrects interpolated light, which {} does not use", self.shader);
+        let why = || format!("corrects interpolated light, which {drawn} does not use");
         (!self.shader.interpolates_light()).then(|| (name, value, why()))
     }
 
