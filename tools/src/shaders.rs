@@ -29,8 +29,8 @@ fn crossed(shader: Shader, depths: &[u8], widths: &[f64]) -> Vec<Shade> {
 /// How much of Gouraud's creases each shader leaves.
 ///
 /// A crease is the jump, on the screen, of the slope normal to an edge that two front-facing triangles share. It is
-/// measured by one-sided differences of the luminance. Each cell shows the root mean square over the length of the
-/// edges and the median, both relative to Gouraud's. A slope jump is not yet a perceived band.
+/// measured by one-sided differences of the luminance. Each cell shows the median over the length of the edges and the
+/// 95th percentile, both relative to Gouraud's. A slope jump is not yet a perceived band.
 pub fn creases() -> Result<(), Box<dyn Error>> {
     let scene = Scene::default();
     let meshes: [(&str, Mesh); 4] = [
@@ -113,7 +113,7 @@ impl Row {
 
 /// Creases relative to Gouraud's, and the jump of the luminance itself if there is one.
 fn cell(own: &Creases, gouraud: &Creases) -> String {
-    let ratios = format!("{}, {}", ratio(own.rms / gouraud.rms), ratio(own.median / gouraud.median));
+    let ratios = format!("{}, {}", ratio(own.median / gouraud.median), ratio(own.p95 / gouraud.p95));
     if own.step_rms > 1e-9 { format!("{ratios}; steps of {:.3}", own.step_rms) } else { ratios }
 }
 
