@@ -225,7 +225,12 @@ impl App {
         };
         match step {
             Step::Stay => return,
-            Step::Next(Destination::Session(request)) => self.view = View::Session(Box::new(Runner::new(*request))),
+            Step::Next(Destination::Session(request)) => {
+                if let Some(analysis) = &mut self.analysis {
+                    analysis.pause();
+                }
+                self.view = View::Session(Box::new(Runner::new(*request)));
+            }
             Step::Next(Destination::Editor(definition, sessions)) => match editor::Editor::of(&definition, sessions) {
                 Ok(editor) => self.editor = Some(Box::new(editor)),
                 Err(error) => ui::complain(ui.ctx(), error.to_string()),

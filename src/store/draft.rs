@@ -191,6 +191,22 @@ impl Draft {
         self.remove_task_texts();
     }
 
+    /// Adds the options of the task and of its method that a former draft had and this one does not have.
+    pub fn restore_task(&mut self, former: &Self) {
+        for key in former.keys("task") {
+            if !self.keys("task").contains(&key)
+                && let (Some(item), Some(table)) =
+                    (former.found("task").and_then(|table| table.get(&key)), self.table("task"))
+            {
+                table.insert(&key, item.clone());
+            }
+        }
+        if let Some(method) = former.document.get("adaptive").filter(|_| self.keys("adaptive").is_empty()) {
+            self.document.insert("adaptive", method.clone());
+            self.remove("design.repetitions");
+        }
+    }
+
     fn remove_task_texts(&mut self) {
         ["instructions.task", "response"].iter().for_each(|key| self.remove(key));
     }

@@ -125,7 +125,7 @@ fn a_question_of_ones_own_is_named() {
     choose(&mut window, "Answers to Question 3", "a number");
     let protocol = save_as(&mut window, "quick-copy", folder.path());
     let fields = protocol.participant.0.iter().map(|field| (field.name.as_str(), field.kind()));
-    let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("question_1", FieldKind::Number)];
+    let expected = [("age", FieldKind::Number), ("dominant_eye", FieldKind::Choice), ("question_3", FieldKind::Number)];
     assert!(fields.eq(expected), "{:?}", protocol.participant);
     assert_eq!(protocol.participant.0[1].choices(), ["left", "right", "unknown"]);
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
@@ -272,7 +272,9 @@ fn a_task_and_its_method_are_chosen() {
         ("Pair", "Chain along"),
         ("Adjust", "Lowest value"),
         ("Rating", "Scale"),
-        ("Choice", "Alternatives"),
+        // What the adjustment has no use for comes back.
+        ("Choice", "First level"),
+        ("Choice", "Reference depth"),
         ("Pair", "Adaptive trials"),
         ("Rating", "Rating 3"),
     ] {
@@ -368,9 +370,15 @@ fn an_error_in_a_row_moves_nothing() {
     focus(&mut window, "Label of rating 3");
     let before = top(&window, "Add a factor");
     type_into(&mut window, "Label of rating 3", " ");
-    window.get_by_label_contains("Rating 3: Enter the meaning of the answer.");
+    window.get_by_label_contains("Enter the meaning of the answer.");
     window.get_by_label_contains("1 error, first in Rating 3.");
-    assert_eq!(top(&window, "Add a factor"), before);
+    // Each answer has its own error.
+    let below = top(&window, "Category");
+    type_into(&mut window, "Key for rating 1", "0");
+    window.get_by_label_contains("Enter the meaning of the answer.");
+    window.get_by_label_contains("key '0' appears twice");
+    window.get_by_label_contains("2 errors, first in Rating 3.");
+    assert_eq!((top(&window, "Add a factor"), top(&window, "Category")), (before, below));
     let mut window = duplicate("threshold-width");
     focus(&mut window, "Reference depth");
     let before = top(&window, "Add to reference");

@@ -493,6 +493,21 @@ fn a_late_resumption_repeats_the_practice() {
     assert!(told.contains("5 of 5 trials answered"), "{told}");
 }
 
+/// Enter begins what is in the fields, also what was typed in the same frame.
+#[test]
+fn enter_begins_what_was_just_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window::home(SIZE, STEP_S);
+    session_form(&mut window);
+    type_into(&mut window, "Results folder", folder.path().to_str().unwrap());
+    type_into(&mut window, "Participant", "P00");
+    let (key, modifiers) = (Key::Enter, egui::Modifiers::NONE);
+    let enter = egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+    window.input_mut().events.extend([egui::Event::Text("7".to_owned()), enter]);
+    window.step();
+    wait_for(&mut window, "participant P007 · session 1");
+}
+
 /// Two windows on one results folder do not begin the same session.
 #[test]
 fn another_window_takes_a_participant() {

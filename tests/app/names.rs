@@ -129,11 +129,11 @@ fn the_focus_stays_in_view() {
     let mut window = home([1366.0, 768.0], 1.0 / 60.0);
     window.get_by_label("Hide").hover();
     window.run_steps(60);
-    window.get_by_label("Does not show this again.");
+    window.get_by_label("Hides this permanently.");
     press(&mut window, Key::F1);
     window.run_steps(3);
     window.get_by_label_contains("Keys of this page");
-    assert!(window.query_by_label("Does not show this again.").is_none());
+    assert!(window.query_by_label("Hides this permanently.").is_none());
 }
 
 /// Tab reaches every enabled button of a page from the side bar to the lower edge, and what has the focus says so.

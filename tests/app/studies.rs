@@ -2,8 +2,10 @@
 
 use std::{fs, path::Path};
 
-use eframe::egui::{Event, FontId, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, Vec2};
-use egui_kittest::kittest::Queryable as _;
+use eframe::egui::{
+    Event, FontId, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, Vec2, accesskit::Toggled,
+};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch},
     store::definition,
@@ -94,10 +96,14 @@ fn a_session_without_ratings_can_be_removed() {
     window.event(eframe::egui::Event::WindowFocused(true));
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    let legend = |window: &Window| window.get_by_label("unfinished").rect();
+    let place = legend(&window);
     // The arrow keys move from the cell that was clicked, and Enter does what the card says.
     press(&mut window, Key::ArrowDown);
     press(&mut window, Key::ArrowRight);
     window.get_by_label("P002, session 2");
+    // The buttons of the other session needed no more room.
+    assert_eq!(legend(&window), place);
     press(&mut window, Key::Enter);
     wait_for(&mut window, "Viewing distance, cm");
     assert_eq!(["Participant", "Session"].map(|field| value(&window, field)), ["P002", "2"]);
@@ -108,6 +114,23 @@ fn a_session_without_ratings_can_be_removed() {
     wait_for(&mut window, "participant P001 · session 1");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    // Each study has its own next participant, and its own errors.
+    let profile = |window: &mut Window, path: &str| {
+        click(window, "New session");
+        type_into(window, "Display profile", path);
+        window::leave(window);
+    };
+    profile(&mut window, "/nowhere.toml");
+    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
+    press(&mut window, Key::Enter);
+    wait_for(&mut window, "The display profile cannot be read.");
+    open_study(&mut window, "quick");
+    window.get_by_label("P001, session 1: next");
+    assert!(window.query_by_label_contains("The display profile cannot be read.").is_none());
+    profile(&mut window, "");
+    open_study(&mut window, folder.path().join("five.toml").to_str().unwrap());
+    window.get_by_label("P002, session 1: next");
+    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     let csv = common::session_csv(&results, "five", "P001");
     assert!(csv.exists());
     click(&mut window, "Remove…");
@@ -318,6 +341,61 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     wait_for(&mut window, "18 ratings by 3 participants.");
     wait_for(&mut window, "These data are simulated");
     assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
+    // No session begins beside it. Its progress moves nothing, and what it leaves when it is stopped is named.
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+    window.run_steps(5);
+    let head = |window: &Window| window.get_by_label("Session 1").rect();
+    let before = head(&window);
+    click(&mut window, "Simulate a pilot…");
+    window.get_by_role_and_label(window::Role::TextInput, "Participants").focus();
+    window.step();
+    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.step();
+    window.get_by_role_and_label(window::Role::TextInput, "Participants").type_text("30000");
+    window.run_steps(2);
+    click(&mut window, "Simulate");
+    assert_eq!(head(&window), before);
+    click(&mut window, "New session");
+    click(&mut window, "Start");
+    window.get_by_label_contains("Simulating is still running.");
+    click(&mut window, "Cancel");
+    click(&mut window, "Stop");
+    wait_for(&mut window, "Simulating was stopped. What was made is in");
+    window.get_by_label_contains("five-pilot-2");
+    assert!(!folder.path().join("results").exists());
+}
+
+/// A file is one study, however it is named; and the field for its name is ready to be typed in.
+#[test]
+fn a_file_is_one_study() {
+    let mut window = window::home([1366.0, 900.0], 1.0 / 60.0);
+    click(&mut window, "Open a definition…");
+    assert!(window.get_by_role_and_label(window::Role::TextInput, "Definition").is_focused());
+    window::leave(&mut window);
+    let relative = "examples/tasks/yes-no.toml";
+    for path in [relative.to_owned(), format!("{}/{relative}", env!("CARGO_MANIFEST_DIR"))] {
+        open_study(&mut window, &path);
+        let rows = window.query_all_by_role(window::Role::RadioButton).filter_map(|row| {
+            let row = row.accesskit_node();
+            row.label().filter(|label| label.contains("yes-no · ")).map(|_| row.toggled())
+        });
+        assert_eq!(rows.collect::<Vec<_>>(), [Some(Toggled::True)]);
+    }
+}
+
+/// In a low window, the page scrolls, so that nothing covers the grid.
+#[test]
+fn a_low_window_has_room_for_the_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = opened(folder.path(), DEFINITION);
+    for size in [[719.0, 404.0], [500.0, 357.0]] {
+        window.set_size(size.into());
+        window.run_steps(5);
+        let rect = |label: &str| window.get_by_label(label).rect();
+        let (grid, card) = (rect("P001, session 1: next"), rect("P001, session 1"));
+        assert!(rect("New session").bottom() < rect("Session 1").top(), "{size:?}");
+        assert!(grid.bottom() < card.top() && card.top() - grid.top() > 60.0, "{size:?}: {grid} {card}");
+    }
 }
 
 /// A definition that another program has just changed is looked at before a session begins with it.
@@ -330,6 +408,12 @@ fn a_definition_that_was_just_changed_is_not_begun() {
     press(&mut window, Key::Enter);
     window.get_by_label_contains("Another program changed the definition.");
     assert!(!folder.path().join("results").exists());
+    // Without a definition, nobody can be suggested, which is no error of the field.
+    fs::remove_file(&path).unwrap();
+    window.event(Event::WindowFocused(true));
+    window.run_steps(3);
+    window.get_by_label_contains("Something above needs attention.");
+    assert!(!texts(&window).iter().any(|text| text.contains("is empty")), "{:?}", texts(&window));
 }
 
 /// What could not be read in the results folder is named, a line each, and the rest is shown.

@@ -85,7 +85,7 @@ impl DocumentView {
             let many = if ui.available_width() >= TWO_COLUMNS { 2 } else { 1 };
             show_blocks(ui, key.take(many));
             if is_draft {
-                return hint(ui, "The tests are being computed. What needs no model, such as Description, is final.");
+                return hint(ui, "There are no tests yet. What needs no model, such as Description, is final.");
             }
             let is_rest = |block: &&mut BlockView| !matches!(block, BlockView::Text(Block::Warning(_)));
             show_blocks(ui, self.sections[summary].blocks.iter_mut().filter(is_rest));

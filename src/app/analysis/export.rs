@@ -61,9 +61,9 @@ impl Export {
         Self { folder, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
     }
 
-    /// Draws the controls. Nothing can be exported while no results are shown. Returns true if nothing was exported
-    /// because the files have changed since they were read.
-    pub fn show(&mut self, ui: &mut egui::Ui, exported: Option<&Exported<'_>>) -> bool {
+    /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for. Returns
+    /// true if nothing was exported because the files have changed since they were read.
+    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) -> bool {
         self.take_outcome(ui.ctx());
         if let Some(Exported { request, .. }) = exported
             && self.of.as_ref() != Some(request)
@@ -98,9 +98,9 @@ impl Export {
             None => ("", ink.dim),
         };
         two_lines(ui, note, color, MESSAGE);
-        let copy = self.open_buttons(ui, exported.is_some());
-        if let Some(exported) = exported.filter(|_| copy) {
-            let command = self.command(exported);
+        let copy = self.open_buttons(ui, request.is_some());
+        if let Some(request) = request.filter(|_| copy) {
+            let command = self.command(request);
             ui.ctx().copy_text(command.clone());
             say(ui.ctx(), format!("Copied: {command}"));
         }
@@ -151,14 +151,14 @@ impl Export {
 
     fn start(&mut self, ctx: &egui::Context, folder: PathBuf, writer: Writer, exported: &Exported<'_>) {
         self.written = None;
-        let (write, to, command) = (exported.write.clone(), folder.clone(), self.command(exported));
+        let (write, to, command) = (exported.write.clone(), folder.clone(), self.command(exported.request));
         let work = move || write(&writer, &Provenance::new(command, now()), &to);
         self.work = Some((folder, BackgroundTask::start(ctx, work)));
     }
 
     /// Returns the command that repeats the request.
-    fn command(&self, exported: &Exported<'_>) -> String {
+    fn command(&self, request: &Analyze) -> String {
         let out = ["--out".to_owned(), self.folder.trim().to_owned()];
-        shell_command(["analyze".to_owned()].into_iter().chain(words(exported.request)).chain(out))
+        shell_command(["analyze".to_owned()].into_iter().chain(words(request)).chain(out))
     }
 }

@@ -60,6 +60,8 @@ pub struct OpenStudy {
     request: Option<Request>,
     /// Whether nothing is selected, so that the results are of what was selected before.
     is_empty: bool,
+    /// Whether the user stopped the analysis, so that the results are of what was selected before.
+    is_stopped: bool,
     /// Columns that are read only because the terms name them.
     extra: Vec<String>,
     /// The names of all columns of the files, once they are needed.
@@ -94,6 +96,7 @@ impl OpenStudy {
         let paths = study.source.files.iter().map(|file| file.path.clone());
         Self {
             is_empty: false,
+            is_stopped: false,
             filters: Filters::default(),
             model: ModelControls::default(),
             last: None,
@@ -179,7 +182,8 @@ impl OpenStudy {
         let request = Analyze { ratings, ..self.model.request() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
-            (self.error, self.draft, self.predicting, self.is_empty) = (None, None, None, false);
+            (self.error, self.draft, self.predicting) = (None, None, None);
+            (self.is_empty, self.is_stopped) = (false, false);
             self.start(ctx, Stage::Draft);
         }
     }
@@ -196,7 +200,15 @@ impl OpenStudy {
 
     /// Returns whether the results are of what was selected before.
     fn is_stale(&self) -> bool {
-        self.work.is_some() || self.is_empty
+        self.work.is_some() || self.is_empty || self.is_stopped
+    }
+
+    /// Ends what is being computed. It begins again when the study is shown.
+    pub fn pause(&mut self) {
+        if self.work.take().is_some() {
+            self.last = None;
+        }
+        self.predicting = None;
     }
 
     /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
@@ -229,7 +241,7 @@ impl Opened for OpenStudy {
     }
 
     /// Draws a line of constant height: what is shown, and how far a newer analysis is.
-    fn state(&self, ui: &mut egui::Ui) {
+    fn state(&mut self, ui: &mut egui::Ui) {
         let size = egui::vec2(ui.available_width(), theme::MESSAGE);
         let (rect, _) = ui.allocate_exact_size(size, egui::Sense::hover());
         let [left, right] =
@@ -237,8 +249,17 @@ impl Opened for OpenStudy {
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
         // How far it is has the right end of the line; the rest may be cut.
-        if self.work.is_some() {
+        if let Some((stage, _)) = self.work {
             self.simulated.show(ui, "Analyzing", "simulated studies");
+            if stage == Stage::Whole && ui.small_button("Stop").clicked() {
+                (self.work, self.is_stopped) = (None, true);
+            }
+        } else if self.is_stopped {
+            ui.label(secondary("Stopped."));
+            if ui.small_button("Continue").clicked() {
+                self.is_stopped = false;
+                self.start(ui.ctx(), Stage::Whole);
+            }
         } else if self.is_empty {
             ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
                 .on_hover_text("Select at least one participant and at least one level of every factor.");
@@ -259,7 +280,7 @@ impl Opened for OpenStudy {
             show_error(ui, text);
         }
         if let Some(draft) = &mut self.draft
-            && self.work.is_some()
+            && (self.work.is_some() || self.is_stopped)
         {
             let is_first = self.shown.is_none();
             if DRAFTED.contains(&self.section) {
@@ -347,7 +368,8 @@ impl Opened for OpenStudy {
                 }),
             }
         });
-        if self.export.show(ui, exported.as_ref()) {
+        let request = self.last.as_ref().filter(|_| !self.is_empty);
+        if self.export.show(ui, request, exported.as_ref()) {
             self.request = Some(Request::Read(Box::new(self.files.asked.clone())));
         }
     }

@@ -39,7 +39,7 @@ pub trait Opened {
     fn export(&mut self, ui: &mut egui::Ui);
 
     /// Draws what is shown, and how far a newer analysis is.
-    fn state(&self, _: &mut egui::Ui) {}
+    fn state(&mut self, _: &mut egui::Ui) {}
 
     /// Draws the open section.
     fn document(&mut self, ui: &mut egui::Ui);

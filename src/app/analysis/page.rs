@@ -103,6 +103,13 @@ impl Analysis {
         page
     }
 
+    /// Ends the computation of what is not shown; it begins again when the page is shown.
+    pub fn pause(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.pause();
+        }
+    }
+
     /// Begins to read files and folders. Discards any reading that has not finished.
     fn read(&mut self, ctx: &egui::Context, asked: Analyze, again: bool) {
         self.asked = asked.clone();

@@ -149,7 +149,7 @@ impl Opened for OpenTask {
                 Ok(write_files(writer, folder, contents)?.len())
             }),
         };
-        if self.export.show(ui, Some(&exported).filter(|_| !*is_stale)) {
+        if self.export.show(ui, Some(&files.asked), Some(&exported).filter(|_| !*is_stale)) {
             self.request = Some(Request::Read(Box::new(files.asked.clone())));
         }
     }

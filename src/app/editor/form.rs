@@ -10,6 +10,7 @@ use eframe::egui::{Response, TextEdit, Ui};
 use crate::{
     app::ui::{Dialog, Field, parameter},
     experiment::Protocol,
+    report::names::capitalized,
     stimulus::{Parameter, Stimulus, picture::Picture},
     store::{
         FileError, FileErrors, definition,
@@ -38,6 +39,8 @@ pub struct DefinitionForm {
     draft: Draft,
     /// The drafts with other kinds of stimuli, as they were left, by the kind.
     kinds: BTreeMap<String, Draft>,
+    /// The draft when a task whose levels can adapt was last left.
+    pub adaptive: Option<Draft>,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
@@ -172,6 +175,7 @@ impl DefinitionForm {
 
     /// Changes the kind of the stimulus. A kind that it had before comes back as it was.
     pub fn set_kind(&mut self, kind: &str) {
+        self.adaptive = None;
         self.kinds.insert(self.value("stimulus.kind", ""), self.draft.clone());
         let former = self.kinds.remove(kind);
         self.rebuild(|draft| {
@@ -238,7 +242,9 @@ impl DefinitionForm {
     pub fn label(&self, error: &FileError) -> String {
         let parts: Vec<&str> = error.key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
         let label = self.labels.get(&error.key).or_else(|| self.labels.get(&parts.join("."))).cloned();
-        label.or_else(|| parts.last().map(|name| self.factor(name))).unwrap_or_else(|| "file".to_owned())
+        label
+            .or_else(|| parts.last().map(|name| capitalized(&self.factor(name))))
+            .unwrap_or_else(|| "the file".to_owned())
     }
 
     /// Draws a text field for a value, with its errors. `about` explains it.

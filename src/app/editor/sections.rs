@@ -108,7 +108,10 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
     if let Some(Stimulus::Image(picture)) = protocol.map(|protocol| &protocol.stimulus) {
         let (count, factors) = (picture.gallery.pictures.len(), &picture.gallery.factors);
         let levels = if factors.is_empty() { "they have no other levels".to_owned() } else { factors.join(", ") };
-        ui::hint(ui, format!("{count} pictures; levels from pictures.csv: {levels}. The data have their SHA-256."));
+        ui::hint(
+            ui,
+            format!("{count} pictures; levels from pictures.csv: {levels}. The data record each picture's SHA-256."),
+        );
     } else {
         ui::hint(
             ui,
@@ -281,7 +284,7 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
         question(form, ui, &names, place);
     }
     let known = ParticipantFields::known_names().map(str::to_owned);
-    let own = (1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
+    let own = (names.len() + 1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
     let own = own.map(|name| (name, "A question of your own".to_owned()));
     let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
     let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
@@ -401,7 +404,7 @@ fn session(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Session and plan");
     let about = "How many people are to take part. The plan may change while a study runs.";
     form.optional(ui, "Participants", ["plan.participants"; 2], "not planned", about);
-    form.number(ui, "Sessions each", "plan.sessions", 1, "How often each participant comes.");
+    form.number(ui, "Sessions each", "plan.sessions", 1, "How many sessions each participant attends.");
     let mut own_means = form.draft().get("session.own_means").as_deref() == Some("true");
     Field::new("Last page").column(LABELS).show(ui, |ui, _| {
         let about = "Someone who has seen their own means may rate differently in the next session.";

@@ -68,14 +68,20 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     });
     if let Some(name) = chosen.filter(|name| *name != kind) {
         let found = varied(form);
+        let adapts = |kind| Task::read(kind, &mut Defaults).is_some_and(|task| task.adapts());
+        if adapts(kind) {
+            form.adaptive = Some(form.draft().clone());
+        }
+        let former = form.adaptive.clone();
         form.rebuild(|draft| {
+            former.iter().for_each(|former| draft.restore_task(former));
             draft.set_task(name);
             let is_adjusted = Task::options(name).iter().any(|option| option.value == OptionValue::Parameter(false));
             if let Some((parameter, levels)) = found.filter(|_| is_adjusted) {
                 draft.set("task.parameter", parameter, Typed::Text);
                 set_ends(draft, "task", &levels);
             }
-            if !Task::read(name, &mut Defaults).is_some_and(|task| task.adapts()) {
+            if !adapts(name) {
                 draft.set_method(None);
             }
         });
@@ -351,7 +357,7 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
         _ => format!("answer {}", answer + 1),
     };
     let before = [labels.clone(), keys.clone()];
-    let (mut removed, mut errors) = (None, String::new());
+    let mut removed = None;
     for answer in 0..labels.len() {
         let shown = named(answer);
         let is_new = form.added.take_if(|added| *added == answer).is_some();
@@ -361,12 +367,9 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
             form.name(&key, &label);
             form.error(&key)
         });
-        let wrong = wrong.concat();
-        Field::new(&label).column(LABELS).show(ui, |ui, _| {
+        let wrong = wrong.join("\n");
+        Field::new(&label).column(LABELS).slot().error(wrong.trim()).show(ui, |ui, _| {
             ui.horizontal(|ui| {
-                if !wrong.is_empty() {
-                    theme::outline_wrong(ui);
-                }
                 if has_keys {
                     let key = TextEdit::singleline(&mut keys[answer]).id_salt(("key", answer)).desired_width(24.0);
                     let key = ui.add(key);
@@ -390,14 +393,10 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
                 }
             });
         });
-        if errors.is_empty() && !wrong.is_empty() {
-            errors = format!("{label}: {wrong}");
-        }
     }
-    // Below the last answer, an error moves none of them.
-    let below = Field::new("").column(LABELS).slot().error(&errors);
     let many = labels.len() >= *CATEGORIES.end();
     if task.answers().is_none() {
+        let below = Field::new("").column(LABELS);
         let added = below.show(ui, |ui, _| ui.add_enabled_ui(!many, |ui| ui::action(ui, Icon::Plus, "Category")).inner);
         if added.on_hover_text("2 to 11 categories, from the weakest to the strongest.").clicked() {
             let free = ('0'..='9').chain('a'..='z').map(String::from);
@@ -405,8 +404,6 @@ fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
             form.added = Some(labels.len());
             labels.push(String::new());
         }
-    } else {
-        below.show(ui, |_, _| ());
     }
     if let Some(answer) = removed {
         labels.remove(answer);

@@ -34,8 +34,8 @@ const LABELS: f32 = 100.0;
 /// each place in a plot is below the same place in the image.
 const AXIS: f32 = 76.0;
 /// Height of a plot, and of all texts and gaps above and below the image that should be visible with it, points.
-const PLOT: f32 = 190.0;
-const TEXTS: f32 = 52.0;
+const PLOT: f32 = 180.0;
+const TEXTS: f32 = 66.0;
 /// If there is this much room on the right of the image, in points, the prediction is there.
 const BESIDE: f32 = 200.0;
 /// Side of a kind's picture in the overview, points; in a page narrower than `WIDE`, it is smaller.
@@ -275,7 +275,7 @@ impl Gallery {
         Field::new("Dither")
             .column(LABELS)
             .choice(ui, dither, &dithers, Dither::to_string)
-            .on_hover_text("How a value between two codes becomes one of them.");
+            .on_hover_text("How a value between two codes is rounded to one of them.");
         ui.checkbox(&mut self.derivatives, "First and second derivative")
             .on_hover_text("Adds plots of the slope and of its change. Mach bands appear where the slope changes.");
     }
@@ -444,30 +444,35 @@ fn plot(
     over: impl FnOnce(&mut PlotUi<'_>),
 ) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
-    ui::still_plot(ui, what, ["position, in sides of the image", what])
-        .width(width)
-        .height(PLOT)
-        .y_axis_min_width(AXIS)
-        .set_margin_fraction(egui::vec2(0.0, 0.05))
-        .include_x(-0.5)
-        .include_x(0.5)
-        // Nearly uniform light is shown as uniform, so that rounding is not magnified.
-        .include_y(lowest - 0.02)
-        .include_y(lowest + 0.02)
-        .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
-        // At the corner, it would meet the label of the other axis.
-        .y_axis_formatter(|mark, range| match mark.value - range.start() {
-            from if from < 0.06 * (range.end() - range.start()) => String::new(),
-            _ => ui::signed(&format!("{:.*}", (-mark.step_size.log10()).ceil().max(0.0) as usize, mark.value)),
-        })
-        .x_axis_formatter(|mark, _| ui::signed(&mark.value.to_string()))
-        .show(ui, |plot| {
-            for (color, points) in lines {
-                plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
-            }
-            over(plot);
-        })
-        .response
+    // The title of the vertical axis begins left of its place.
+    let margin = egui::Margin { left: theme::SMALL_GAP as i8, ..Default::default() };
+    let plot = |ui: &mut Ui| {
+        ui::still_plot(ui, what, ["position, in sides of the image", what])
+            .width(width - theme::SMALL_GAP)
+            .height(PLOT)
+            .y_axis_min_width(AXIS - theme::SMALL_GAP)
+            .set_margin_fraction(egui::vec2(0.0, 0.05))
+            .include_x(-0.5)
+            .include_x(0.5)
+            // Nearly uniform light is shown as uniform, so that rounding is not magnified.
+            .include_y(lowest - 0.02)
+            .include_y(lowest + 0.02)
+            .x_grid_spacer(|_| (-2..=2).map(|i| GridMark { value: f64::from(i) / 4.0, step_size: 0.25 }).collect())
+            // At the corner, it would meet the label of the other axis.
+            .y_axis_formatter(|mark, range| match mark.value - range.start() {
+                from if from < 0.06 * (range.end() - range.start()) => String::new(),
+                _ => ui::signed(&format!("{:.*}", (-mark.step_size.log10()).ceil().max(0.0) as usize, mark.value)),
+            })
+            .x_axis_formatter(|mark, _| ui::signed(&mark.value.to_string()))
+            .show(ui, |plot| {
+                for (color, points) in lines {
+                    plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
+                }
+                over(plot);
+            })
+            .response
+    };
+    egui::Frame::NONE.inner_margin(margin).show(ui, plot).inner
 }
 
 impl Curves {

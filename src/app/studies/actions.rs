@@ -79,7 +79,10 @@ impl Studies {
                     if !is_built_in && ui.button("Remove from the list").clicked() {
                         settings.recent.experiments.retain(|other| *other != experiment);
                         self.choose_experiment(BUILT_IN[0].name.to_owned());
-                        ui::say(ui.ctx(), format!("{experiment} is no longer listed; the file and its sessions stay."));
+                        ui::say(
+                            ui.ctx(),
+                            format!("{experiment} is no longer listed; the file and its sessions are kept."),
+                        );
                     }
                 });
             });
@@ -200,7 +203,7 @@ impl Studies {
         let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
-            Job::pilot(ctx, request, protocol.clone())
+            Job::pilot(ctx, request, protocol.clone()).leaving(free.clone())
         })
     }
 

@@ -21,6 +21,8 @@ use crate::{
 
 /// Side of the example image, physical pixels.
 const PICTURE_PX: u32 = 88;
+/// In a card at least this wide, in points, a session and its buttons need one line; an empty one has one more button.
+const ONE_LINE: [f32; 2] = [700.0, 800.0];
 
 impl Studies {
     /// Shows a newcomer what a Mach band is.
@@ -46,7 +48,7 @@ impl Studies {
                         if ui.button("See more stimuli").clicked() {
                             next = Some(Destination::Place(Place::Stimuli));
                         }
-                        if ui.button("Hide").on_hover_text("Does not show this again.").clicked() {
+                        if ui.button("Hide").on_hover_text("Hides this permanently.").clicked() {
                             *shown = false;
                         }
                     });
@@ -71,6 +73,7 @@ impl Studies {
                 ui::show_error(ui, error);
             }
             let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
+            let has_empty = self.sessions.of(name).any(SessionState::is_empty);
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
             } else if self.sessions.errors().is_empty() {
@@ -79,7 +82,10 @@ impl Studies {
             }
             theme::card(ui).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                ui.set_min_height(theme::CONTROL);
+                // A session that needs a second line must not move what is above.
+                let one_line = ONE_LINE[usize::from(has_empty)];
+                let lines = if ui.available_width() < one_line { 2.0 } else { 1.0 };
+                ui.set_min_height(lines * (theme::CONTROL + theme::SMALL_GAP) - theme::SMALL_GAP);
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {

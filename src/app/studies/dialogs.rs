@@ -77,7 +77,10 @@ impl Studies {
             let browsed = Field::new("Definition").column(96.0).show(ui, |ui, label| {
                 ui.horizontal_wrapped(|ui| {
                     let field = egui::TextEdit::singleline(&mut path).hint_text("path of a .toml file");
-                    ui.add(field.desired_width(300.0)).labelled_by(label);
+                    let field = ui.add(field.desired_width(300.0)).labelled_by(label);
+                    if std::mem::take(&mut self.opening) {
+                        field.request_focus();
+                    }
                     self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut path)
                 })
                 .inner
@@ -100,7 +103,7 @@ impl Studies {
     pub(super) fn take_made(&mut self, ctx: &egui::Context) -> Option<Destination> {
         let job = self.job.as_ref()?;
         let (made, warnings) = (job.poll()?, job.warnings());
-        self.job = None;
+        (self.job, self.error) = (None, None);
         warnings.into_iter().for_each(|warning| ui::complain(ctx, warning));
         match made {
             Err(error) => ui::complain(ctx, error),
@@ -113,7 +116,7 @@ impl Studies {
                 self.found = found;
             }
             Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
-            Ok(Made::Exported(text)) => ui::say(ctx, text),
+            Ok(Made::Exported(text) | Made::Stopped(text)) => ui::say(ctx, text),
             Ok(Made::Pilot(folder)) => {
                 ui::say(ctx, format!("Simulated in {}", folder.display()));
                 return Some(Destination::Analysis(folder));

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     app::ui::{self, Monitor},
     store::{
-        definition::BUILT_IN,
+        definition,
         settings::{Settings, remember},
     },
 };
@@ -21,7 +21,7 @@ impl Studies {
         // A relative path would lead to other sessions when the program starts in another folder.
         self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
         if !settings.study.is_empty() {
-            self.form.experiment.clone_from(&settings.study);
+            self.choose_experiment(settings.study.clone());
         }
         self.form.screen.profile.clone_from(&screen.profile);
         self.form.screen.distance_cm.clone_from(&screen.distance_cm);
@@ -53,8 +53,8 @@ impl Studies {
         if checked.protocol.is_none() {
             return;
         }
-        let is_file = !BUILT_IN.iter().any(|built_in| built_in.name == experiment.trim());
-        settings.study = if is_file { absolute(experiment) } else { experiment.trim().to_owned() };
+        let is_file = definition::built_in(Path::new(experiment)).is_none();
+        settings.study.clone_from(experiment);
         // The order of the studies stays while the user chooses among them.
         if is_file && !settings.recent.experiments.contains(&settings.study) {
             remember(&mut settings.recent.experiments, &settings.study);
@@ -68,10 +68,7 @@ impl Studies {
         if !is_typed {
             subject.clear();
         }
-        self.form.suggest(monitor);
-        if !is_typed {
-            self.suggested.clone_from(&self.form.cell.subject);
-        }
+        self.suggested = self.form.suggest(monitor);
     }
 
     /// Checks the form if something in it has changed.

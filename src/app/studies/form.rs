@@ -121,19 +121,21 @@ impl Default for SessionForm {
 }
 
 impl SessionForm {
-    /// Fills empty fields with values from the definition.
-    pub fn suggest(&mut self, monitor: &Monitor) {
+    /// Fills empty fields with values from the definition; returns the next participant of the study.
+    pub fn suggest(&mut self, monitor: &Monitor) -> String {
         if self.screen.screen_width_cm.is_empty() {
             self.screen.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
         }
-        let Ok(protocol) = self.protocol() else { return };
+        let Ok(protocol) = self.protocol() else { return String::new() };
         if self.screen.distance_cm.is_empty() {
             self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
         }
+        // If the folder cannot be read, the check says so.
+        let free = free_participant(&self.results(), &protocol).unwrap_or_default();
         if self.cell.subject.is_empty() {
-            // If the folder cannot be read, the check says so.
-            self.cell.subject = free_participant(&self.results(), &protocol).unwrap_or_default();
+            self.cell.subject.clone_from(&free);
         }
+        free
     }
 
     /// Returns the full path of the results folder; empty if none is given.
@@ -145,9 +147,6 @@ impl SessionForm {
         let mut errors = BTreeMap::new();
         let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
-        if let Err(error) = Identity::check_subject(&self.cell.subject) {
-            errors.insert(SessionField::Participant, error.to_string());
-        }
         if let Err(error) = Identity::check_session(&self.cell.session) {
             errors.insert(SessionField::Session, error.to_string());
         }
@@ -157,12 +156,14 @@ impl SessionForm {
             errors.insert(SessionField::Results, error);
         }
         let mut resume = false;
-        if let Some(Err(error)) = protocol.as_ref().map(|protocol| free_participant(&results, protocol)) {
+        let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
+        if let Some(Err(error)) = &free {
             errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
-            if self.cell.subject.is_empty() {
-                // It could not be suggested, for that reason.
-                errors.remove(&SessionField::Participant);
-            }
+        }
+        // Why none could be suggested is said at another field.
+        let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
+        if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
+            errors.insert(SessionField::Participant, error.to_string());
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, PoisonError,
+        Arc, Mutex, OnceLock, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -16,7 +16,7 @@ use crate::{
     analysis::power::Precision,
     app::ui::{
         self,
-        theme::{Icon, ink},
+        theme::{Icon, MESSAGE, ink},
         work::{BackgroundTask, Lost, Steps},
     },
     experiment::Protocol,
@@ -33,6 +33,9 @@ use crate::{
 pub const EFFECTS: &str = "Effects";
 pub const DEVIATIONS: &str = "People differ by";
 
+/// The error of a job that was stopped.
+const STOPPED: &str = "stopped";
+
 /// What a job made.
 #[derive(Clone, Debug)]
 pub enum Made {
@@ -40,6 +43,8 @@ pub enum Made {
     /// The folder of a simulated study.
     Pilot(PathBuf),
     Exported(String),
+    /// The user stopped it.
+    Stopped(String),
     Planned(Planned),
 }
 
@@ -92,6 +97,8 @@ pub struct Checked {
 struct State {
     steps: Steps,
     stopped: AtomicBool,
+    /// The folder in which a stopped job leaves what it has made.
+    folder: OnceLock<PathBuf>,
     /// What the user should know about a result.
     warnings: Mutex<Vec<String>>,
 }
@@ -110,14 +117,15 @@ impl Watcher for State {
     }
 
     fn check(&self, _: &Path) -> anyhow::Result<()> {
-        ensure!(!self.stopped.load(Ordering::Relaxed), "Stopped.");
+        ensure!(!self.stopped.load(Ordering::Relaxed), STOPPED);
         Ok(())
     }
 }
 
 /// A job that runs on a separate thread.
 pub struct Job {
-    what: &'static str,
+    /// What it does, as the beginning of a sentence.
+    pub what: &'static str,
     state: Arc<State>,
     work: BackgroundTask<Result<Made, String>>,
     /// Whether it writes files, so that it must come to its end.
@@ -168,12 +176,24 @@ impl Job {
         })
     }
 
+    /// Says in which folder the job leaves what it has made if it is stopped.
+    pub fn leaving(self, folder: PathBuf) -> Self {
+        let _ = self.state.folder.set(folder);
+        self
+    }
+
     /// Returns what the job made, once it is done.
     pub fn poll(&self) -> Option<Result<Made, String>> {
-        if !self.writes && self.state.stopped.load(Ordering::Relaxed) {
-            return Some(Err("Stopped.".to_owned()));
-        }
-        Some(self.work.poll()?.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned())))
+        let is_left = !self.writes && self.state.stopped.load(Ordering::Relaxed);
+        let made = if is_left { Ok(Err(STOPPED.to_owned())) } else { self.work.poll()? };
+        let made = made.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned()));
+        let kept = self.state.folder.get().map(|folder| format!(" What was made is in {}.", folder.display()));
+        Some(match made {
+            Err(error) if error == STOPPED => {
+                Ok(Made::Stopped(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))
+            }
+            made => made,
+        })
     }
 
     /// Returns what the user should know about the result.
@@ -183,6 +203,9 @@ impl Job {
 
     /// Draws how far the job is, and the button that stops it.
     pub fn show(&self, ui: &mut Ui) {
+        // The button is as high as the line.
+        ui.spacing_mut().interact_size.y = MESSAGE;
+        ui.spacing_mut().button_padding.y = 2.0;
         ui.horizontal(|ui| {
             Icon::Part.show(ui, ink(ui).text);
             self.state.steps.show(ui, self.what, "");

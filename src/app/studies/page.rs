@@ -6,7 +6,9 @@ use std::{
     rc::Rc,
 };
 
-use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, RichText, ScrollArea, TextureHandle, Ui};
+use eframe::egui::{
+    self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, TextureHandle, Ui, UiBuilder,
+};
 
 use super::{
     form::{Checked, SessionField, SessionForm},
@@ -26,6 +28,7 @@ use crate::{
         },
     },
     store::{
+        definition,
         session::overview::SessionState,
         settings::{Settings, remember},
     },
@@ -38,6 +41,8 @@ const CARDS: [f32; 2] = [336.0, 272.0];
 const ROOM_FOR_CARDS: f32 = 760.0;
 /// In a page lower than this, in points, there is no greeting.
 const ROOM_FOR_GREETING: f32 = 600.0;
+/// Minimum height of the grid, points. A page with less room for it scrolls.
+const GRID: f32 = 128.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -102,7 +107,9 @@ pub struct Studies {
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
-    /// Whether the dialog of a session was just opened, so that its first field gets the focus.
+    /// The height that the page needs, points.
+    pub(super) height: f32,
+    /// Whether the dialog of a session or of a definition was just opened, so that its first field gets the focus.
     pub(super) opening: bool,
 }
 
@@ -179,17 +186,22 @@ impl Studies {
             let panel = Panel::left("studies").resizable(false).exact_size(LIST[wide]).frame(frame);
             panel.show(ui, |ui| self.studies(ui));
         }
-        let page = CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN));
+        let room = ui.available_height() - 2.0 * MARGIN;
+        let height = room.max(self.height);
         let mut now = Now { checked, monitor, here, monitors, settings };
         let content = |ui: &mut Ui| {
-            ui.set_max_width(ui.available_width().min(theme::CONTENT));
-            if now.settings.greeting && ui.available_height() > ROOM_FOR_GREETING {
+            if now.settings.greeting && room > ROOM_FOR_GREETING {
                 next = self.greeting(ui, &mut now.settings.greeting).or(next.take());
             }
             next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         };
-        // The panel itself has the width of the window, and what it has cannot shrink.
-        page.show(ui, |ui| ui.scope(content));
+        CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
+            ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
+                let size = egui::vec2(ui.available_width().min(theme::CONTENT), height);
+                let place = Rect::from_min_size(ui.cursor().min, size);
+                ui.scope_builder(UiBuilder::new().max_rect(place), content);
+            });
+        });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
         if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
             self.set_width(width, "Measured with a card");
@@ -207,10 +219,14 @@ impl Studies {
 
     /// Chooses an experiment, by its name or its path. A distance that the user typed stays.
     pub fn choose_experiment(&mut self, name_or_path: String) {
-        self.form.experiment = name_or_path;
-        // The choice of gray belongs to the definition.
-        self.form.gray = false;
-        self.selected = None;
+        // A file that is named in two ways would be two studies.
+        self.form.experiment = match definition::built_in(Path::new(&name_or_path)) {
+            Some(_) => name_or_path,
+            None => ui::full(Path::new(&name_or_path)).display().to_string(),
+        };
+        // The choice of gray and who was entered belong to the definition.
+        (self.form.gray, self.form.cell) = (false, Cell::first(&self.suggested));
+        (self.selected, self.error) = (None, None);
         if self.form.screen.distance_cm == self.planned_cm {
             self.form.screen.distance_cm.clear();
         }
@@ -223,7 +239,7 @@ impl Studies {
             ui.label(RichText::new("Studies").strong().size(SECTION));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if quiet(ui, Icon::Folder, "", "Open a definition…").clicked() {
-                    self.open = Some(Open::Definition(String::new()));
+                    (self.open, self.opening) = (Some(Open::Definition(String::new())), true);
                 }
             });
         });
@@ -264,6 +280,11 @@ impl Studies {
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
+        let needed = (ui.max_rect().height() - ui.available_height() + GRID).round();
+        if needed != std::mem::replace(&mut self.height, needed) {
+            ui.ctx().request_discard("the page needs another height");
+            ui.ctx().request_repaint();
+        }
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());

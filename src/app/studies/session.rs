@@ -203,7 +203,8 @@ impl Studies {
 
     /// Begins the session of the form, if nothing in it is wrong.
     pub(super) fn begin_checked(&mut self, ui: &Ui, now: &mut Now<'_>) -> Option<Destination> {
-        let request = now.checked.request.clone()?;
+        // What was typed in this frame was not checked before the fields were drawn.
+        let request = self.check(now.monitor).request.clone()?;
         let again = self.form.check(now.monitor);
         let is_changed = again.request.as_ref().is_some_and(|again| again.protocol != request.protocol);
         if is_changed || again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
@@ -222,8 +223,7 @@ impl Studies {
             };
             return None;
         }
-        self.error = None;
-        Some(self.begin(ui, request, now.settings))
+        self.begin(ui, request, now.settings)
     }
 
     /// Resumes a session from the list: with the definition and the distance of its last sitting, and the screen of the
@@ -242,7 +242,7 @@ impl Studies {
             Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
         });
         match found {
-            Ok(request) => Some(self.begin(ui, request, now.settings)),
+            Ok(request) => self.begin(ui, request, now.settings),
             Err(error) => {
                 self.error = Some(error.to_string());
                 None
@@ -250,7 +250,13 @@ impl Studies {
         }
     }
 
-    pub(super) fn begin(&mut self, ui: &Ui, mut request: Request, settings: &Settings) -> Destination {
+    fn begin(&mut self, ui: &Ui, mut request: Request, settings: &Settings) -> Option<Destination> {
+        // Nothing else may use the processor while times are measured.
+        self.error =
+            self.job.as_ref().map(|job| format!("{} is still running. Stop it, or wait until it ends.", job.what));
+        if self.error.is_some() {
+            return None;
+        }
         request.windowed = !settings.full_screen;
         self.selected = Some(Cell::of(&request.identity));
         if settings.full_screen {
@@ -260,7 +266,7 @@ impl Studies {
                 None => ViewportCommand::Fullscreen(true),
             });
         }
-        Destination::Session(Box::new(request))
+        Some(Destination::Session(Box::new(request)))
     }
 }
 

@@ -32,7 +32,7 @@ impl<T: Clone + PartialEq> History<T> {
                 ui.add_enabled(enabled, Button::new(text)).on_hover_text(explanation).clicked()
             };
             undo |= button("Undo", self.0.has_undo(state), "Undoes the last change (Ctrl+Z).");
-            redo |= button("Redo", self.0.has_redo(state), "Repeats the change that was undone (Ctrl+Shift+Z).");
+            redo |= button("Redo", self.0.has_redo(state), "Redoes the change that was undone (Ctrl+Shift+Z).");
             if button("Reset", *state != initial, "Sets everything here to its initial value. This can be undone.") {
                 self.settle(state);
                 state.clone_from(&initial);
