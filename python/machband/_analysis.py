@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Table, flag, named, nearest, number, plotted, suggests, table
+from ._common import Table, flag, in_python, named, nearest, number, plotted, suggests, table
 from ._common import path as path_of
 from ._tables import columns, encoded, labeled
 
@@ -44,7 +44,10 @@ class Figure(NamedTuple):
         path = Path(path_of("path", path))
         if path.suffix not in (".svg", ".png"):
             raise _machband.Error(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
-        path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
+        try:
+            path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
+        except OSError as error:
+            raise _machband.Error(f"{path}: {error.strerror}; expected a file in a folder") from None
 
 
 @suggests
@@ -65,10 +68,11 @@ class Analysis:
     warnings: list[str]
     errors: list[str]
 
-    def __init__(self, native: _machband.Analysis) -> None:
-        """Wrap the results."""
+    def __init__(self, native: _machband.Analysis, given: list[str], known: Iterable[str]) -> None:
+        """Wrap the results for the paths given; `known` are the arguments that messages may name."""
         self._native = native
-        self.warnings, self.errors = native.problems()
+        self._given = given
+        self.warnings, self.errors = ([in_python(one, known) for one in texts] for texts in native.problems())
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle everything that can be asked for; the model cannot be fitted again without the data."""
@@ -106,7 +110,7 @@ class Analysis:
 
     @cached_property
     def _inputs(self) -> list[str]:
-        return [os.fspath(path) for path in self._native.inputs()]
+        return [*self._given, *map(os.fspath, self._native.inputs())]
 
     @cached_property
     def _report_files(self) -> dict[str, bytes]:
@@ -204,9 +208,11 @@ class Analysis:
             A table as for `analyze`, with a column for each factor in the model. The levels must be among those analyzed;
             terms with ``num:`` take any number. The table ``predictions`` averages over people instead.
         """
-        given = columns(data)
-        if given is None:
+        listed = columns(data)
+        if listed is None:
             raise TypeError(f"data is {type(data).__name__}; expected a table")
+        names = [name for name, _ in listed]
+        given = {name: column for name, column in listed if names.count(name) == 1}
         estimates = np.array([row["estimate"] for row in self._rows], np.float64)[:, np.newaxis]
         thresholds = estimates[: len(self.model["thresholds"])]
         latent = np.zeros(max((len(column) for column in given.values()), default=0))
@@ -226,7 +232,7 @@ class Analysis:
         inverse = name == "inv_n" and name not in given
         name = "depth" if inverse else name
         if name not in given:
-            raise _machband.Error(f"the column {name} is missing; expected a column for each factor in the model")
+            raise _machband.Error(f"the column {name} is missing or appears twice; expected one for each factor in the model")
         texts, codes, _ = labeled(name, encoded(name, given[name]))
         if (codes < 0).any():
             raise _machband.Error(f"{name} is missing in row {codes.argmin()} (counted from 0); expected a level")

@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _machband
 from ._machband import Error
@@ -69,17 +70,20 @@ def suggests(of: F) -> F:
                     name, among={*known, *_STIMULUS_PARAMETERS}
                 ):
                     raise refused(name) from None
-            error.args = (_in_python(str(error), known),)
+            error.args = (in_python(str(error), known),)
             raise
 
     return checked  # type: ignore[return-value]
 
 
-def _in_python(message: str, known: list[str]) -> str:
-    """Return an error of the library with arguments in place of options, and the nearest of the values it expects."""
+def in_python(message: str, known: Iterable[str]) -> str:
+    """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.replace("_", "-"): name for name in known}
+    # The order of levels is an argument of `factors`.
+    message = message.replace(", --levels", "").replace("the options of", "the arguments of")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
-    if (found := re.search(", such as ([a-z_]+) (\\S+)$", message)) and found[1] in known:
+    message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
+    if (found := re.search(", such as ([a-z_]+) (\\S+)$", message)) and found[1] in argument.values():
         is_number = re.fullmatch(r"-?[\d.]+", found[2])
         message = f"{message[: found.start()]}, such as {found[1]}={found[2] if is_number else repr(found[2].strip(chr(39)))}"
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
@@ -229,8 +233,11 @@ def path(name: str, given: object) -> str:
 
 Fields = dict[str, "str | bool | list[str]"]
 
+#: Values in an order.
+Listed = Union[Sequence[Any], npt.NDArray[Any]]
+
 #: Texts or numbers, or one line of CSV with them.
-Texts = Union[str, Sequence[Union[str, float]]]
+Texts = Union[str, Sequence[Union[str, float]], npt.NDArray[Any]]
 
 #: A seed, from 0 to 2^64 − 1, or a generator that draws one.
 Seed = Union[int, np.random.Generator, np.random.SeedSequence]
@@ -271,7 +278,7 @@ _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None
     "str | PathLike[str]": path,
     "Texts": texts,
     "float | Texts": texts,
-    "Mapping[str, Sequence[Any]]": levels,
+    "Mapping[str, Listed]": levels,
 }
 
 

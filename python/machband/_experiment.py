@@ -22,7 +22,8 @@ def _plain(given: object) -> Any:
     if isinstance(given, Mapping):
         return {str(key): _plain(item) for key, item in given.items() if item is not None}
     if isinstance(given, np.generic):
-        given = given.item()
+        # A number is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
+        given = float(str(given)) if isinstance(given, np.floating) else given.item()
     if isinstance(given, os.PathLike):
         return os.fspath(given)
     if isinstance(given, (str, bool, int)):
@@ -190,7 +191,7 @@ def simulate(
     if isinstance(definition, Mapping):
         definition = Definition.from_dict(definition)
     if not isinstance(definition, Definition):
-        definition = Definition(definition)
+        definition = Definition(path("definition", definition))
     with tempfile.TemporaryDirectory(prefix="machband-") as temporary:
         folder = temporary if results is None else path("results", results)
         given = {**options(simulate, locals(), "results"), "results": folder}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +16,7 @@ from . import _machband
 from ._common import Dither, Fields, Seed, flag, numbers, options, path, png, suggests, unmasked, whole
 from ._stimulus import Codes, Transfer
 
-Triple = Sequence[float]
+Triple = Union[Sequence[float], npt.NDArray[Any]]
 Shader = Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
 Shape = Literal[
     "cube",
@@ -249,13 +250,22 @@ def shade(
         if normals is not None and estimated is None:
             raise TypeError(f"shade() got normals for the mesh {file!r}; expected only arrays or only a name")
         if file.endswith(".toml"):
-            image: Fields = {name: given[name] for name in ("size", "bits", "transfer", "display") if name in given}
+            of_image = ("size", "transfer", "display", "bits", "dither", "seed")
+            defaults = {name: one.default for name, one in inspect.signature(shade).parameters.items()}
+            usual = options(shade, defaults, "truth", "metrics")
+            given["n_vertices"] = str(n_vertices)
+            other = [name for name, field in given.items() if name not in of_image and field != usual.get(name)]
+            if other:
+                raise TypeError(f"shade() got {other[0]} for the scene {file!r}; expected only {', '.join(of_image)}")
+            image: Fields = {name: given[name] for name in of_image if name in given}
             return Shaded(_machband.shade({"scene": file, **image}, None, False)[0], None)
         fields = {**given, **_named(file, n_vertices)}
         codes, measured = _machband.shade(fields, None, is_measured)
     else:
         if triangles is None:
             raise TypeError("shade() got vertices without triangles; expected both")
+        if n_vertices != 313:
+            raise TypeError("shade() got n_vertices for arrays; expected it only for the name of a shape")
         if estimated == "given":
             raise TypeError("normals is 'given', which is for files; expected an array, or a way to estimate them")
         positions = _rows("vertices", vertices, np.float64)

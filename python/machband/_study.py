@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import csv
+import inspect
 import json
 import os
+import re
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -17,7 +20,7 @@ import numpy.typing as npt
 
 from . import _machband
 from ._analysis import Analysis
-from ._common import Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, words
+from ._common import Listed, Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, words
 from ._machband import DataError, Error
 from ._tables import MISSING, Cells, Levels, columns, encoded, labeled, ordered
 
@@ -83,6 +86,18 @@ def _wrong(rows: npt.NDArray[Any], said: str) -> DataError:
     return error
 
 
+def _located(error: Error, responses: list[Cells]) -> Error:
+    """Return an error with the rows of its numbers if they look like codes for a missing answer, such as -99."""
+    if isinstance(error, DataError) or not (codes := re.search(", such as missing '?([^']+)'?$", str(error))):
+        return error
+    texts = [labeled("", cells) for cells in responses]
+    # The last one stands for missing values, whose index is -1.
+    is_code = [np.append(np.isin(one.levels, codes[1].split(",")), False)[one.codes] for one in texts]
+    located = DataError(str(error))
+    located.rows = np.flatnonzero(np.any(is_code, axis=0))
+    return located
+
+
 def _marks(cells: Cells) -> npt.NDArray[np.int64]:
     """Return which rows a program answered: 1, otherwise 0."""
     texts, codes, _ = labeled("simulated", cells)
@@ -118,7 +133,7 @@ def analyze(
     count: str | None = None,
     direction: Texts | None = None,
     exclude: Texts | None = None,
-    only: Mapping[str, Sequence[Any]] | None = None,
+    only: Mapping[str, Listed] | None = None,
     complete_only: bool = False,
     order: str | None = None,
     time: str | None = None,
@@ -142,7 +157,7 @@ def analyze(
     response: str | None = None,
     missing: float | Texts | None = None,
     level: str | None = None,
-    factors: Texts | Mapping[str, Sequence[Any]] | None = None,
+    factors: Texts | Mapping[str, Listed] | None = None,
     on_error: Literal["raise", "drop"] = "raise",
 ) -> Analysis:
     """Analyze ratings, as ``machband analyze`` does: descriptive statistics, ordinal mixed model, tests, figures.
@@ -260,6 +275,7 @@ def analyze(
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}
+    names: list[str] = []
     orders: dict[str, list[str]] = {}
     given_columns = columns(data)
     if given_columns is None:
@@ -267,11 +283,14 @@ def analyze(
         if not cells:
             raise Error("there are no paths; expected at least one")
     else:
-        found = {name: encoded(name, column) for name, column in given_columns.items()}
+        found = {name: encoded(name, column) for name, column in given_columns}
         if not found:
             raise Error("the table has no columns; expected at least a participant, a rating and a factor")
         known = getattr(data, "attrs", {})
         orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
+        twice = Counter(name for name, _ in given_columns) - Counter(list(found))
+        if "simulated" in twice:
+            raise Error("two columns are named 'simulated'; expected one")
         if "simulated" in found:
             found["simulated"] = _marks(found["simulated"])
         elif known.get("simulated"):
@@ -287,7 +306,8 @@ def analyze(
             if is_ours and "phase" in found:
                 # The library would assume a scale from 0 to 3.
                 response = "rating"
-        cells = [(name, cell[:2] if isinstance(cell, Levels) else cell) for name, cell in found.items()]
+        # The library refuses a name that two columns have if it is used.
+        cells = [(name, cell[:2] if isinstance(cell := found[name], Levels) else cell) for name in [*found, *twice]]
     if categories is not None and response is None and wide is None:
         response = "rating"
     given = options(analyze, locals(), "factors", "on_error")
@@ -300,7 +320,12 @@ def analyze(
     if declared:
         given["levels"] = levels("factors", declared)
     with progress("simulated studies") as show:
-        analysis = Analysis(_machband.analyze(given, cells, [*orders.items()], on_error == "drop", show))
+        try:
+            native = _machband.analyze(given, cells, [*orders.items()], on_error == "drop", show)
+        except Error as error:
+            raise _located(error, [found[name] for name in names if name in found]) from None
+    paths = [one for one in cells if isinstance(one, str)]
+    analysis = Analysis(native, paths, inspect.signature(analyze).parameters)
     for problem in [*analysis.warnings, *analysis.errors]:
         warnings.warn(problem, DataWarning, stacklevel=3)
     return analysis

@@ -31,22 +31,20 @@ class Levels(NamedTuple):
 Cells = Union[Whole, npt.NDArray[np.float64], Levels]
 
 
-def columns(data: Any) -> dict[str, Any] | None:
+def columns(data: Any) -> list[tuple[str, Any]] | None:
     """Return the columns of a table, and named index levels of pandas; or `None` if `data` is not a table."""
     found = _columns(data)
     if found is None:
         return None
     names = [_text("the name of a column", name if isinstance(name, bytes) else str(name)) for name, _ in found]
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise Error(f"two columns are named {twice[0]!r}; expected a different name for each")
     for name, (_, column) in zip(names, found, strict=True):
-        if not hasattr(column, "__len__"):
+        if not hasattr(column, "__len__") or isinstance(column, (str, bytes)) or getattr(column, "ndim", 1) == 0:
             raise TypeError(f"column {name!r} is {column!r}; expected a list or an array")
     rows = [len(column) for _, column in found]
     for name, count in zip(names, rows, strict=True):
         if count != rows[0]:
             raise Error(f"{name} has length {count}; expected {rows[0]}, as {names[0]} has")
-    return {name: column for name, (_, column) in zip(names, found, strict=True)}
+    return [(name, column) for name, (_, column) in zip(names, found, strict=True)]
 
 
 def _columns(data: Any) -> list[tuple[Any, Any]] | None:

@@ -89,7 +89,9 @@ pub fn compare<'py>(
 pub fn steps<'py>(py: Python<'py>, fields: Fields, given: Option<Shown<'py>>) -> PyResult<Bound<'py, PyDict>> {
     let request = request::<Compare>(fields)?;
     let given = match given.map(Shown::picture).transpose()? {
-        Some(Picture::Light(_)) => return Err(error("light has no codes; expected codes as uint8 or uint16")),
+        Some(Picture::Light(_)) => {
+            return Err(error("picture is light, which has no codes; expected codes as uint8 or uint16"));
+        }
         Some(Picture::Codes(codes)) => Some(codes),
         None => None,
     };

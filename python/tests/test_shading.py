@@ -59,8 +59,12 @@ def test_a_scene_of_several_meshes(command, image, tmp_path):
     from conftest import ROOT
 
     scene.write_text((ROOT.parent / "examples" / "scenes" / "glass.toml").read_text())
-    command("shade", "scene.toml", "--size", 96, "--out", "image.png")
-    assert np.array_equal(machband.shade(scene, size=96).image, image("image.png"))
+    for more in [{}, {"dither": "random", "seed": 3}]:
+        command("shade", "scene.toml", "--size", 96, "--out", "image.png", "--force", *(f"--{k}={v}" for k, v in more.items()))
+        assert np.array_equal(machband.shade(scene, size=96, **more).image, image("image.png"))
+    for other in [{"shader": "flat"}, {"rotate": (0, 0, 0)}, {"truth": True}, {"n_vertices": 9}]:
+        with pytest.raises(TypeError, match=f"got {next(iter(other))} for the scene .*; expected only size"):
+            machband.shade(scene, **other)
 
 
 TRIANGLE = ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
@@ -87,6 +91,7 @@ def test_a_repaired_mesh_is_a_warning():
         ((*TRIANGLE, np.full((3, 3), np.nan)), {}, machband.Error, "normal 0 is zero or not finite"),
         (TRIANGLE, {"normals": "given"}, TypeError, "for files; expected an array"),
         (TRIANGLE, {"normals": "mean"}, machband.Error, "given, averaged, max, cubic, best"),
+        (TRIANGLE, {"n_vertices": 9}, TypeError, "n_vertices for arrays"),
         (TRIANGLE, {"size": "big"}, TypeError, "size is 'big'"),
         ((TRIANGLE[0],), {}, TypeError, "without triangles"),
         (TRIANGLE, {"shader": "gourad"}, machband.Error, "gouraud"),

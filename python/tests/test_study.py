@@ -36,6 +36,9 @@ def test_a_definition_from_a_dict_is_the_files(tmp_path):
         }
     )
     assert again.conditions().equals(machband.Definition("bangay2003").conditions())
+    factors = {"width": np.float32([0.1, 0.2]), "depth": [np.int8(1), np.float32(np.inf)]}
+    keys = {"schema": 1, "name": "d", "stimulus": {"kind": "mach-band"}, "factors": factors}
+    assert machband.Definition.from_dict(keys).to_dict()["factors"]["width"] == [0.1, 0.2]
     assert again.schedule("P1", "2", 7).equals(machband.Definition("bangay2003").schedule("P1", "2", 7))
     file = tmp_path / "d.toml"
     file.write_text('schema = 1\nname = "d"\n[stimulus]\nkind = "cornsweet"\n')
@@ -186,8 +189,12 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
     assert "machband analyze" not in of_frame
     written = found.save(tmp_path / "analysis")
     assert {path.name for path in written} == {*found.files, *found._report_files}
-    with pytest.raises(machband.Error, match="exists"):
+    with pytest.raises(machband.Error, match="already exists; expected a new file, or force=True"):
         found.save(tmp_path / "analysis")
+    with pytest.raises(machband.Error, match="is an input"):
+        found.save(sessions[0])
+    with pytest.raises(machband.Error, match="expected a file in a folder"):
+        figure.save(tmp_path / "missing" / "figure.png")
     found.save(tmp_path / "analysis", force=True)
 
 
@@ -275,13 +282,14 @@ def test_generators_of_numpy_are_seeds():
         ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),
         ({"a": [1], "b": [1, 2]}, {}, ValueError, "b has length 2; expected 1, as a has"),
         ({"a": [[1]]}, {}, ValueError, "one dimension"),
+        ({"a": np.array("b")}, {}, TypeError, "column 'a' is array.* expected a list or an array"),
         ({b"subject_id": ["a"], b"rating": [7]}, {"factors": "c"}, machband.Error, "expected one of subject_id, rating"),
-        ({"subject_id": [*"ab"] * 9, "rating": [0, 1, 2] * 5 + [-99] * 3, "w": [*"xy"] * 9}, {"factors": "w"}, machband.Error, "such as missing=-99$"),
+        ({"subject_id": [*"ab"] * 9, "rating": [0, 1, 2] * 5 + [-99] * 3, "w": [*"xy"] * 9}, {"factors": "w"}, machband.DataError, "such as missing=-99$"),
         ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),
         ({"subject_id": ["a"], "rating": [1]}, {"lnik": "logit"}, TypeError, "did you mean 'link'"),
         ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "^table: .* depht"),
         ([{"subject_id": "a", "rating": 1}], {}, TypeError, "dict is not a path; expected .* dict of columns"),
-        (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "w", "w"]), {}, machband.Error, "two columns are named 'w'"),
+        (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "rating", "rating"]), {"terms": "w"}, machband.Error, "rating appears twice"),
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),

@@ -84,8 +84,12 @@ def test_wrong_rows_raise_with_their_positions():
     continuous = frame.assign(rating=np.random.default_rng(1).random(600))
     with pytest.raises(machband.Error, match="categories"):
         machband.analyze(continuous, **given)
-    with pytest.raises(machband.Error, match="-99"):
+    with pytest.raises(machband.DataError, match="-99") as caught:
         machband.analyze(frame.replace({"rating": {6: -99}}), **given)
+    assert caught.value.rows.tolist() == list(range(5, 600, 6))
+    with pytest.raises(machband.DataError, match="100 of 600 rows have no participant") as caught:
+        machband.analyze(frame.assign(who=frame.who.where(frame.rating < 6)), **given)
+    assert caught.value.rows.tolist() == list(range(5, 600, 6))
     infinite = frame.assign(rating=frame.rating.where(frame.index != 7, np.inf))
     with pytest.raises(machband.DataError, match="rating inf; expected one of 1, 2, 3") as caught:
         machband.analyze(infinite, **given)
@@ -194,8 +198,14 @@ def test_wrong_tables_of_others_are_refused():
     with pytest.raises(machband.Error, match="DataFrame cannot be read: .*expected columns that Arrow has"):
         machband.analyze(frame.with_columns(dose=polars.lit(1, polars.Int128)), **GIVEN)
     arrow = pyarrow.table(frame)
-    with pytest.raises(machband.Error, match="two columns are named 'dose'"):
+    with pytest.raises(machband.Error, match="the column dose appears twice"):
         machband.analyze(arrow.append_column("dose", arrow["who"]), **GIVEN)
+    # A column that nobody uses may have any name.
+    unused = arrow.append_column("x", arrow["who"]).append_column("x", arrow["dose"])
+    found, plain = (machband.analyze(table, categories=["low", "mid, or so", "high"], **GIVEN) for table in [unused, arrow])
+    assert found.files == plain.files and len(found.predict(unused)) == len(arrow)
+    with pytest.raises(machband.Error, match="two columns are named 'simulated'"):
+        machband.analyze(unused.rename_columns([*arrow.column_names, "simulated", "simulated"]), **GIVEN)
 
 
 def test_wide_columns_have_their_scale():

@@ -33,6 +33,7 @@ def test_typical_mistakes_are_found(checker, tmp_path):
     file = tmp_path / "mistakes.py"
     right = ["stimuli.mach_band(width=0.2, depth='inf')", "machband.stimulus('kanizsa', size=64, side=0.5)",
              "machband.analyze({}, missing=-99, categories=[1, 2, 3], exclude=range(3))",
+             "machband.analyze({}, categories=machband.mesh()[1], only={'a': machband.mesh()[0]})",
              "[machband.light(kind, **stimuli.mach_band().parameters) for kind in machband.kinds()]"]
     file.write_text("\n".join(["import machband", "from machband import stimuli", *MISTAKES, *right, ""]))
     words = ["--pythonpath", sys.executable] if checker == "pyright" else []

@@ -76,7 +76,7 @@ def test_steps_are_those_of_the_command(command, tmp_path):
     told = json.loads(command("compare", "slow.png", "--steps", "--window", 20, "--json"))
     of_file = machband.steps(tmp_path / "slow.png", window_deg=20)
     assert [of_file.steps, of_file.dithered] == pytest.approx([told["steps"], told["dithered"]])
-    with pytest.raises(ValueError, match="light has no codes"):
+    with pytest.raises(ValueError, match="picture is light, which has no codes"):
         machband.steps(codes / 255, window_deg=16)
 
 

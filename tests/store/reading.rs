@@ -9,7 +9,7 @@ use std::{
 use machband::{
     analysis::counts::Role,
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
-    report::Study,
+    report::{Study, StudyError},
     store::{
         Columns, FileErrors,
         dataset::SessionPaths,
@@ -451,6 +451,11 @@ mod layouts {
         assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): rating {; expected one of 0, 1");
         let error = Study::from_columns("ratings", unequal, &how).unwrap_err().to_string();
         assert_eq!(error, "ratings: the column answer has 1 rows; expected 60, as in who");
+        let nobody: Vec<i64> = (0..60).map(|row| if row < 2 { -1 } else { 0 }).collect();
+        let columns = Columns::default().with_levels("who", &["A"], &nobody);
+        let columns = columns.with_whole("answer", &answers).with_whole("width", &answers);
+        let Err(StudyError::Files(errors)) = Study::from_columns("ratings", columns, &how) else { panic!() };
+        assert_eq!(errors.0[0].rows, [0, 1]);
     }
 
     #[test]
@@ -833,6 +838,12 @@ mod discovery {
         file(&folder, "b/analysis/cells.csv", row("z"));
         let counts = file(&folder, "b/analysis/counts.csv", row("z"));
         assert_eq!((subjects(&[&b]).as_str(), subjects(&[&counts]).as_str()), ("d", "z"));
+        // One that was written into a data set does not hide its sessions.
+        let (results, files) = study(&["S1"]);
+        for name in ["cells.csv", "counts.csv"] {
+            fs::write(files[0].ancestors().nth(2).unwrap().join(name), row("z")).unwrap();
+        }
+        assert_eq!(read(&[results.path()], &ReadOptions::default()).1.len(), expected(&files).len());
     }
 
     #[test]

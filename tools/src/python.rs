@@ -208,7 +208,7 @@ impl Type {
             Self::Choice(names) => format!("Literal[{}]", quoted(names)),
             Self::Path => "str | PathLike[str]".to_owned(),
             Self::Texts => "Texts".to_owned(),
-            Self::Levels => "Mapping[str, Sequence[Any]]".to_owned(),
+            Self::Levels => "Mapping[str, Listed]".to_owned(),
         };
         let [default] = option.get_default_values() else { return format!("{kind} | None = None") };
         let default = default.to_string_lossy();

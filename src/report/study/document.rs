@@ -120,7 +120,9 @@ impl Study {
                 _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
             };
             let message = format!("{what}, so nothing is analyzed; expected at most {share}\u{a0}% of such rows");
-            return Err(FileErrors([source.errors, vec![FileError::whole(file, message)]].concat()).into());
+            let rows = source.files.iter().flat_map(|file| &file.nobodys).copied().collect();
+            let error = FileError { rows, ..FileError::whole(file, message) };
+            return Err(FileErrors([source.errors, vec![error]].concat()).into());
         }
         let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
         let codes = if source.shape.categories.is_none() { all.counts.codes() } else { Vec::new() };

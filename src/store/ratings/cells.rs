@@ -237,6 +237,9 @@ pub(super) fn add_rows(
                     &mut read.counted
                 }
                 Ok(Err(reason)) => {
+                    if reason == Reason::NoParticipant && input.in_memory() {
+                        read.nobodys.push(row);
+                    }
                     let by_participant = read.left_out.entry(reason).or_default();
                     let id = if reason == Reason::NoParticipant { "" } else { cells.subject(row) };
                     by_participant.entry(id.to_owned()).or_default()

@@ -181,13 +181,14 @@ impl Listed {
         listed
     }
 
-    /// Lists what is in one folder, and returns the folders in it. An analysis that was
-    /// written below `root` is not part of the data: its counts would count every rating again.
+    /// Lists what is in one folder, and returns the folders in it. An analysis that was written below `root`, but not
+    /// into a data set, is not part of the data: its counts would count every rating again.
     fn enter(&mut self, root: &Path, folder: &Path) -> std::io::Result<Vec<PathBuf>> {
         let mut folders = Vec::new();
         let inside = entries(folder)?;
-        let has = |names: &[&str; 2]| names.iter().all(|name| inside.contains(&folder.join(name)));
-        if folder != root && ANALYSES.iter().any(has) {
+        let has = |name: &str| inside.contains(&folder.join(name));
+        let is_analysis = || ANALYSES.iter().any(|names| names.iter().all(|name| has(name)));
+        if folder != root && !has(DESCRIPTION) && is_analysis() {
             return Ok(folders);
         }
         for path in inside {

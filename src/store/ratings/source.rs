@@ -229,6 +229,8 @@ pub struct FileRead {
     pub repeated: u64,
     /// Other rows that do not count: for each reason, their number by participant.
     pub left_out: BTreeMap<Reason, BTreeMap<String, u64>>,
+    /// The rows without a participant in a table in memory, counted from 0.
+    pub nobodys: Vec<usize>,
     /// For each participant whose ratings are partly or all marked as simulated in the file, which then needs no sidecar: how
     /// many are, and how many there are.
     pub simulated: BTreeMap<String, [u64; 2]>,
