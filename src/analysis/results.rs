@@ -339,7 +339,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
 }
 
 /// Returns the indices of the covariates.
-fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
+pub(crate) fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
     let is_covariate = |&factor: &usize| {
         let name = &counts.factors[factor].name;
         match &options.covariates {
