@@ -39,7 +39,11 @@ pub enum ExclusionError {
         known: Vec<String>,
     },
     /// The factor has no such level.
-    #[error("{level} is not a level of {factor}; {}", expected_one_of(.level, .known))]
+    #[error(
+        "{level} is not a level of {factor}; {}{}",
+        expected_one_of(.level, .known),
+        if .level.contains('=') { "; repeat the option for another factor" } else { "" }
+    )]
     Level {
         /// Name of the factor.
         factor: String,
