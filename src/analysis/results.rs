@@ -359,7 +359,13 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (
     let is_varied = |factor: &usize| counts.factors[*factor].levels.len() > 1 && options.items != Some(name(*factor));
     let varied: Vec<usize> = (0..counts.factors.len()).filter(is_varied).collect();
     let determined = |own: usize| counts.determined_by(own, &varied).filter(|_| !covariates.contains(&own));
-    let nested = |own: &usize| determined(*own).map(|other| Note::Nested { factor: name(*own), other: name(other) });
+    let nested = |own: &usize| {
+        determined(*own).map(|other| Note::Nested {
+            factor: name(*own),
+            other: name(other),
+            varies: counts.is_within(*own),
+        })
+    };
     let main = |own: usize| {
         let variable =
             if covariates.contains(&own) { Variable::Number(name(own)) } else { Variable::Factor(name(own)) };

@@ -373,9 +373,13 @@ fn a_factor_that_determines_another_is_no_term() {
     let tests = &results.model.as_ref().unwrap().terms;
     assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
     let Summary { findings, cautions, .. } = said(&results);
-    let is_said = cautions
-        .iter()
-        .any(|text| text.starts_with("The factor picture is not in the model, because each of its levels"));
+    let start = "The factor picture is not in the model, because each of its levels occurs with one level of detail";
+    let is_said = cautions.iter().any(|text| *text == format!("{start}; with --items, it is a sample of stimuli."));
+    // Rooms in which people are nested are no stimuli.
+    let room = |person: usize, row: usize| (row == person % 4).then_some(0.0);
+    let rooms = analyze(study(&["room", "lab"], &rows, (16, 6, 4), room), &options(None));
+    let is_plain = said(&rooms).cautions.iter().any(|text| text.ends_with("occurs with one level of lab."));
+    assert!(is_plain, "{:?}", said(&rooms).cautions);
     let is_found = findings.iter().any(|text| text.starts_with("By detail, the mean rating is higher at high"));
     assert!(is_said && is_found, "{findings:#?} {cautions:#?}");
 }

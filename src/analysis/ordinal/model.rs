@@ -262,9 +262,15 @@ pub enum Note {
     AliasedTerm { term: String },
     /// A factor is not a term, because it determines another one.
     #[error(
-        "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
+        "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}{}",
+        if *.varies { "; with --items, it is a sample of stimuli" } else { "" }
     )]
-    Nested { factor: String, other: String },
+    Nested {
+        factor: String,
+        other: String,
+        /// Whether it varies within participants, so that its levels may be stimuli.
+        varies: bool,
+    },
     /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
     #[error("the coefficient {coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]

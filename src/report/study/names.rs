@@ -39,7 +39,9 @@ pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
         Note::MissingValues { factor: name, .. } | Note::NoItemVariance { items: name } => {
             *name = factor(results, name)
         }
-        Note::Nested { factor: own, other } => [own, other].into_iter().for_each(|name| *name = factor(results, name)),
+        Note::Nested { factor: own, other, .. } => {
+            [own, other].into_iter().for_each(|name| *name = factor(results, name));
+        }
         Note::Rebased { factor: name, baseline, separated, .. } => {
             [baseline, separated].into_iter().for_each(|own| *own = level(results, name, own).to_string());
             *name = factor(results, name);
