@@ -516,6 +516,8 @@ fn tied_means_are_one() {
         }
         analyze(builder.finish(), &options(None))
     };
+    let tied = said(&with(["A", "B", "C"])).findings[0].clone();
+    assert!(tied.contains("lie between 0.33 (at C) and 0.78 (at A and B)"), "{tied}");
     let finding = said(&with(["A", "B", ""])).findings[0].clone();
     assert!(finding.contains("0.78 at all levels") || finding.contains("the same at all levels"), "{finding}");
     for names in [["2", "3", "1"], ["3", "2", "1"]] {
@@ -526,7 +528,7 @@ fn tied_means_are_one() {
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.
 #[test]
 fn an_age_is_no_condition() {
-    let ages: Vec<String> = (0..20).map(|person| (20 + 3 * person).to_string()).collect();
+    let ages: Vec<String> = (0..20).map(|person| format!("{}.304818901934", 20 + 3 * person)).collect();
     let rows: Vec<[&str; 2]> = ages.iter().flat_map(|age| [[age.as_str(), "a"], [age.as_str(), "b"]]).collect();
     let latent =
         |person: usize, row: usize| (row / 2 == person).then_some(0.15 * person as f64 + (row % 2) as f64 - 2.0);
@@ -538,7 +540,8 @@ fn an_age_is_no_condition() {
         lead[0].contains("of 2 conditions") && lead.concat().contains("The model has the covariate age"),
         "{lead:?}"
     );
-    assert!(findings.iter().any(|text| text.starts_with("Ratings depend on age")), "{findings:?}");
+    let of_age = findings.iter().find(|text| text.starts_with("Ratings depend on age")).expect("a finding");
+    assert!(of_age.contains("From age 20.3 to 77.3, the odds"), "{of_age}");
     assert_eq!(analyze(measured.clone(), &options(Some("age,cond"))).spec.terms.to_string(), "num:age,cond");
     let none = Options { covariates: Some(Vec::new()), ..options(Some("age,cond")) };
     let by_level = analyze(measured.clone(), &none);

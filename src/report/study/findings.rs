@@ -65,7 +65,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         2 => format!("By {name}, {ratings} are {least} at {low} and {most} at {high}"),
         // A slope is the same at every level.
         _ if is_trend => format!("By {name}, {ratings} lie between {least} and {most}"),
-        _ => format!("By {name}, {ratings} lie between {least} at {low} and {most} at {high}"),
+        _ => format!("By {name}, {ratings} lie between {least} (at {low}) and {most} (at {high})"),
     };
     let mut text = before
         + &if evidence.p < ALPHA {
@@ -391,7 +391,7 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last].map(|(_, level)| names::level(results, &factor.name, level));
+    let [low, high] = [first, last].map(|(_, level)| names::short_level(results, &factor.name, level));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",
