@@ -350,6 +350,9 @@ fn missing_levels_and_two_categories_have_sections_of_their_own() {
     let html = page(&source(&["a", "b"]), &results);
     assert!(html.contains("they have 40 to 48 ratings each."), "{html}");
     assert!(html.contains("48 ratings lack a level of a factor and belong to no condition."), "{html}");
+    // Nor are they a condition of which agreement is measured.
+    let alpha = html.split("Krippendorff’s ordinal α is").nth(1).unwrap();
+    assert!(alpha.contains("from 128 ratings of 3 conditions"), "{alpha}");
     assert!(!html.contains("Is one coefficient per effect enough?") && html.contains("Does each term matter?"));
 }
 

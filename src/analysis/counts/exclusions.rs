@@ -60,7 +60,12 @@ pub enum ExclusionError {
 impl Counts {
     /// Returns the number of conditions in which every factor has a value.
     pub fn complete_conditions(&self) -> u64 {
-        self.conditions.iter().filter(|levels| levels.iter().all(Option::is_some)).count() as u64
+        (0..self.conditions.len() as u32).filter(|condition| self.is_complete(*condition)).count() as u64
+    }
+
+    /// Returns whether every factor has a value in a condition.
+    pub(in crate::analysis) fn is_complete(&self, condition: u32) -> bool {
+        self.conditions[condition as usize].iter().all(Option::is_some)
     }
 
     /// Returns the levels of a factor, and `NA` if it has missing values.
