@@ -177,7 +177,7 @@ class Analysis:
         of_level = {}
         for pair in self.model["comparisons"]:
             from_baseline = {(pair["factor"], pair["level"]), (pair["factor"], pair["other"])} & shifted
-            if len(from_baseline) == 1 and not pair["at"]:
+            if len(from_baseline) == 1 and not pair["at"] and not pair["average"]:
                 of_level[from_baseline.pop()] = pair["p"]
         main = {row["name"]: (row["term"], row["parts"][0]["level"]) for row in self.model["coefficients"]}
         found = [of_term.get(row.get("term"), of_level.get(main.get(row["name"], ("", "")))) for row in self._rows]

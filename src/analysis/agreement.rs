@@ -27,6 +27,9 @@ const LEAST_PER_UNIT: usize = 4;
 /// Maximum number of groups of participants that the jackknife leaves out in turn.
 const MAX_GROUPS: usize = 100;
 
+/// Smallest number of pairs for κ: that of a single pair is 0 whatever its ratings, and that of a few is far too low.
+pub const LEAST_PAIRS: usize = 5;
+
 /// One participant's ratings of one condition: the categories used, and how often each was used.
 struct Share {
     subject: usize,
@@ -41,7 +44,7 @@ struct Share {
 /// are all used, but they are compared only with ratings by other participants.
 pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
     let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
-    for row in &counts.rows {
+    for row in counts.rows.iter().filter(|row| counts.is_complete(row.condition)) {
         let unit = &mut units[row.condition as usize];
         let subject = row.subject as usize;
         if unit.last().is_none_or(|share| share.subject != subject) {
@@ -134,11 +137,12 @@ fn at_most_one(Interval { low, high }: Interval) -> Interval {
 }
 
 /// Returns Cohen's κ (1968) with quadratic weights for first and second ratings, given as categories: 1 is perfect
-/// agreement, 0 is chance agreement. Returns `None` if there are no pairs or all ratings are in the same category.
+/// agreement, 0 is chance agreement. Returns `None` if there are fewer than [`LEAST_PAIRS`] or all ratings are in the same
+/// category.
 pub fn kappa(pairs: &[[u8; 2]]) -> Option<f64> {
     let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 { pairs.iter().map(|[a, b]| of((*a).into(), (*b).into())).sum() };
     let observed = sum(&|a, b| (a - b) * (a - b));
     // Σᵢⱼ (i − j)² rᵢ cⱼ / n, for rᵢ first ratings i and cⱼ second ratings j.
     let expected = sum(&|a, b| a * a + b * b) - 2.0 * sum(&|a, _| a) * sum(&|_, b| b) / pairs.len() as f64;
-    (expected > 0.0).then(|| 1.0 - observed / expected)
+    (pairs.len() >= LEAST_PAIRS && expected > 0.0).then(|| 1.0 - observed / expected)
 }

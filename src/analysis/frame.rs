@@ -69,6 +69,13 @@ impl<'a> Frame<'a> {
         self.rows.iter().map(|row| row.count).sum()
     }
 
+    /// Returns the mean over the ratings of numbers that belong to the levels of a factor.
+    pub fn mean(&self, factor: usize, of_levels: &[f64]) -> f64 {
+        let level = |row: &CountRow| self.counts.conditions[row.condition as usize][factor];
+        let number = |row: &CountRow| level(row).map_or(0.0, |level| of_levels[level as usize]);
+        self.rows.iter().map(|row| row.count as f64 * number(row)).sum::<f64>() / self.total() as f64
+    }
+
     /// Returns the conditions that occur.
     pub fn conditions(&self) -> Vec<u32> {
         let mut occurs = vec![false; self.counts.conditions.len()];

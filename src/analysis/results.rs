@@ -219,6 +219,12 @@ impl Results {
         self.people() > 1
     }
 
+    /// Returns whether the model was asked to treat ratings by the same participant as independent.
+    pub fn ignores_people(&self) -> bool {
+        let is_repeated = self.subjects.iter().any(|subject| subject.group.summary.n > 1);
+        self.is_inferential() && self.spec.random == Random::None && is_repeated
+    }
+
     /// Returns the model's expected ratings in each condition; empty if there is no model.
     pub fn predictions(&self) -> &[Prediction] {
         self.model.as_ref().map_or(&[], |report| &report.predictions)
@@ -238,10 +244,9 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     // The model needs them, and describes the same ratings as the rest.
     let measured = measured.complete(&covariates);
     let (mut spec, nested) = model_spec(&measured, &covariates, options);
-    let names = covariates.iter().map(|&factor| measured.counts.factors[factor].name.clone()).collect();
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
-    let agreed = items.map(|_| measured.without_factors(&covariates).counts);
+    let agreed = items.map(|_| measured.without_factors(&covariates));
     let left_out: Vec<usize> = covariates.into_iter().chain(items).collect();
     let (measured, whole) =
         if left_out.is_empty() { (measured, None) } else { (measured.without_factors(&left_out), Some(measured)) };
@@ -284,9 +289,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         varied.filter_map(pair).collect()
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
-    let left_out = &left_out;
-    let calibration =
-        Calibration { resampling, max_minutes, trials, left_out, checks, contrasts: &contrasts, progress };
+    let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
+    let agreed = agreed.as_ref().unwrap_or(&measured);
     let (model, (cells, alpha)) = rayon::join(
         || {
             fit_calibrated(modeled, &spec, &calibration).map(|mut report| {
@@ -294,7 +298,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
                 report
             })
         },
-        || (by_cell(counts), ordinal_alpha(agreed.as_ref().unwrap_or(counts))),
+        || (by_cell(counts), ordinal_alpha(&agreed.counts)),
     );
     // What the model does not have is not a term of it. The largest terms come last.
     for note in model.iter().flat_map(|report| &report.model.notes).rev() {
@@ -304,7 +308,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         }
     }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
-        .zip(whole.as_ref().unwrap_or(&measured).retests())
+        .zip(agreed.retests())
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))
         .map(|((group, retest), times)| SubjectResults {
             group,
@@ -326,6 +330,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         cells,
         factors,
         subjects,
+        covariates: spec.covariates.clone(),
         spec,
         model,
         alpha: if people > 1 { alpha } else { None },
@@ -333,13 +338,12 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         times,
         options: options.clone(),
         whole,
-        covariates: names,
         measured,
     }
 }
 
 /// Returns the indices of the covariates.
-fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
+pub(crate) fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
     let is_covariate = |&factor: &usize| {
         let name = &counts.factors[factor].name;
         match &options.covariates {
@@ -359,7 +363,13 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (
     let is_varied = |factor: &usize| counts.factors[*factor].levels.len() > 1 && options.items != Some(name(*factor));
     let varied: Vec<usize> = (0..counts.factors.len()).filter(is_varied).collect();
     let determined = |own: usize| counts.determined_by(own, &varied).filter(|_| !covariates.contains(&own));
-    let nested = |own: &usize| determined(*own).map(|other| Note::Nested { factor: name(*own), other: name(other) });
+    let nested = |own: &usize| {
+        determined(*own).map(|other| Note::Nested {
+            factor: name(*own),
+            other: name(other),
+            varies: counts.is_within(*own),
+        })
+    };
     let main = |own: usize| {
         let variable =
             if covariates.contains(&own) { Variable::Number(name(own)) } else { Variable::Factor(name(own)) };
@@ -376,6 +386,7 @@ fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (
         random: options.random.unwrap_or(Random::Subject),
         slopes: options.slopes,
         items: options.items.clone(),
+        covariates: covariates.iter().copied().map(name).collect(),
         max_coefficients: options.max_coefficients,
         ..ModelSpec::new(asked.unwrap_or_else(all))
     };

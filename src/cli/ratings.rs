@@ -2,7 +2,11 @@
 
 use super::OutPath;
 use crate::{
-    analysis::counts::{Excluded, Measured, Part},
+    analysis::{
+        Options,
+        counts::{Excluded, Measured, Part},
+        results::covariates,
+    },
     report::{document::numbers::count, tables},
     store::{
         FileError, FileErrors, Writer,
@@ -78,7 +82,9 @@ pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Re
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();
-    super::print_line(&sentence(&study.source, &study.measured))?;
+    // An analysis has no conditions for single values of covariates.
+    let described = study.measured.without_factors(&covariates(counts, &Options::default()));
+    super::print_line(&sentence(&study.source, &described))?;
     super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
     problems(&study.source.warnings, &study.source.errors)
 }

@@ -36,16 +36,23 @@ pub(crate) fn term(known: Known, text: &str) -> String {
 
 /// Formats a level, such as `45°`, `∞` or `−0.4`; `(none)` if the value is missing.
 pub(crate) fn level(known: Known, factor: &str, level: &str) -> Shown {
+    rounded_level(known, factor, level, DIGITS)
+}
+
+/// Formats a level as [`level`], with at most this many significant digits behind a point.
+pub(crate) fn rounded_level(known: Known, factor: &str, level: &str, most: usize) -> Shown {
     let number = number_of(level);
     let text = match level {
         "" | MISSING => "(none)".to_owned(),
         "inf" => "∞".to_owned(),
         _ => {
             let digits = level.chars().filter(char::is_ascii_digit).count();
-            let rounded =
-                number.filter(|number| digits > DIGITS && number.fract() != 0.0 && number.is_finite()).and_then(
-                    |number| format!("{number:.*e}", DIGITS - 1).parse().ok().map(|number: f64| number.to_string()),
-                );
+            let rounded = number
+                .filter(|number| digits > most && number.fract() != 0.0 && number.is_finite())
+                .and_then(|number| {
+                    let after_first = (most - 1).max(number.abs().log10() as usize);
+                    format!("{number:.after_first$e}").parse().ok().map(|number: f64| number.to_string())
+                });
             let unit = if number.is_some() && parameter(known, factor).is_some_and(is_degrees) { "°" } else { "" };
             let shown = rounded.as_deref().unwrap_or(level);
             if number.is_some() { format!("{}{unit}", shown.replace('-', "−")) } else { shown.to_owned() }

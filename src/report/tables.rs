@@ -171,7 +171,11 @@ fn tests(results: &Results) -> Table {
     if results.is_inferential() {
         rows.extend(results.factors.iter().filter_map(friedman_row));
     }
-    let scope = if results.is_inferential() { "" } else { "; about this participant's trials only" };
+    let scope = match results.is_inferential() {
+        true if results.ignores_people() => "; ignores that ratings by the same participant are related",
+        true => "",
+        false => "; about this participant's trials only",
+    };
     if let Ok(report) = &results.model {
         let groups = [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)];
         for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
@@ -186,7 +190,7 @@ fn tests(results: &Results) -> Table {
         for test in &report.interactions {
             let note = match test.withheld {
                 Some(reason) => format!("no p: {reason}"),
-                None if test.by_signs => format!("p from {} patterns of the participants' signs{scope}", test.draws),
+                None if test.by_signs => format!("p from {} patterns of the participants' signs", test.draws),
                 None => format!("p from {} simulated studies{scope}", test.draws),
             };
             let numbers = [test.chi_squared, Some(test.df as f64), None, test.p];
@@ -207,7 +211,8 @@ fn tests(results: &Results) -> Table {
             rows.push(test_row(["lag-one", "", "", ""], order.ratings, &lag_one, what, note));
         }
         for c in &report.comparisons {
-            let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}"));
+            let average = c.average.then(|| "on average over the factors with which it interacts".to_owned());
+            let at = c.at.as_ref().map(|(factor, level)| format!("at {factor} {level}")).or(average);
             let note =
                 at.into_iter().chain(c.withheld.map(|reason| format!("no p: {reason}"))).collect::<Vec<_>>().join("; ");
             let [low, high] = [c.interval.map(|i| i.low), c.interval.map(|i| i.high)];

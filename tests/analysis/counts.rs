@@ -103,7 +103,9 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
 /// Repeated ratings whose order is unknown are counted apart from pairs, and a long column of numbers is a term.
 #[test]
 fn repeats_without_order_and_too_many_levels_are_said() {
-    let mut builder = add(empty(), &ROWS);
+    // Ratings without a level of some factor are of no condition.
+    let mut builder = add(add(empty(), &ROWS), &[("S1", ["", "1"], "0", 1), ("S1", ["", "1"], "0", 2)]);
+    builder.add_counts("S10", &["", "1"], "3", 2).unwrap();
     assert_eq!(
         (builder.clone().finish().retests().concat().len(), builder.clone().finish().repeats_without_order()),
         (2, 0)

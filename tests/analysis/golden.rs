@@ -261,7 +261,9 @@ fn agreement_matches_krippendorff_and_scikit_learn() {
     for row in rows.iter().filter(|row| row[0] == "kappa" && row[2] == "quadratic") {
         close(kappa(&pairs).unwrap(), &row[3], row);
     }
-    assert_eq!(kappa(&[]), None);
+    // κ of one pair is 0 whatever its ratings, and that of a few is far too low.
+    assert_eq!([0, 1, 4].map(|pairs| kappa(&vec![[0, 1]; pairs])), [None; 3]);
+    assert_eq!(kappa(&[[0, 0], [1, 1], [2, 2], [0, 0], [3, 3]]), Some(1.0));
     assert_eq!(mean_kappa(&[0.9, 1.0, 0.5]).unwrap().1.unwrap().high, 1.0);
 }
 

@@ -15,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::{
     common::{golden_path, table},
-    report::source,
+    report::{page, source},
 };
 
 /// Ratings 0–3 of a latent value: thresholds at −1.5, 0 and 1.5, and logistic noise.
@@ -200,11 +200,57 @@ fn one_rating_of_each_person_needs_no_random_intercept() {
         let rating = rate([-1.0, 1.0][person % 2], &mut rng);
         builder.add_counts(&person.to_string(), &[["x", "y"][person % 2]], &rating, 1).unwrap();
     }
-    let results = analyze(builder.finish(), &quick());
-    let model = &results.model.as_ref().unwrap().model;
-    assert!(model.random.is_none() && model.notes == [Note::OneRatingEach], "{:?}", model.notes);
-    let summary = summary(&source(&[]), &results);
-    assert!(summary.findings[0].contains("likelihood-ratio test") && summary.cautions.is_empty(), "{summary:?}");
+    let measured = builder.finish();
+    for (random, notes) in [(None, &[Note::OneRatingEach][..]), (Some(Random::None), &[])] {
+        let results = analyze(measured.clone(), &Options { random, ..quick() });
+        let model = &results.model.as_ref().unwrap().model;
+        assert!(model.random.is_none() && model.notes == notes, "{:?}", model.notes);
+        let summary = summary(&source(&[]), &results);
+        let is_tested = summary.findings[0].contains("likelihood-ratio test");
+        assert!(is_tested && summary.cautions.is_empty(), "{summary:?}");
+    }
+}
+
+/// Level b is at the ceiling, so that no mixed model can be fitted; people differ, and the groups do not. A model without people
+/// would find a difference of the groups in 38 of 100 such studies: nothing of it is a test.
+#[test]
+fn without_a_mixed_model_there_are_no_tests() {
+    for seed in 0..12 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut builder = MeasuredBuilder::new(&["w", "grp"]).with_categories(&["0", "1", "2", "3"]);
+        for person in 0..8 {
+            let own: f64 = rng.random_range(-4.0..4.0);
+            for repetition in 0..50 {
+                let is_high = own + rng.random_range(-3.0..3.0) > 0.0;
+                let (w, rating) = if repetition % 2 == 0 { ("b", "3") } else { ("a", if is_high { "1" } else { "0" }) };
+                builder.add_counts(&format!("P{person}"), &[w, ["x", "y"][person % 2]], rating, 1).unwrap();
+            }
+        }
+        let measured = builder.finish();
+        let results = analyze(measured.clone(), &quick());
+        let report = results.model.as_ref().unwrap();
+        assert!(report.model.notes.contains(&Note::NoMixedModel), "{:?}", report.model.notes);
+        let reason = Some(Withheld::NoMixedModel);
+        assert!(report.terms.iter().all(|test| (test.p, test.withheld) == (None, reason)), "{:?}", report.terms);
+        let coefficients = &report.model.coefficients;
+        assert!(coefficients.iter().all(|c| (c.se, c.p, c.interval) == (None, None, None)), "{coefficients:?}");
+        assert!(report.comparisons.iter().all(|c| c.p.is_none() && c.interval.is_none() && c.withheld == reason));
+        assert!(report.predictions.iter().all(|prediction| prediction.interval.is_none()));
+        assert!(report.margins.iter().all(|margin| margin.interval.is_none()));
+        let findings = summary(&source(&[]), &results).findings;
+        let expected = "The effect of grp could not be tested: no mixed model could be fitted";
+        assert!(findings.iter().any(|text| text.contains(expected)), "{findings:?}");
+        let page = page(&source(&["w", "grp"]), &results);
+        assert!(page.contains("w, not tested; grp, not tested") && page.contains("No p for w and grp: no mixed model"));
+        // Who asks for a model without people gets its tests, and is told what they are.
+        let asked = analyze(measured, &Options { random: Some(Random::None), ..quick() });
+        assert!(asked.model.as_ref().unwrap().terms.iter().all(|test| test.p.is_some()));
+        let findings = summary(&source(&[]), &asked).findings;
+        let expected = "could not be tested: as requested, the model ignores that ratings by the same participant";
+        assert!(findings.iter().any(|text| text.contains(expected)), "{findings:?}");
+        let page = self::page(&source(&["w", "grp"]), &asked);
+        assert!(page.contains("These p values ignore that ratings by the same participant are related"));
+    }
 }
 
 /// If the test of a term is withheld, nothing else about it is significant: before, comparisons and intervals rejected in 30 %
@@ -320,7 +366,10 @@ fn interactions_have_simple_effects() {
     };
     assert!(at("l").p_holm.unwrap() < 0.05 && at("r").p_holm.unwrap() > 0.05, "{comparisons:?}");
     assert!((at("l").estimate - 2.0).abs() < 0.8 && at("l").interval.unwrap().low > 0.0);
-    assert!(comparisons.iter().all(|c| c.p_holm.unwrap() >= c.p.unwrap()) && comparisons.len() == 4);
+    assert!(comparisons.iter().all(|c| c.p_holm.unwrap() >= c.p.unwrap()) && comparisons.len() == 6);
+    // The main effect is their mean.
+    let average = comparisons.iter().find(|c| c.factor == "level" && c.average).unwrap();
+    assert!((average.estimate - (at("l").estimate + at("r").estimate) / 2.0).abs() < 1e-9, "{comparisons:?}");
     // The effect at the baseline is a coefficient, too, and has one interval.
     let coefficients = &results.model.as_ref().unwrap().model.coefficients;
     assert_eq!(coefficients[0].interval, at("l").interval, "{coefficients:?}");

@@ -186,6 +186,7 @@ fn subjects_who_use_only_one_category_have_no_finite_variance() {
     let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
     assert_eq!(model.notes, [Note::RunawayVariance]);
     assert_eq!(model.random, None);
+    assert!(model.coefficients.iter().all(|c| c.se.is_none() && c.p.is_none()), "{:?}", model.coefficients);
 }
 
 #[test]

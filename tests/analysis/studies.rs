@@ -3,7 +3,7 @@
 
 use machband::{
     analysis::{
-        Comparison, Options, Resampling, Results, Slopes, analyze,
+        Comparison, Options, Resampling, Results, Slopes, Withheld, analyze,
         counts::{Measured, MeasuredBuilder},
         terms::Terms,
     },
@@ -214,14 +214,136 @@ fn a_crossed_interaction_leads() {
     }
 }
 
-/// Without its parts, a term compares all combinations, also if effects add up: that is no interaction.
+/// Without its parts, a term compares all combinations, also if effects add up: that is no interaction. It says nothing about
+/// one factor alone. Before, a crossed effect was "no clear effect of a or b", from rank tests.
 #[test]
-fn a_term_without_its_parts_is_no_interaction() {
-    let additive = |_: usize, row: usize| Some([-1.5, 0.0, 0.0, 1.5][row]);
-    for terms in ["a:b", "a,a:b"] {
-        let results = analyze(study(&["a", "b"], &CROSSED, (8, 6, 5), additive), &options(Some(terms)));
+fn a_term_without_its_parts_compares_combinations() {
+    for (shifts, is_clear) in [([-1.5, 0.0, 0.0, 1.5], true), ([1.5, -1.5, -1.5, 1.5], true), ([0.0; 4], false)] {
+        for (terms, beyond) in [("a:b", ""), ("a,a:b", ", beyond the effect of a")] {
+            let study = study(&["a", "b"], &CROSSED, (8, 12, 5), |_, row| Some(shifts[row]));
+            let results = analyze(study, &options(Some(terms)));
+            let Summary { findings, cautions, .. } = said(&results);
+            let all = format!("{terms}: {findings:#?} {cautions:#?}");
+            let what = format!("atings depend on the combination of a and b{beyond} (");
+            let found = findings.iter().find(|text| text.contains(&what)).unwrap_or_else(|| panic!("{all}"));
+            assert_eq!(found.starts_with('R'), is_clear, "{all}");
+            assert_eq!(found.contains("at b z, it is"), is_clear, "{all}");
+            for wrong in ["depend on each other", "By a,", "By b,", "with a", "no clear effect", "Friedman"] {
+                assert!(!all.contains(wrong), "{wrong}: {all}");
+            }
+            let tests = &results.model.as_ref().unwrap().terms;
+            let of_a = tests.iter().find(|test| test.term == "a").map(|test| (test.p, test.withheld));
+            assert_eq!(of_a, (!beyond.is_empty()).then_some((None, Some(Withheld::Contained))), "{tests:?}");
+            assert!(!page(&source(&["a", "b"]), &results).contains("rests on Friedman"));
+        }
+    }
+}
+
+/// Nobody rated q at 3, so that there is no mean effect over all levels, and one of those that were rated would depend on their
+/// order. The interaction and the simple effects do not.
+#[test]
+fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
+    let of = |levels: [&str; 3]| {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let order = [("a".to_owned(), levels.map(str::to_owned).to_vec())];
+        let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]).with_levels(&order);
+        for (person, (a, b, latent)) in (0..12).flat_map(|person| {
+            let cells = [("1", "p", 0.0), ("1", "q", 1.6), ("2", "p", 0.8), ("2", "q", 0.0), ("3", "p", 0.4)];
+            cells.map(|cell| (person, cell))
+        }) {
+            for _ in 0..8 {
+                let rating = rate(latent + 0.2 * f64::from(person) - 1.5, &mut rng);
+                builder.add_counts(&format!("S{person:02}"), &[a, b], &rating, 1).unwrap();
+            }
+        }
+        analyze(builder.finish(), &options(Some("a*b")))
+    };
+    let simple = |results: &Results| {
+        let comparisons = results.model.as_ref().unwrap().comparisons.iter();
+        let mut all: Vec<_> = comparisons
+            .map(|c| {
+                let mut pair = [c.level.clone(), c.other.clone()];
+                pair.sort();
+                (c.factor.clone(), pair, c.at.clone(), (c.estimate.abs() * 1e3).round(), c.p.is_some())
+            })
+            .collect();
+        all.sort_by(|one, other| format!("{one:?}").cmp(&format!("{other:?}")));
+        all
+    };
+    let (first, second) = (of(["1", "2", "3"]), of(["3", "1", "2"]));
+    for results in [&first, &second] {
+        let report = results.model.as_ref().unwrap();
+        let withheld: Vec<_> = report.terms.iter().map(|test| (test.p.is_some(), test.withheld)).collect();
+        let none = (false, Some(Withheld::EmptyCells));
+        assert_eq!(withheld, [none, none, (true, None)], "{:?}", report.terms);
+        assert!(report.comparisons.iter().all(|c| c.at.is_some()), "{:?}", report.comparisons);
+        let over = |factor: &str| report.margins.iter().find(|margin| margin.factor == factor).unwrap().over.len();
+        assert_eq!((over("a"), over("b")), (1, 2));
+        let html = page(&source(&["a", "b"]), results);
+        assert!(html.contains("The model’s means by a are averages over b p, where all of its levels were rated."));
+        assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
+    }
+    assert_eq!(simple(&first), simple(&second));
+    let lr = |results: &Results| results.model.as_ref().unwrap().terms[2].lr.unwrap();
+    assert!((lr(&first) - lr(&second)).abs() < 1e-4);
+}
+
+/// Means and contrasts of R's emmeans 1.8.4 (`emmeans(m, ~dose, mode = "mean.class")`, and `pairs(emmeans(m, ~group))`) of
+/// clmm(y ~ dose * group + age + (1 | s) + (1 | s:dose)) and of its additive form, with ordinal 2022.11-16. Each age is that of
+/// one person, and most people lack a dose.
+#[test]
+fn a_covariate_has_its_mean_in_marginal_means() {
+    let mut builder = MeasuredBuilder::new(&["group", "age", "dose"]).with_categories(&["0", "1", "2", "3"]);
+    for (person, dose, repetition) in (0_usize..12 * 18).map(|i| (i / 18, i / 6 % 3, i % 6)) {
+        let is_patient = person % 3 == 0;
+        if is_patient || dose + 1 != person % 4 {
+            let effect = if is_patient { 2 + 2 * dose } else { 6 - 3 * dose };
+            let noise = (person * 7 + dose * 5 + repetition * 11 + repetition * repetition * person * 3) % 9;
+            let rating = ((person * 5 % 7 + effect + noise).saturating_sub(4) / 5).min(3);
+            let values = [if is_patient { "pat" } else { "ctrl" }, &(20 + 3 * person).to_string(), &dose.to_string()];
+            builder.add_counts(&format!("S{person:02}"), &values, &rating.to_string(), 1).unwrap();
+        }
+    }
+    let measured = builder.finish();
+    for (terms, doses, groups, difference) in [
+        ("dose*group,age", [0.902_068, 0.869_772, 0.760_095], [0.964_628, 0.723_329], -0.800_989),
+        ("dose,group,age", [0.942_149, 0.907_977, 0.711_741], [0.973_935, 0.733_977], -0.772_988),
+    ] {
+        let results = analyze(measured.clone(), &options(Some(terms)));
+        let report = results.model.as_ref().unwrap();
+        let of = |margin: &machband::analysis::Margin| (margin.factor.clone(), margin.level.clone(), margin.mean);
+        let found: Vec<_> = report.margins.iter().map(of).collect();
+        let expected = doses.iter().zip(["0", "1", "2"]).map(|(mean, level)| ("dose", level, *mean));
+        let expected = groups.iter().zip(["ctrl", "pat"]).map(|(mean, level)| ("group", level, *mean)).chain(expected);
+        assert_eq!(found.len(), 5, "{found:?}");
+        for (expected, found) in expected.zip(&found) {
+            assert_eq!((expected.0, expected.1), (&*found.0, &*found.1));
+            assert!((expected.2 - found.2).abs() < 2e-3, "{terms}: {found:?}, expected {expected:?}");
+        }
+        let own = report.comparisons.iter().find(|c| c.factor == "group" && c.at.is_none()).unwrap();
+        assert!((own.estimate - difference).abs() < 5e-3 && own.average == (terms.contains('*')), "{own:?}");
+        // The interval is that of the test.
+        let (p, interval) = (report.terms.iter().find(|test| test.term == "group").unwrap().p, own.interval.unwrap());
+        assert!(own.p == p && p.unwrap() > 0.05 && interval.contains(0.0), "{own:?} {p:?}");
+    }
+}
+
+/// A group differs at every level of a number with which it interacts: its effect has a size, on average.
+#[test]
+fn an_effect_between_people_in_an_interaction_has_a_size() {
+    let rows: Vec<[&str; 2]> = (0..6).map(|row| [["1", "2", "3"][row / 2], ["u", "v"][row % 2]]).collect();
+    let latent = |person: usize, row: usize| {
+        let dose = (row / 2) as f64 - 1.0;
+        (person % 2 == row % 2).then_some([0.5, 0.6][row % 2] * dose + [-1.5, 1.5][row % 2])
+    };
+    for terms in ["num:dose*group", "dose*group"] {
+        let results = analyze(study(&["dose", "group"], &rows, (16, 6, 4), latent), &options(Some(terms)));
         let findings = said(&results).findings;
-        assert!(!findings.concat().contains("depend on each other"), "{terms}: {findings:?}");
+        let finding =
+            findings.iter().find(|text| text.starts_with("By group")).unwrap_or_else(|| panic!("{findings:?}"));
+        let expected = "On average over dose, the odds of a higher rating at v are an estimated ";
+        assert!(finding.contains(expected) && finding.contains("interval"), "{finding}");
+        assert!(!finding.contains("no conclusion"), "{finding}");
     }
 }
 
@@ -350,6 +472,9 @@ fn missing_levels_and_two_categories_have_sections_of_their_own() {
     let html = page(&source(&["a", "b"]), &results);
     assert!(html.contains("they have 40 to 48 ratings each."), "{html}");
     assert!(html.contains("48 ratings lack a level of a factor and belong to no condition."), "{html}");
+    // Nor are they a condition of which agreement is measured.
+    let alpha = html.split("Krippendorff’s ordinal α is").nth(1).unwrap();
+    assert!(alpha.contains("from 128 ratings of 3 conditions"), "{alpha}");
     assert!(!html.contains("Is one coefficient per effect enough?") && html.contains("Does each term matter?"));
 }
 
@@ -373,9 +498,13 @@ fn a_factor_that_determines_another_is_no_term() {
     let tests = &results.model.as_ref().unwrap().terms;
     assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
     let Summary { findings, cautions, .. } = said(&results);
-    let is_said = cautions
-        .iter()
-        .any(|text| text.starts_with("The factor picture is not in the model, because each of its levels"));
+    let start = "The factor picture is not in the model, because each of its levels occurs with one level of detail";
+    let is_said = cautions.iter().any(|text| *text == format!("{start}; with --items, it is a sample of stimuli."));
+    // Rooms in which people are nested are no stimuli.
+    let room = |person: usize, row: usize| (row == person % 4).then_some(0.0);
+    let rooms = analyze(study(&["room", "lab"], &rows, (16, 6, 4), room), &options(None));
+    let is_plain = said(&rooms).cautions.iter().any(|text| text.ends_with("occurs with one level of lab."));
+    assert!(is_plain, "{:?}", said(&rooms).cautions);
     let is_found = findings.iter().any(|text| text.starts_with("By detail, the mean rating is higher at high"));
     assert!(is_said && is_found, "{findings:#?} {cautions:#?}");
 }
@@ -512,6 +641,8 @@ fn tied_means_are_one() {
         }
         analyze(builder.finish(), &options(None))
     };
+    let tied = said(&with(["A", "B", "C"])).findings[0].clone();
+    assert!(tied.contains("lie between 0.33 (at C) and 0.78 (at A and B)"), "{tied}");
     let finding = said(&with(["A", "B", ""])).findings[0].clone();
     assert!(finding.contains("0.78 at all levels") || finding.contains("the same at all levels"), "{finding}");
     for names in [["2", "3", "1"], ["3", "2", "1"]] {
@@ -522,7 +653,7 @@ fn tied_means_are_one() {
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.
 #[test]
 fn an_age_is_no_condition() {
-    let ages: Vec<String> = (0..20).map(|person| (20 + 3 * person).to_string()).collect();
+    let ages: Vec<String> = (0..20).map(|person| format!("{}.304818901934", 20 + 3 * person)).collect();
     let rows: Vec<[&str; 2]> = ages.iter().flat_map(|age| [[age.as_str(), "a"], [age.as_str(), "b"]]).collect();
     let latent =
         |person: usize, row: usize| (row / 2 == person).then_some(0.15 * person as f64 + (row % 2) as f64 - 2.0);
@@ -534,7 +665,8 @@ fn an_age_is_no_condition() {
         lead[0].contains("of 2 conditions") && lead.concat().contains("The model has the covariate age"),
         "{lead:?}"
     );
-    assert!(findings.iter().any(|text| text.starts_with("Ratings depend on age")), "{findings:?}");
+    let of_age = findings.iter().find(|text| text.starts_with("Ratings depend on age")).expect("a finding");
+    assert!(of_age.contains("From age 20.3 to 77.3, the odds"), "{of_age}");
     assert_eq!(analyze(measured.clone(), &options(Some("age,cond"))).spec.terms.to_string(), "num:age,cond");
     let none = Options { covariates: Some(Vec::new()), ..options(Some("age,cond")) };
     let by_level = analyze(measured.clone(), &none);

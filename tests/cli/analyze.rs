@@ -461,8 +461,12 @@ fn the_script_finds_the_same_numbers_in_r() {
         2: --items picture => no factors were given
         2: --factors style --direction style => not numbers
         2: --factors style --covariate style => --covariate style: has levels that are not numbers
+        2: --factors style --only style=old,age=20 => expected one of old, new; repeat the option for another factor
         2: --factors style --levels style=odd,new => odd";
     refuses(folder.path(), "analyze pictures.csv --out refused {}", cases);
+    // A table of counts has the conditions of the analysis, not one for each age.
+    let printed = succeeds(folder.path(), &split("counts pictures.csv --factors style,age --out counts.csv"));
+    assert!(printed.contains("192 ratings of 2 conditions by 16 participants"), "{printed}");
     // Without a model, there is nothing to fit.
     fs::write(folder.path().join("same.csv"), "subject_id,width,rating\na,1,2\nb,2,2\n").unwrap();
     succeeds(folder.path(), &split("analyze same.csv --out none --terms width --tables-only"));

@@ -39,7 +39,11 @@ pub enum ExclusionError {
         known: Vec<String>,
     },
     /// The factor has no such level.
-    #[error("{level} is not a level of {factor}; {}", expected_one_of(.level, .known))]
+    #[error(
+        "{level} is not a level of {factor}; {}{}",
+        expected_one_of(.level, .known),
+        if .level.contains('=') { "; repeat the option for another factor" } else { "" }
+    )]
     Level {
         /// Name of the factor.
         factor: String,
@@ -56,7 +60,12 @@ pub enum ExclusionError {
 impl Counts {
     /// Returns the number of conditions in which every factor has a value.
     pub fn complete_conditions(&self) -> u64 {
-        self.conditions.iter().filter(|levels| levels.iter().all(Option::is_some)).count() as u64
+        (0..self.conditions.len() as u32).filter(|condition| self.is_complete(*condition)).count() as u64
+    }
+
+    /// Returns whether every factor has a value in a condition.
+    pub(in crate::analysis) fn is_complete(&self, condition: u32) -> bool {
+        self.conditions[condition as usize].iter().all(Option::is_some)
     }
 
     /// Returns the levels of a factor, and `NA` if it has missing values.

@@ -333,7 +333,9 @@ impl Measured {
     /// earlier.
     pub fn retests(&self) -> Vec<Vec<[u8; 2]>> {
         let place = |trial: &Trial| trial.repetition.map(f64::from).or(trial.position);
-        let mut placed: Vec<&Trial> = self.trials.iter().filter(|trial| place(trial).is_some()).collect();
+        // Ratings without a level of some factor belong to no condition.
+        let is_placed = |trial: &&Trial| place(trial).is_some() && self.counts.is_complete(trial.condition);
+        let mut placed: Vec<&Trial> = self.trials.iter().filter(is_placed).collect();
         placed.sort_by(|l, r| {
             let cell = |trial: &Trial| (trial.subject, trial.condition, trial.session);
             // Places are never NaN.
@@ -355,7 +357,8 @@ impl Measured {
     pub fn repeats_without_order(&self) -> usize {
         let same = |a: &CountRow, b: &CountRow| (a.subject, a.condition) == (b.subject, b.condition);
         let all = self.counts.rows.chunk_by(same);
-        all.filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
+        all.filter(|rows| self.counts.is_complete(rows[0].condition))
+            .filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
             .count()
             .saturating_sub(self.retests().iter().map(Vec::len).sum())
     }

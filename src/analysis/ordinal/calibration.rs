@@ -71,7 +71,7 @@ pub struct ModelReport {
 pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, ModelError> {
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full));
+    report.comparisons = margins::comparisons(&full, &report.model, &usual_limits(&full), &report.terms);
     Ok(report)
 }
 
@@ -110,8 +110,6 @@ pub struct Calibration<'a> {
     pub max_minutes: u64,
     /// The trials that are known one by one.
     pub trials: &'a [Trial],
-    /// Indices of the factors without levels of their own in the results: covariates and items.
-    pub left_out: &'a [usize],
     /// Whether to compute [`ModelReport::checks`].
     pub checks: bool,
     /// Returns the pairs of levels whose contrast is of interest, given the marginal means.
@@ -136,15 +134,20 @@ pub fn fit_calibrated(
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    let is_left_out =
-        |name: &str| counts.factor(name).is_some_and(|(factor, _)| calibration.left_out.contains(&factor));
-    report.margins.retain(|margin| !is_left_out(&margin.factor));
     let mut limits = usual_limits(&full);
     withhold(&full, &mut report);
     calibrate_tests(&full, &mut report, &mut limits, calibration);
-    for (limit, term) in limits.iter_mut().zip(full.spec.terms.iter()) {
-        let own = report.terms.iter().find(|test| test.term == term.to_string());
-        *limit = own.and_then(|test| test.withheld).map_or(*limit, Err);
+    let terms: Vec<&Term> = full.spec.terms.iter().collect();
+    for place in (0..terms.len()).rev() {
+        let own = report.terms.iter().find(|test| test.term == terms[place].to_string());
+        limits[place] = match own.and_then(|test| test.withheld) {
+            // Its coefficients are effects in the larger term.
+            Some(Withheld::Contained | Withheld::EmptyCells) => {
+                let larger = (place + 1..terms.len()).find(|&other| terms[other].contains(terms[place]));
+                larger.map_or(limits[place], |larger| limits[larger])
+            }
+            reason => reason.map_or(limits[place], Err),
+        };
     }
     correct(&mut report.proportional_odds);
     report.interactions = interactions(&full, calibration.resampling);
@@ -153,7 +156,7 @@ pub fn fit_calibrated(
         // Wald's test rejects too often.
         report.model.coefficients.iter_mut().for_each(|coefficient| coefficient.p = None);
     }
-    report.comparisons = margins::comparisons(&full, &report.model, &limits);
+    report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms);
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
         // The only difference of a term has the term's probability.
         let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor).to_string();
@@ -167,9 +170,8 @@ pub fn fit_calibrated(
     }
     report.model.contrasts = contrasts(&full, &report, &limits, &(calibration.contrasts)(&report.margins));
     share_intervals(&mut report);
-    let Calibration { left_out, resampling, .. } = *calibration;
     report.checks =
-        (calibration.checks).then(|| checks::checks(&full, &report.model.contrasts, left_out, resampling.seed));
+        (calibration.checks).then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
     Ok(report)
 }
 

@@ -75,9 +75,9 @@ impl Checks {
     }
 }
 
-/// Computes the checks of a fit, with its contrasts. Factors that are `left_out` have no levels.
-pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], left_out: &[usize], seed: u64) -> Checks {
-    let (influence, checks) = rayon::join(|| influence(full, contrasts), || predictive(full, left_out, seed));
+/// Computes the checks of a fit, with its contrasts.
+pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
+    let (influence, checks) = rayon::join(|| influence(full, contrasts), || predictive(full, seed));
     Checks { influence, ..checks }
 }
 
@@ -113,8 +113,8 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
 }
 
 /// Compares the ratings with those of simulated studies; without the influence of each participant.
-fn predictive(full: &Fitted, left_out: &[usize], seed: u64) -> Checks {
-    let counts = full.frame.counts;
+fn predictive(full: &Fitted, seed: u64) -> Checks {
+    let (counts, left_out) = (full.frame.counts, full.left_out());
     let described: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
     let levels_of =
         |levels: &Vec<Option<u32>>| described.iter().map(|&factor| levels[factor]).collect::<Vec<Option<u32>>>();

@@ -59,7 +59,7 @@ impl Design {
         for (index, term) in terms.iter().enumerate() {
             for parts in term_parts(frame, terms, term)? {
                 let name = parts.iter().map(ToString::to_string).collect::<Vec<_>>().join(":");
-                columns.push(Column { name, values: products(frame, &parts, false)?, parts, term: index });
+                columns.push(Column { name, values: products(frame, &parts, false, &[])?, parts, term: index });
             }
         }
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
@@ -124,8 +124,17 @@ impl Design {
     pub fn with_sum_contrasts(&self, frame: &Frame) -> Result<Self, ModelError> {
         let mut design = self.clone();
         for column in &mut design.columns {
-            column.values = products(frame, &column.parts, true)?;
+            column.values = products(frame, &column.parts, true, &[])?;
             column.name.push('~');
+        }
+        Ok(design)
+    }
+
+    /// Returns the design with the numbers of some factors, given by index, at their means over the ratings.
+    pub fn at_means(&self, frame: &Frame, factors: &[usize]) -> Result<Self, ModelError> {
+        let mut design = self.clone();
+        for column in &mut design.columns {
+            column.values = products(frame, &column.parts, false, factors)?;
         }
         Ok(design)
     }
@@ -202,8 +211,9 @@ fn term_parts(frame: &Frame, terms: &Terms, term: &Term) -> Result<Vec<Vec<TermP
 }
 
 /// Returns the product of a column's variables for each condition of the table: 1 at the level of a factor, or the number.
-/// With `sums`, a factor is −1 at its baseline, and a number is a difference from the mean of its levels.
-fn products(frame: &Frame, parts: &[TermPart], sums: bool) -> Result<Vec<f64>, ModelError> {
+/// With `sums`, a factor is −1 at its baseline, and a number is a difference from the mean of its levels. The numbers of the
+/// factors in `at_means`, given by index, are their means over the ratings.
+fn products(frame: &Frame, parts: &[TermPart], sums: bool, at_means: &[usize]) -> Result<Vec<f64>, ModelError> {
     let mut products = vec![1.0; frame.counts.conditions.len()];
     for part in parts {
         let (index, inverse) = find_factor(frame.counts, &part.variable)?;
@@ -215,7 +225,11 @@ fn products(frame: &Frame, parts: &[TermPart], sums: bool) -> Result<Vec<f64>, M
                 names.map(|(level, name)| f64::from(i8::from(name == own) - i8::from(is_baseline(level)))).collect()
             }
             None => {
-                let numbers = frame.numbers(index, inverse)?;
+                let mut numbers = frame.numbers(index, inverse)?;
+                if at_means.contains(&index) {
+                    let mean = frame.mean(index, &numbers);
+                    numbers.fill(mean);
+                }
                 let mean = levels.iter().map(|&level| numbers[level as usize]).sum::<f64>() / levels.len() as f64;
                 numbers.into_iter().map(|number| if sums { number - mean } else { number }).collect()
             }

@@ -45,6 +45,8 @@ pub(super) fn report(fitted: &Fitted) -> Model {
     if covariance.is_none() {
         notes.push(Note::Flat);
     }
+    // Standard errors that ignore related ratings are too small.
+    let covariance = covariance.filter(|_| !fitted.ignores_people());
     let size = estimates.len();
     let boundary = mixed.is_some_and(|mixed| mixed.end == MixedFitEnd::Boundary);
     let covariance = covariance.unwrap_or_else(|| DMatrix::from_element(size, size, f64::NAN));

@@ -358,6 +358,19 @@ impl Fitted<'_> {
         self.frame.counts.factor(self.spec.items.as_ref()?).map(|(items, _)| items)
     }
 
+    /// Returns the indices of the factors without levels of their own in the results: covariates and items.
+    pub fn left_out(&self) -> Vec<usize> {
+        let names = self.spec.covariates.iter().chain(&self.spec.items);
+        names.filter_map(|name| self.frame.counts.factor(name)).map(|(factor, _)| factor).collect()
+    }
+
+    /// Returns whether a mixed model was asked for and could not be fitted, so that nothing accounts for several ratings by the
+    /// same participant.
+    pub fn ignores_people(&self) -> bool {
+        let diverged = |mixed: &MixedFit| mixed.end == MixedFitEnd::Diverged;
+        self.spec.random == Random::Subject && self.mixed.as_ref().is_none_or(diverged)
+    }
+
     /// Returns whether a variable of a term does not vary within items.
     pub fn is_between_items(&self, term: &Term) -> bool {
         let counts = self.frame.counts;

@@ -257,6 +257,10 @@ impl Residuals {
 fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Interaction> {
     let test = |(mut pair, term, _): Pair| {
         pair.by_signs = false;
+        if full.ignores_people() {
+            pair.withheld = Some(Withheld::NoMixedModel);
+            return pair;
+        }
         if full.mixed.is_some() && pair.df > MAX_SIMULATED {
             pair.withheld = Some(Withheld::FewPeople);
             return pair;

@@ -62,6 +62,18 @@ pub enum Withheld {
     /// Both models are the same in the conditions that were rated.
     #[error("the conditions that were rated cannot separate it from the other terms")]
     Aliased,
+    /// The model has no meaning without the term, because it has a larger one but not all parts of that.
+    #[error("the model has an interaction that contains it, but not the other parts of this interaction")]
+    Contained,
+    /// In an interaction that contains the term, not every combination of the levels has ratings, so that the mean effect over
+    /// all of them is not known.
+    #[error(
+        "it is an average over the factors with which it interacts, and not every combination of their levels was rated"
+    )]
+    EmptyCells,
+    /// A mixed model could not be fitted, and without one, ratings by the same participant would count as independent.
+    #[error("no mixed model could be fitted, and ratings by the same participant are related")]
+    NoMixedModel,
     /// There are too few ratings for the parameters of the wider model.
     #[error("there are fewer than five ratings for each parameter of the model")]
     FewRatings,
@@ -79,10 +91,30 @@ pub enum Withheld {
 }
 
 impl Fitted<'_> {
-    /// Returns why the test of a term is withheld, if it is: the term varies only between participants or items, and a level
-    /// has too few of them; participants may differ in its effect, although the model does not let them; or, without random
-    /// effects, there are too few ratings.
+    /// Returns why there is no test of a term, if so: nothing accounts for related ratings, or the term has no mean effect over
+    /// those with which it interacts.
+    fn untestable(&self, term: &Term) -> Option<Withheld> {
+        let terms = &self.spec.terms;
+        if self.ignores_people() {
+            return Some(Withheld::NoMixedModel);
+        }
+        if terms.is_marginal(term) && !is_mean_effect(self, term) {
+            return Some(Withheld::Contained);
+        }
+        let is_larger = |other: &Term| other.variables.len() > term.variables.len() && other.contains(term);
+        let larger: Vec<usize> =
+            terms.iter().enumerate().filter(|(_, other)| is_larger(other)).map(|(i, _)| i).collect();
+        let is_empty = self.x.dropped.iter().any(|column| larger.contains(&column.term));
+        is_empty.then_some(Withheld::EmptyCells)
+    }
+
+    /// Returns why the test of a term is withheld, if it is: there is none; the term varies only between participants or items,
+    /// and a level has too few of them; participants may differ in its effect, although the model does not let them; or, without
+    /// random effects, there are too few ratings.
     pub(crate) fn withheld(&self, term: &Term) -> Option<Withheld> {
+        if let Some(reason) = self.untestable(term) {
+            return Some(reason);
+        }
         if self.mixed.is_none() {
             let parameters = self.frame.categories.len() - 1 + self.rank();
             let are_few = self.frame.total() < LEAST_PER_PARAMETER * parameters as u64;
@@ -101,12 +133,17 @@ impl Fitted<'_> {
 
 /// Tests each term by the likelihood ratio against the model without it. A term that is part of a larger one is its mean
 /// effect over the other variables: the model without it has sum contrasts (type III). If the model lacks another part of the
-/// larger term, the term is not tested, because the model without them would be the same model (as in R's `drop1`).
+/// larger term, there is no test, because the model without the term would be the same model (as in R's `drop1`); nor if a
+/// combination of levels has no ratings, because the sum contrasts would depend on the order of the levels.
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
-    let terms = &full.spec.terms;
-    let tested: Vec<&Term> =
-        terms.iter().filter(|term| !terms.is_marginal(term) || is_mean_effect(full, term)).collect();
-    tested.into_par_iter().map(|term| without_term(full, term)).collect()
+    let test = |(place, term): (usize, &Term)| match full.untestable(term) {
+        None => without_term(full, term),
+        withheld => {
+            let df = full.x.columns.iter().filter(|column| column.term == place).count();
+            Ok(TermTest { withheld, ..TermTest::new(term, None, df) })
+        }
+    };
+    full.spec.terms.iter().enumerate().collect::<Vec<_>>().into_par_iter().map(test).collect()
 }
 
 /// Returns whether a term is part of larger ones, of which all parts are in the model.

@@ -11,8 +11,8 @@ use super::{
     design::Column,
     estimates::reach,
     fitting::Fitted,
-    likelihood_ratios::Withheld,
-    model::Model,
+    likelihood_ratios::{TermTest, Withheld},
+    model::{Contrast, Model},
     profile::{Quantity, chi_squared_limit, ratio_at_zero},
     terms::{Term, TermPart, Variable},
 };
@@ -34,6 +34,9 @@ pub struct Margin {
     pub mean: f64,
     /// The 95 % interval, which stays on the scale.
     pub interval: Option<Interval>,
+    /// The cells of the other factors over which it is a mean, if not all levels of the factor were rated in every one.
+    #[serde(skip)]
+    pub over: Vec<Vec<TermPart>>,
 }
 
 /// The difference between two levels of a factor on the scale of the link, at a level of another factor or over all.
@@ -44,6 +47,8 @@ pub struct Comparison {
     pub other: String,
     /// The other factor and its level, if the difference depends on it.
     pub at: Option<(String, String)>,
+    /// Whether it is a mean over the levels of the factors with which this one interacts.
+    pub average: bool,
     /// How much higher `level`, which is the later one in natural order, is rated than `other`.
     pub estimate: f64,
     /// The model's expected ratings at both levels, for a participant whose random effects are 0; `None` for a number.
@@ -66,61 +71,81 @@ const CLEAR: f64 = 10.0;
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
 
-/// Returns, for each combination of the levels of some factors, the design rows in the cells of the other factors. If these
-/// factors interact with no others, they are all rated cells, because their part of a row is the same in every cell;
-/// otherwise, those that were rated in every combination. None if there is no such cell.
-fn cells(fitted: &Fitted, factors: &[usize]) -> Option<BTreeMap<Vec<u32>, DMatrix<f64>>> {
+/// The design rows of each combination of the levels of some factors, in the cells of the other factors.
+struct Cells {
+    rows: BTreeMap<Vec<u32>, DMatrix<f64>>,
+    /// These cells, if others lack a combination.
+    over: Vec<Vec<TermPart>>,
+}
+
+/// Returns, for each combination of the levels of some factors, the design rows in the cells of the other factors of the
+/// model, with covariates at their means. If these factors interact with no others, they are all rated cells, because their
+/// part of a row is the same in every cell; otherwise, those that were rated in every combination. None if there is no such
+/// cell.
+fn cells(fitted: &Fitted, factors: &[usize]) -> Option<Cells> {
     let counts: &Counts = fitted.frame.counts;
-    // The model is the same for all items.
-    let items = fitted.items();
+    // The model is the same for all items, and a covariate has one value.
+    let left_out = fitted.left_out();
+    let x = fitted.x.at_means(&fitted.frame, &left_out).ok()?;
+    let is_other = |factor: &usize| !factors.contains(factor) && !left_out.contains(factor);
+    let others: Vec<usize> = self::factors(fitted).into_iter().filter(is_other).collect();
     let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
     for condition in fitted.frame.conditions() {
         let levels = &counts.conditions[condition as usize];
         let Some(own) = factors.iter().map(|&factor| levels[factor]).collect::<Option<Vec<u32>>>() else { continue };
-        let is_other = |factor: &usize| !factors.contains(factor) && Some(*factor) != items;
-        let other = (0..levels.len()).filter(is_other).map(|factor| levels[factor]).collect();
+        let other = others.iter().map(|&factor| levels[factor]).collect();
         by_cell.entry(other).or_default().insert(own, condition);
     }
     let all: BTreeSet<&Vec<u32>> = by_cell.values().flat_map(BTreeMap::keys).collect();
     let is_own = |part: &TermPart| find_factor(counts, &part.variable).is_ok_and(|(own, _)| factors.contains(&own));
-    let columns = &fitted.x.columns;
+    let columns = &x.columns;
     let own_columns: Vec<usize> = (0..columns.len()).filter(|&c| columns[c].parts.iter().all(is_own)).collect();
     let uses = |column: &&Column| column.parts.iter().any(is_own);
     if columns.iter().filter(uses).count() == own_columns.len() {
         let conditions: Vec<u32> = by_cell.values().filter_map(|cell| cell.values().next().copied()).collect();
-        let rows = fitted.x.matrix(&conditions);
+        let rows = x.matrix(&conditions);
         let at = |own: &Vec<u32>| {
             let mut rows = rows.clone();
             let found: Vec<u32> = by_cell.values().find_map(|cell| cell.get(own).copied()).into_iter().collect();
-            for (column, value) in own_columns.iter().zip(fitted.x.matrix(&found).select_columns(&own_columns).iter()) {
+            for (column, value) in own_columns.iter().zip(x.matrix(&found).select_columns(&own_columns).iter()) {
                 rows.column_mut(*column).fill(*value);
             }
             rows
         };
-        return (!conditions.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), at(own))).collect());
+        let rows = all.iter().map(|own| ((*own).clone(), at(own))).collect();
+        return (!conditions.is_empty()).then_some(Cells { rows, over: Vec::new() });
     }
-    let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
-    let rows = |own: &Vec<u32>| fitted.x.matrix(&whole.iter().map(|cell| cell[own]).collect::<Vec<_>>());
-    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), rows(own))).collect())
+    let whole: Vec<_> = by_cell.iter().filter(|(_, cell)| cell.len() == all.len()).collect();
+    let rows = |own: &Vec<u32>| x.matrix(&whole.iter().map(|(_, cell)| cell[own]).collect::<Vec<_>>());
+    let part = |(&factor, level): (&usize, &Option<u32>)| {
+        let factor = &counts.factors[factor];
+        let level = level.map(|level| factor.levels[level as usize].clone());
+        TermPart { variable: Variable::Factor(factor.name.clone()), level }
+    };
+    let names = |cell: &Vec<Option<u32>>| others.iter().zip(cell).map(part).collect();
+    let over = whole.iter().filter(|_| whole.len() < by_cell.len()).map(|(cell, _)| names(cell)).collect();
+    let rows = all.iter().map(|own| ((*own).clone(), rows(own))).collect();
+    (!whole.is_empty()).then_some(Cells { rows, over })
 }
 
-/// Returns the estimated marginal means of every factor that varies in the model.
+/// Returns the estimated marginal means of every factor that varies in the model, but not of covariates.
 pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
     let values = values_of(&model.categories);
     let mut margins = Vec::new();
-    for factor in factors(fitted) {
-        let Some(levels) = cells(fitted, &[factor]) else { continue };
+    let left_out = fitted.left_out();
+    for factor in factors(fitted).into_iter().filter(|factor| !left_out.contains(factor)) {
+        let Some(Cells { rows, over }) = cells(fitted, &[factor]) else { continue };
         let description = &fitted.frame.counts.factors[factor];
         // A number has one slope, whatever the number of its values.
         let is_factor = |term: &Term| term.variables.contains(&Variable::Factor(description.name.clone()));
-        let own = if fitted.spec.terms.iter().any(is_factor) { levels.len() - 1 } else { 1 };
+        let own = if fitted.spec.terms.iter().any(is_factor) { rows.len() - 1 } else { 1 };
         let between = usize::from(!fitted.frame.counts.is_within(factor)) * own;
         let reach = reach(fitted, 1 + between);
-        for (level, x) in levels {
+        for (level, x) in rows {
             let (mean, gradient) = expected(model, &x, &values);
             let interval = model.interval_of_mean(mean, &gradient, reach, &values);
             let level = description.levels[level[0] as usize].clone();
-            margins.push(Margin { factor: description.name.clone(), level, mean, interval });
+            margins.push(Margin { factor: description.name.clone(), level, mean, interval, over: over.clone() });
         }
     }
     margins
@@ -144,28 +169,40 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
     variables.filter_map(index).map(|(factor, _)| factor).filter(|f| fitted.frame.levels(*f).len() > 1).collect()
 }
 
-/// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere, and, for each
-/// interaction of two factors, of each factor at each level of the other (simple effects); likewise of the lowest and the
-/// highest value of a number at each level of the factor with which it interacts.
-/// For a simple effect, the limit is the larger one of the interaction and the main effect.
-pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[Result<f64, Withheld>]) -> Vec<Comparison> {
+/// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere; on average over the
+/// other factors if it is not, but has a test; and, for each interaction of two factors, of each factor at each level of the
+/// other (simple effects); likewise of the lowest and the highest value of a number at each level of the factor with which it
+/// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect.
+pub(super) fn comparisons(
+    fitted: &Fitted,
+    model: &Model,
+    limits: &[Result<f64, Withheld>],
+    tests: &[TermTest],
+) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
-    for (term, &limit) in terms.iter().zip(limits).filter(|(term, _)| !terms.is_marginal(term)) {
+    for (term, &limit) in terms.iter().zip(limits) {
+        if terms.is_marginal(term) {
+            let test = tests.iter().find(|test| test.term == term.to_string() && test.p.is_some());
+            if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
+                all.extend(compare(fitted, model, factor, Scope::Average(test), limit));
+            }
+            continue;
+        }
         let with_main = |factor: &Variable| {
             let main = terms.iter().position(|term| term.variables == [factor.clone()]);
             let main = main.map_or(limit, |main| limits[main]);
             limit.and_then(|limit| main.map(|main| main.max(limit)))
         };
         match &term.variables[..] {
-            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, None, limit)),
+            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All, limit)),
             [number @ Variable::Number(_), factor @ Variable::Factor(_)]
             | [factor @ Variable::Factor(_), number @ Variable::Number(_)] => {
                 all.extend(slopes(fitted, model, number, factor, with_main(number)).unwrap_or_default());
             }
             [first @ Variable::Factor(_), second @ Variable::Factor(_)] => {
-                all.extend(compare(fitted, model, first, Some(second), with_main(first)));
-                all.extend(compare(fitted, model, second, Some(first), with_main(second)));
+                all.extend(compare(fitted, model, first, Scope::At(second), with_main(first)));
+                all.extend(compare(fitted, model, second, Scope::At(first), with_main(second)));
             }
             _ => {}
         }
@@ -173,17 +210,31 @@ pub(super) fn comparisons(fitted: &Fitted, model: &Model, limits: &[Result<f64, 
     all
 }
 
+/// Where levels are compared.
+#[derive(Clone, Copy)]
+enum Scope<'a> {
+    /// Everywhere: the effect is the same.
+    All,
+    /// On average over the factors with which this one interacts, which has this test.
+    Average(&'a TermTest),
+    /// At each level of another factor.
+    At(&'a Variable),
+}
+
 fn compare(
     fitted: &Fitted,
     model: &Model,
     factor: &Variable,
-    at: Option<&Variable>,
+    scope: Scope<'_>,
     limit: Result<f64, Withheld>,
 ) -> Vec<Comparison> {
     let counts = fitted.frame.counts;
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
-    let (Some(own), other) = (index(factor), at.and_then(index)) else { return Vec::new() };
-    let Some(cells) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else { return Vec::new() };
+    let other = if let Scope::At(other) = scope { index(other) } else { None };
+    let Some(own) = index(factor) else { return Vec::new() };
+    let Some(Cells { rows: cells, .. }) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else {
+        return Vec::new();
+    };
     let mut levels = fitted.frame.levels(own).to_vec();
     // The baseline, which comes first, may be a later one.
     levels.sort_unstable();
@@ -202,11 +253,17 @@ fn compare(
         let name = &counts.factors[own].levels[level as usize];
         fitted.x.columns.iter().position(|column| column.is_level(factor.name(), name))
     };
-    let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
-        _ if at.is_some() || !is_whole => None,
-        (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
-        (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
-        (None, None) => None,
+    let ratio = |level: u32, lower: u32| {
+        let quantity = match (column(level), column(lower)) {
+            (Some(one), Some(other)) => Quantity::Difference(one, other),
+            (Some(one), None) | (None, Some(one)) => Quantity::Coefficient(one),
+            (None, None) => return None,
+        };
+        match scope {
+            Scope::All if is_whole => ratio_at_zero(fitted, quantity),
+            Scope::Average(test) if test.df == 1 => test.lr,
+            _ => None,
+        }
     };
     let pairs_of = |stratum: Option<u32>| {
         let pairs = |(place, &level): (usize, &u32)| levels[..place].iter().map(move |&lower| (stratum, level, lower));
@@ -220,13 +277,14 @@ fn compare(
         // the ratio.
         // A difference of many standard errors is clear without it.
         let is_clear = estimate.abs() > CLEAR * se;
-        let implied = quantity(level, lower).filter(|_| !is_clear).and_then(|quantity| ratio_at_zero(fitted, quantity));
-        let implied = implied.filter(|ratio| *ratio > 0.01).map(|ratio| estimate.abs() / ratio.sqrt());
+        let implied = if is_clear { None } else { ratio(level, lower).filter(|ratio| *ratio > 0.01) };
+        let implied = implied.map(|ratio| estimate.abs() / ratio.sqrt());
         let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
         let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
         let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
         let expected = Some(x.map(|x| expected(model, x, &values).0));
-        Some(Comparison { expected, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) })
+        let average = matches!(scope, Scope::Average(_));
+        Some(Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) })
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())
 }
@@ -276,6 +334,12 @@ impl Comparison {
         of.map(|(_, rating)| rating)
     }
 
+    /// Returns the difference as one between two levels.
+    pub fn contrast(&self) -> Contrast {
+        let Self { factor, level, other, estimate, interval, .. } = self.clone();
+        Contrast { factor, level, other, estimate, interval }
+    }
+
     /// Creates a comparison of two levels, at a level of another factor, from the difference and its standard error.
     /// `limit` is that of the term's likelihood ratio: with few participants, it is larger than that of the χ² distribution.
     fn new(
@@ -290,6 +354,7 @@ impl Comparison {
             level,
             other,
             at,
+            average: false,
             estimate,
             expected: None,
             se,

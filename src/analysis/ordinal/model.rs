@@ -54,6 +54,8 @@ pub struct ModelSpec {
     /// The factor whose levels are items, such as pictures: a sample, like the participants. Each item has a random intercept,
     /// which all participants share: R's `(1 | item)`.
     pub items: Option<String>,
+    /// The factors that are covariates: numbers without levels of their own in the results.
+    pub covariates: Vec<String>,
     /// Maximum number of coefficients; a specification with more is refused.
     pub max_coefficients: usize,
 }
@@ -71,6 +73,7 @@ impl ModelSpec {
             random: Random::None,
             slopes: Slopes::None,
             items: None,
+            covariates: Vec::new(),
             max_coefficients: MAX_COEFFICIENTS,
         }
     }
@@ -262,9 +265,15 @@ pub enum Note {
     AliasedTerm { term: String },
     /// A factor is not a term, because it determines another one.
     #[error(
-        "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}; with --items, it is a sample of stimuli"
+        "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}{}",
+        if *.varies { "; with --items, it is a sample of stimuli" } else { "" }
     )]
-    Nested { factor: String, other: String },
+    Nested {
+        factor: String,
+        other: String,
+        /// Whether it varies within participants, so that its levels may be stimuli.
+        varies: bool,
+    },
     /// A term predicts some ratings perfectly, so its coefficient has no finite estimate.
     #[error("the coefficient {coefficient} has no finite estimate: {term} separates the ratings, so the estimate tends to {}infinity",
             if *.positive { "" } else { "minus " })]
@@ -320,12 +329,12 @@ pub enum Note {
     /// Each participant uses a single category, so the variance between participants, or an effect within participants,
     /// has no finite estimate.
     #[error(
-        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the results ignore that ratings by the same participant are related, and the standard errors are too small"
+        "the mixed model has no finite estimates: hardly any participant uses more than one category under the same conditions; the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
     )]
     RunawayVariance,
     /// The ratings are separated in such a way that no mixed model can be fitted.
     #[error(
-        "no mixed model could be fitted: the results ignore that ratings by the same participant are related, and the standard errors are too small"
+        "no mixed model could be fitted: the estimates ignore that ratings by the same participant are related, so there are no standard errors, intervals or tests"
     )]
     NoMixedModel,
     /// The iteration ended before the gradient became small.

@@ -146,11 +146,10 @@ fn about_model(results: &Results) -> Vec<String> {
         format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
     }));
     let notes = &report.model.notes;
-    let is_mentioned = notes.iter().any(|note| matches!(note, Note::RunawayVariance | Note::NoMixedModel));
-    if results.is_inferential() && !findings::is_clustered(results) && !is_mentioned {
+    if results.ignores_people() {
         cautions.push(
             "The model treats all ratings as independent, although ratings by the same participant are related. Its \
-             intervals are probably too narrow."
+             intervals are probably too narrow, and its p values too small."
                 .to_owned(),
         );
     }

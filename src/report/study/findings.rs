@@ -5,10 +5,12 @@
 //! p is below [`ALPHA`] and its size has an interval. What is found is said of people; what one participant's trials show is
 //! said of that person.
 
+use std::collections::BTreeSet;
+
 use super::names;
 use crate::{
     analysis::{
-        Link, Model, ModelReport, Note, Order, Results, Slopes, TermTest, find_factor, number_of,
+        Comparison, Link, Model, ModelReport, Note, Order, Results, Slopes, TermTest, find_factor, number_of,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -65,7 +67,7 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         2 => format!("By {name}, {ratings} are {least} at {low} and {most} at {high}"),
         // A slope is the same at every level.
         _ if is_trend => format!("By {name}, {ratings} lie between {least} and {most}"),
-        _ => format!("By {name}, {ratings} lie between {least} at {low} and {most} at {high}"),
+        _ => format!("By {name}, {ratings} lie between {least} (at {low}) and {most} (at {high})"),
     };
     let mut text = before
         + &if evidence.p < ALPHA {
@@ -129,16 +131,30 @@ fn caveat(results: &Results, factor: &FactorResults, size: Option<&Size>) -> Opt
     let at = |place: usize| {
         format!("{} at {}", mean(raw.means()[place]), names::level_of(results, factor, &factor.levels[place]))
     };
-    Some(if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
-        format!(
-            "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
-            at(first),
-            at(second),
-            if factor.within { "within participants" } else { "in the model" }
-        )
-    } else {
-        format!("The raw means by {name} are not comparable: {reason}. ")
-    })
+    Some(
+        if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
+            format!(
+                "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
+                at(first),
+                at(second),
+                if factor.within { "within participants" } else { "in the model" }
+            )
+        } else {
+            format!("The raw means by {name} are not comparable: {reason}. ")
+        } + &averaged(results, factor).map(|text| text + " ").unwrap_or_default(),
+    )
+}
+
+/// Says over which conditions the model's means of a factor are averaged, if some lack a level.
+pub(super) fn averaged(results: &Results, factor: &FactorResults) -> Option<String> {
+    let report = results.model.as_ref().ok()?;
+    let margin = report.margins.iter().find(|margin| margin.factor == factor.name && !margin.over.is_empty())?;
+    let over: Vec<String> = margin.over.iter().map(|parts| names::coefficient(results, parts)).collect();
+    let name = names::factor(results, &factor.name);
+    Some(format!(
+        "The model’s means by {name} are averages over {}, where all of its levels were rated.",
+        short_list(&over, 4)
+    ))
 }
 
 /// Says why the raw means of a factor cannot be compared: other variables differ between its levels, or people lack levels.
@@ -185,6 +201,9 @@ pub(super) fn reason(results: &Results, factor: &FactorResults) -> Option<String
         return Some("it is not a term of the model".to_owned());
     };
     let withheld = likelihood_ratio(results, term).and_then(|test| test.withheld).map(|reason| reason.to_string());
+    if withheld.is_none() && results.ignores_people() {
+        return Some("as requested, the model ignores that ratings by the same participant are related".to_owned());
+    }
     let items = "the model has no random slope for it, and rank tests cannot account for items";
     withheld.or_else(|| results.spec.items.as_ref().map(|_| items.to_owned()))
 }
@@ -281,8 +300,18 @@ fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String)
 
 /// True if the model accounts for repeated measures, or there are none.
 pub(super) fn is_clustered(results: &Results) -> bool {
-    let accounts = |model: &Model| model.random.is_some() || model.notes.contains(&Note::OneRatingEach);
-    results.model.as_ref().is_ok_and(|report| accounts(&report.model))
+    let ignores = [Note::RunawayVariance, Note::NoMixedModel];
+    let accounts = |model: &Model| !model.notes.iter().any(|note| ignores.contains(note));
+    !results.ignores_people() && results.model.as_ref().is_ok_and(|report| accounts(&report.model))
+}
+
+/// True if a term compares all combinations of a factor with others, because the model lacks a part of it: then the factor has
+/// no effect of its own.
+pub(super) fn is_combined(results: &Results, factor: &str) -> bool {
+    let (terms, counts) = (&results.spec.terms, results.modeled());
+    let is_own = |v: &Variable| find_factor(counts, v).is_ok_and(|(own, _)| counts.factors[own].name == factor);
+    let is_combination = |term: &&Term| term.variables.len() > 1 && !terms.has_parts(term);
+    results.model.is_ok() && terms.iter().filter(is_combination).flat_map(|term| &term.variables).any(is_own)
 }
 
 /// Returns whether a factor's likelihood ratio, if it is not withheld, can be relied on: the model allows for all ways in
@@ -295,6 +324,9 @@ fn is_reliable(results: &Results, factor: &FactorResults) -> bool {
 /// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
 /// Friedman's test.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
+    if is_combined(results, &factor.name) {
+        return None;
+    }
     let test = main_effect(results, &factor.name)
         .filter(|_| is_reliable(results, factor))
         .and_then(|term| likelihood_ratio(results, term));
@@ -343,14 +375,19 @@ fn size(results: &Results, factor: &FactorResults, evidence: &Evidence) -> Optio
 
 fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults) -> Option<Size> {
     let term = main_effect(results, &factor.name)?;
-    if results.spec.terms.is_marginal(term) {
-        return None;
-    }
-    let odds = results.spec.link == Link::Logit;
+    let is_average = results.spec.terms.is_marginal(term);
     if let [Variable::Number(_)] = &term.variables[..] {
-        return over_range(results, report, term);
+        return if is_average { None } else { over_range(results, report, term) };
     }
-    let contrast = report.model.contrasts.iter().find(|contrast| contrast.factor == factor.name)?;
+    let contrast = if is_average {
+        let pair = factor.contrast().0.map(|level| &factor.levels[level].names[0]);
+        let is_own = |c: &&Comparison| {
+            c.average && c.factor == factor.name && pair.contains(&&c.level) && pair.contains(&&c.other)
+        };
+        report.comparisons.iter().find(is_own)?.contrast()
+    } else {
+        report.model.contrasts.iter().find(|contrast| contrast.factor == factor.name)?.clone()
+    };
     if !contrast.estimate.is_finite() {
         return None;
     }
@@ -368,16 +405,29 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         with_interval(interval, superiority)
     );
     let (size, interval_text) = (value(estimate), with_interval(interval, value));
-    let text = if odds {
-        format!(
-            "The odds of a higher rating at {higher} are an estimated {size} times those at {lower}{interval_text}; {of_pairs}"
-        )
-    } else {
-        format!(
-            "On the latent scale, {higher} is an estimated {size} standard deviations above {lower}{interval_text}; {of_pairs}"
-        )
+    let text = match results.spec.link {
+        Link::Logit => format!(
+            "the odds of a higher rating at {higher} are an estimated {size} times those at {lower}{interval_text}; {of_pairs}"
+        ),
+        Link::Probit => format!(
+            "on the latent scale, {higher} is an estimated {size} standard deviations above {lower}{interval_text}; {of_pairs}"
+        ),
     };
-    Some(Size { text, interval })
+    let text = if is_average { format!("on average over {}, {text}", partners(results, term)) } else { text };
+    Some(Size { text: names::capitalized(&text), interval })
+}
+
+/// Lists the factors and covariates with which a term interacts.
+fn partners(results: &Results, term: &Term) -> String {
+    let larger = results.spec.terms.iter().filter(|larger| larger.contains(term));
+    let others = larger.flat_map(|larger| &larger.variables).filter(|variable| !term.variables.contains(variable));
+    list(
+        &others
+            .map(|variable| names::factor(results, variable.name()))
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .collect::<Vec<_>>(),
+    )
 }
 
 /// Returns the range of a number, and a clause that begins a sentence about its effect from the lowest to the highest value, so
@@ -391,7 +441,7 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last].map(|(_, level)| names::level(results, &factor.name, level));
+    let [low, high] = [first, last].map(|(_, level)| names::short_level(results, &factor.name, level));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",

@@ -19,7 +19,8 @@ use crate::{
     statistics::{holm, mean_and_sd},
 };
 
-/// Factors whose effects may depend on each other, and the test of it.
+/// Factors whose effects may depend on each other, or of which a term without its parts compares the combinations, and the
+/// test of it.
 pub(super) struct Dependence<'a> {
     /// Names of the factors and covariates.
     pub names: Vec<&'a str>,
@@ -31,6 +32,8 @@ pub(super) struct Dependence<'a> {
     withheld: Option<Withheld>,
     /// Whether the model has this interaction.
     pub is_modeled: bool,
+    /// Of a term without its parts, which compares combinations whether or not the effects add up: the parts that it has.
+    parts: Option<Vec<String>>,
 }
 
 impl Dependence<'_> {
@@ -48,7 +51,7 @@ impl Dependence<'_> {
 pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
     let Ok(report) = &results.model else { return Vec::new() };
     let find = |name: &&str| results.factors.iter().find(|factor| factor.name == *name);
-    let counts = results.modeled();
+    let (counts, terms) = (results.modeled(), &results.spec.terms);
     let in_model = |term: &Term| {
         let name = |variable: &Variable| Some(counts.factors[find_factor(counts, variable).ok()?.0].name.as_str());
         let names: Vec<&str> = term.variables.iter().map(name).collect::<Option<_>>()?;
@@ -60,13 +63,15 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
             p: test.p,
             withheld: test.withheld,
             is_modeled: true,
+            parts: (!terms.has_parts(term)).then(|| {
+                let parts = terms.iter().filter(|part| *part != term && term.contains(part));
+                parts.map(|part| names::term(results, &part.to_string())).collect()
+            }),
         })
     };
-    // Without its parts, a term compares all combinations of its levels, whether or not the effects add up.
-    let is_interaction = |term: &&Term| term.variables.len() > 1 && results.spec.terms.has_parts(term);
-    let terms = results.spec.terms.iter().filter(is_interaction);
     let shown = !results.is_inferential() || is_clustered(results);
-    let mut all: Vec<Dependence<'_>> = terms.filter(|_| shown).filter_map(in_model).collect();
+    let larger = terms.iter().filter(|term| shown && term.variables.len() > 1);
+    let mut all: Vec<Dependence<'_>> = larger.filter_map(in_model).collect();
     for test in &report.interactions {
         let name = if test.by_signs { "score test over the participants’ signs" } else { "likelihood-ratio test" };
         let names: Vec<&str> = test.factors.iter().map(String::as_str).collect();
@@ -77,6 +82,7 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
             p: test.p,
             withheld: test.withheld,
             is_modeled: false,
+            parts: None,
         });
     }
     // What holds for some of the factors on average says nothing where all of them depend on each other.
@@ -100,25 +106,31 @@ pub(super) fn product(results: &Results, names: &[&str]) -> String {
     names.iter().map(|name| variable(name).to_string()).collect::<Vec<_>>().join("*")
 }
 
-/// Returns whether the effect of a factor or covariate depends on another one, so that it has no single size.
+/// Returns whether the effect of a factor or covariate depends on another one, or is not told apart from it, so that it has no
+/// single size.
 pub(super) fn is_dependent(dependences: &[Dependence<'_>], name: &str) -> bool {
-    dependences.iter().any(|found| found.is_clear() && found.names.contains(&name))
+    dependences.iter().any(|found| (found.is_clear() || found.parts.is_some()) && found.names.contains(&name))
 }
 
 /// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
 pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
     let together = found.names(results);
     let what = if results.is_inferential() { "This study" } else { "These trials" };
+    let fact = match &found.parts {
+        None => format!("the effects of {together} depend on each other"),
+        Some(parts) if parts.is_empty() => format!("ratings depend on the combination of {together}"),
+        Some(parts) => format!("ratings depend on the combination of {together}, beyond the effect of {}", list(parts)),
+    };
     let Some(p) = found.p else {
         let reason = found.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
-        return Some(format!("Whether the effects of {together} depend on each other could not be tested{reason}."));
+        return Some(format!("Whether {fact} could not be tested{reason}."));
     };
     if p >= ALPHA {
-        let text = format!("{what} cannot tell whether the effects of {together} depend on each other ({}).", p_is(p));
+        let text = format!("{what} cannot tell whether {fact} ({}).", p_is(p));
         return found.is_modeled.then_some(text);
     }
     let whose = if results.is_inferential() { "" } else { " for this participant" };
-    let mut text = format!("The effects of {together} depend on each other{whose} ({}, {}).", found.test, p_is(p));
+    let mut text = format!("{}{whose} ({}, {}).", names::capitalized(&fact), found.test, p_is(p));
     let number = found.names.iter().find(|name| found.is_modeled && is_slope(results, name));
     match (&found.factors[..], number) {
         ([.., at], Some(number)) if found.names.len() == 2 && !is_slope(results, &at.name) => {

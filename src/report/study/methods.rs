@@ -168,6 +168,16 @@ pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String
     others.map(|test| names::term(results, &test.term)).collect()
 }
 
+/// Warns of p values that ignore that ratings are related.
+pub(super) fn ignoring(results: &Results) -> &'static str {
+    match results.ignores_people() {
+        true => {
+            " These p values ignore that ratings by the same participant are related, so they may be far too small."
+        }
+        false => "",
+    }
+}
+
 /// Says how the terms of the model were tested.
 fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
     let mut text = String::new();
@@ -178,7 +188,7 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
                 (term, ..) => format!("{term}, not tested"),
             })
             .collect();
-        text += &format!(" Terms were tested with likelihood-ratio tests: {}.", tests.join("; "));
+        text += &format!(" Terms were tested with likelihood-ratio tests: {}.{}", tests.join("; "), ignoring(results));
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
         let others = not_simulated(results, &report.terms);
@@ -278,7 +288,7 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     methods.dedup();
     let methods = list(&methods);
     let leads = (results.factors.iter())
-        .filter(|_| findings::is_clustered(results))
+        .filter(|_| results.model.is_ok())
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test));
     let because = |factor: &FactorResults| {
         let reason = findings::reason(results, factor);

@@ -1,6 +1,12 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{cautions::is_serious, findings::ALPHA, fit, methods::not_simulated, names};
+use super::{
+    cautions::is_serious,
+    findings::{ALPHA, averaged},
+    fit,
+    methods::{ignoring, not_simulated},
+    names,
+};
 use crate::{
     analysis::{
         Coefficient, Comparison, Contrast, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
@@ -158,7 +164,7 @@ fn source_of_p(results: &Results, tests: &[TermTest]) -> String {
     } else {
         format!(" (that of {} from the χ² distribution)", list(&others))
     };
-    match tests.iter().filter_map(|test| test.draws).max() {
+    let text = match tests.iter().filter_map(|test| test.draws).max() {
         Some(draws) => format!(
             "The χ² distribution is not accurate with few or related ratings, so p{of_others} comes from up to {draws} studies that were \
              simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws), and studies that allowed no fit are left out. p is \
@@ -170,9 +176,12 @@ fn source_of_p(results: &Results, tests: &[TermTest]) -> String {
                 format!(" The Monte Carlo standard error of the other p values is {most}.")
             })
         ),
-        None if tests.iter().all(|test| test.p.is_none()) => "There are no p values, for the reasons below.".to_owned(),
+        None if tests.iter().all(|test| test.p.is_none()) => {
+            return "There are no p values, for the reasons below.".to_owned();
+        }
         None => "The p values come from the χ² distribution.".to_owned(),
-    }
+    };
+    text + ignoring(results)
 }
 
 /// Describes how much participants differ.
@@ -270,7 +279,7 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
          there is one. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
          corrected.",
         if report.comparisons.iter().any(|c| c.at.is_some()) {
-            "; those of factors in an interaction are at each level of the other factor (simple effects)"
+            "; those of factors in an interaction are at each level of the other factor (simple effects) and on average over them"
         } else if report.model.coefficients.iter().any(|c| c.parts.len() > 1) || report.interactions.is_empty() {
             ""
         } else {
@@ -289,7 +298,11 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     TableOf::new("Differences between levels", &report.comparisons)
         .text("Factor", |c| names::factor(results, &c.factor))
         .text("Levels", |c| format!("{} – {}", level(c, &c.level), level(c, &c.other)))
-        .text("At", |c| c.at.as_ref().map(at).unwrap_or_default())
+        .text("At", |c| match &c.at {
+            Some(place) => at(place),
+            None if c.average => "all, on average".to_owned(),
+            None => String::new(),
+        })
         .number("Difference", |c| fixed(c.estimate, 2))
         .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, 2)))
         .number("p", |c| probability(c.p))
@@ -304,8 +317,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     for term in largest.filter(|term| !results.spec.terms.is_marginal(term)) {
         let term = names::term(results, &term.to_string());
         section.note(format!(
-            "The factors of {term} are not compared, because each difference depends on two others. To compare them, analyze each level of \
-             one of them (--only)."
+            "The factors of {term} are compared only on average, because each difference depends on two others. For other comparisons, \
+             analyze each level of one of them (--only)."
         ));
     }
 }
@@ -315,9 +328,10 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         return;
     }
     section.heading("Estimated marginal means");
+    let covariates = if results.covariates.is_empty() { "" } else { ", with covariates at their means" };
     section.text(format!(
-        "The rating that the model expects{}, averaged over the conditions of the other factors. Unequal numbers of ratings \
-         do not matter.",
+        "The rating that the model expects{}, averaged over the conditions of the other factors{covariates}. Unequal numbers \
+         of ratings do not matter.",
         match &report.model.random {
             None => "",
             Some(random) if random.items.is_some() => " of a participant and an item with average random effects",
@@ -330,6 +344,7 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("Expected rating", |margin| mean(margin.mean))
         .number("95\u{a0}% interval", |margin| range(margin.interval, mean))
         .add_to(section);
+    results.factors.iter().filter_map(|factor| averaged(results, factor)).for_each(|text| section.note(text));
 }
 
 /// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,

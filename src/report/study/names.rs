@@ -32,6 +32,11 @@ pub(super) fn level(results: &Results, factor: &str, level: &str) -> Shown {
     names::level(results.options.parameters, factor, level)
 }
 
+/// Formats a level in a sentence about a range, with at most four significant digits.
+pub(super) fn short_level(results: &Results, factor: &str, level: &str) -> Shown {
+    names::rounded_level(results.options.parameters, factor, level, 4)
+}
+
 /// Returns a note about the model as a sentence.
 pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
     let mut note = note.clone();
@@ -39,7 +44,9 @@ pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
         Note::MissingValues { factor: name, .. } | Note::NoItemVariance { items: name } => {
             *name = factor(results, name)
         }
-        Note::Nested { factor: own, other } => [own, other].into_iter().for_each(|name| *name = factor(results, name)),
+        Note::Nested { factor: own, other, .. } => {
+            [own, other].into_iter().for_each(|name| *name = factor(results, name));
+        }
         Note::Rebased { factor: name, baseline, separated, .. } => {
             [baseline, separated].into_iter().for_each(|own| *own = level(results, name, own).to_string());
             *name = factor(results, name);

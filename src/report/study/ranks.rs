@@ -5,6 +5,7 @@ use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
+        agreement::LEAST_PAIRS,
         rank_tests::{EXACT_PARTICIPANTS, Friedman, PERMUTATIONS, PMethod},
         results::FactorResults,
     },
@@ -120,7 +121,14 @@ pub(super) fn agreement(results: &Results) -> Section {
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
+        let pairs = results.subjects.iter().map(|subject| subject.retests).max().unwrap_or(0);
         section.text(match results.units().repeats_without_order() {
+            _ if pairs >= LEAST_PAIRS as u64 => {
+                "Participants who rated enough conditions twice used only one category in them, so κ is not defined."
+            }
+            _ if pairs > 0 => {
+                "No participant rated at least five conditions twice, which κ needs to measure test–retest agreement."
+            }
             0 if results.spec.items.is_some() => {
                 "No participant rated an item twice in the same condition, so test–retest agreement cannot be computed."
             }
