@@ -26,6 +26,7 @@ use crate::{
         dataset,
         error::{RowErrors, io},
         file,
+        recorded::interrupted,
         table::{Content, decoded, rows_from},
     },
     text::names::natural,
@@ -239,7 +240,8 @@ pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileE
         let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
         FileError::at(&input.name, place, message)
     });
-    sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign)
+    let interrupted = rows.interrupted.map(|line| FileError::whole(&input.name, interrupted(line)));
+    sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign).chain(interrupted)
 }
 
 /// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out

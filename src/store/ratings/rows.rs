@@ -35,6 +35,8 @@ pub(super) struct Rows {
     /// Line and column of the first text that is not UTF-8.
     pub foreign: Option<(usize, usize)>,
     /// The position of every 64th row.
+    /// The incomplete last line of a session that did not end.
+    pub interrupted: Option<usize>,
     marks: Vec<Position>,
 }
 
@@ -122,8 +124,10 @@ impl Rows {
             let incomplete = interrupted(row).filter(|_| input.layout == Layout::Results);
             if std::mem::take(&mut is_header) {
             } else if let Some(what) = incomplete {
-                // Resuming the session shows its trial again.
-                rows.errors.add(&input.name, None, left_behind(what), || row.place(0));
+                match &input.sidecar {
+                    Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
+                    _ => rows.errors.add(&input.name, None, left_behind(what), || row.place(0)),
+                }
             } else {
                 let index = rows.status.len();
                 if index.is_multiple_of(MARK) {

@@ -136,6 +136,12 @@ impl Recorded {
         self.partial_line.as_ref().map(|text| (line, what(text)))
     }
 
+    /// Says that the last line is incomplete, if the session did not end.
+    pub fn interruption(&self) -> Option<FileError> {
+        let (line, _) = self.incomplete_line().filter(|_| !self.sidecar.is_sealed())?;
+        Some(FileError::whole(&self.csv, interrupted(line)))
+    }
+
     /// Returns the part that all file names of the session share.
     pub fn stem(&self) -> String {
         let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
@@ -176,6 +182,12 @@ impl Recorded {
         let (rated, planned) = self.rated();
         rated == planned && self.partial_line.is_none()
     }
+}
+
+/// Says that this line, the last one of a session that did not end, is incomplete.
+pub(in crate::store) fn interrupted(line: usize) -> String {
+    let again = if line == 1 { "it is written" } else { "it does not count, and its trial is shown" };
+    format!("line {line} is incomplete because the program was interrupted; {again} again when the session is resumed")
 }
 
 /// The rows of a session, as they were recomputed.

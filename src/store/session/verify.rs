@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use super::{
     chain,
     frames::{self, FrameRow},
-    recorded::Recorded,
+    recorded::{Recorded, interrupted},
     seal::ACCEPTED,
     sidecar::Sidecar,
     sitting::{OtherPicture, Pictures},
@@ -155,9 +155,7 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
             let message = format!("{what}; expected the complete rows of a complete session");
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
-        Some((line, _)) => found.notes.push(format!(
-            "line {line} is incomplete because the program was interrupted; its trial is shown again when the session is resumed"
-        )),
+        Some((line, _)) => found.notes.push(interrupted(line)),
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
