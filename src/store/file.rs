@@ -514,19 +514,19 @@ fn lock_within(file: &File, most: Duration) -> Result<bool, TryLockError> {
 /// How long [`is_locked`] may keep a file locked. It needs a few microseconds.
 const MAX_ASKING: Duration = Duration::from_millis(50);
 
-/// True if another program has locked a file; false if the file system does not support locks, or if there is no file.
+/// Returns whether another program has locked a file; `None` if the file system does not support locks.
 ///
 /// # Errors
 /// I/O errors.
-pub(super) fn is_locked(path: &Path) -> Result<bool, StoreError> {
+pub(super) fn is_locked(path: &Path) -> Result<Option<bool>, StoreError> {
     let file = match open_regular(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Some(false)),
         opened => opened.map_err(io(path, "open"))?,
     };
     match file.try_lock_shared() {
-        Ok(()) => file.unlock().map(|()| false).map_err(io(path, "unlock")),
-        Err(TryLockError::WouldBlock) => Ok(true),
-        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(false),
+        Ok(()) => file.unlock().map(|()| Some(false)).map_err(io(path, "unlock")),
+        Err(TryLockError::WouldBlock) => Ok(Some(true)),
+        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(None),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }
 }

@@ -32,8 +32,8 @@ pub struct Recorded {
     pub(in crate::store) data: Vec<u8>,
     /// The bytes of the sidecar.
     pub(in crate::store) sidecar_text: Vec<u8>,
-    /// True if another program is recording the session.
-    pub is_running: bool,
+    /// Says that another program is recording the session, if one is.
+    pub(in crate::store) running: Option<String>,
     /// Participant and session, from the file names.
     pub identity: Identity,
     /// The definition, from the sidecar.
@@ -68,14 +68,14 @@ impl Recorded {
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
         for _ in 0..ATTEMPTS {
-            let is_running = lock::is_held(csv)?;
-            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), is_running);
+            let running = lock::held(csv)?;
+            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), running.clone());
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
                 // A session that is just being created has no sidecar yet.
                 return match read {
-                    Err(_) if is_running || lock::is_held(csv)? => Err(StoreError::InUse(csv.to_owned())),
+                    Err(_) if running.is_some() || lock::held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
                     read => read,
                 };
             }
@@ -85,7 +85,7 @@ impl Recorded {
         Err(FileErrors::whole(&sidecar_path, what).into())
     }
 
-    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, is_running: bool) -> Result<Self, StoreError> {
+    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, running: Option<String>) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
         let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
@@ -114,7 +114,7 @@ impl Recorded {
             left,
             data,
             sidecar_text,
-            is_running,
+            running,
             csv: csv.to_owned(),
             sidecar_path,
             frames: exists(&frames)?.then_some(frames),
