@@ -26,7 +26,7 @@ pub struct Recorded {
     pub sidecar_path: PathBuf,
     /// Path of the frames file, if there is one.
     pub frames: Option<PathBuf>,
-    /// The SHA-256 of the frames file, if its seals cover it.
+    /// The SHA-256 of the frames file, if it was compared with the seals.
     pub(in crate::store) frames_sha256: Option<String>,
     /// The bytes of the data file.
     pub(in crate::store) data: Vec<u8>,
