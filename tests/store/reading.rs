@@ -631,6 +631,24 @@ mod elsewhere {
         let counted = ReadOptions { count: Some("y".to_owned()), ..of("c", &["note"]) };
         let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
         assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
+        let twice = sheet.replace("<t>note</t>", "<t>a, b</t>").replace("<t>y</t>", "<t>c</t>");
+        let said = errors(&[&file(&folder, "h.xlsx", workbook(&[("One", &twice)], ""))], &how);
+        assert_eq!(said[1], "h.xlsx: cell D1: the column c appears twice; expected it once");
+        let said =
+            errors(&[&file(&folder, "s.xlsx", workbook(&[("One", &sheet), ("Two", "")], ""))], &of("answer", &["c"]));
+        assert_eq!(
+            said,
+            [
+                "s.xlsx: cell A1: the column answer is missing (only the first sheet, One, was read); expected one of subject, note, c, y"
+            ]
+        );
+        // A workbook keeps 53 bits of a number; a column that is not used may have more.
+        for (number, column) in [("9007199254740991", "c"), ("9007199254740992", "note"), ("9007199254740993", "c")] {
+            let long = sheet.replace("<v>0.5</v>", &format!("<v>{number}</v>"));
+            let said = errors(&[&file(&folder, "n.xlsx", workbook(&[("One", &long)], ""))], &of("y", &[column]));
+            let expected = "n.xlsx: cell C2: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text";
+            assert_eq!(said, [expected; 1][..usize::from(number.ends_with('3'))], "{number}");
+        }
 
         let zeros = vec![b'0'; (64 << 20) + 1];
         let mut bomb = ZipWriter::new(Cursor::new(Vec::new()));

@@ -16,7 +16,7 @@ use super::{
     selection::{Input, RecordColumns, Selection, layout},
     source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
-    values, workbook,
+    values,
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
@@ -422,16 +422,8 @@ pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Ve
     if everything.is_some() {
         rows.errors = RowErrors::default();
     }
-    // Who sees a sheet in a spreadsheet program does not see lines of text.
-    let sheet = input.header.converted.as_ref().filter(|converted| converted.is_sheet);
-    let in_cell = |error: FileError| match (sheet, error.position) {
-        (Some(sheet), Some(position)) => {
-            let message = format!("cell {}: {}", workbook::cell_at(&sheet.bytes, position), error.message);
-            FileError { position: None, message, ..error }
-        }
-        _ => error,
-    };
-    rows.errors.finish(&input.name, &input.header.names).into_iter().map(in_cell).chain(everything).collect()
+    let errors = rows.errors.finish(&input.name, &input.header.names);
+    errors.into_iter().map(|error| input.header.in_cell(error)).chain(everything).collect()
 }
 
 /// Returns the content of a file, unless it is large.

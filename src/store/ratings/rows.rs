@@ -7,6 +7,7 @@ use csv::Position;
 use super::{
     selection::Input,
     values::{answer, seconds, with_point},
+    workbook,
 };
 use crate::store::{
     FileError,
@@ -116,6 +117,14 @@ impl Rows {
             };
             rows.unwrap_answers(input);
             return Ok(rows);
+        }
+        let rounded = header.converted.as_ref().map_or(&[][..], |converted| &converted.rounded);
+        if let Some((row, column)) = rounded.iter().find(|(_, column)| used.contains(column)) {
+            let cell = workbook::cell_name(*row, *column);
+            let message = format!(
+                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
+            );
+            return Err(FileError::whole(&input.name, message));
         }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();

@@ -179,7 +179,7 @@ impl Selection {
                 "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
                  factor (it is left out); expected factors or terms that name the columns to analyze, such as num:{name}"
             );
-            warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
+            warnings.push(self.inputs[0].error(columns[0], message));
         }
         warnings.reverse();
         warnings
@@ -302,7 +302,7 @@ impl Input {
             [] if is_title => {
                 let message = "the first line has one cell, and the next has several; expected the names of the columns: remove the \
                                lines above them";
-                Err(self.error(1, message.to_owned()))
+                Err(self.error(0, message.to_owned()))
             }
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
@@ -312,15 +312,13 @@ impl Input {
                 Err(self.error(1, format!("the column {name} is missing; {expected}{sheet}")))
             }
             [place] => Ok(place),
-            [_, second, ..] => {
-                Err(self.error(header.column(second), format!("the column {name} appears twice; expected it once")))
-            }
+            [_, second, ..] => Err(self.error(second, format!("the column {name} appears twice; expected it once"))),
         }
     }
 
-    /// Creates an error in the header.
-    pub fn error(&self, column: usize, message: String) -> FileError {
-        self.header.error(&self.name, column, message)
+    /// Creates an error in the header, at the name with this index.
+    pub fn error(&self, index: usize, message: String) -> FileError {
+        self.header.error(&self.name, index, message)
     }
 
     /// Returns the name of the experiment, from the definition or otherwise from the first row.
@@ -363,7 +361,7 @@ impl Input {
             "is {} and is left out; expected {expected} like {others}: only one experiment is analyzed at a time",
             self.kind
         );
-        self.error(1, message)
+        self.error(0, message)
     }
 }
 
@@ -435,7 +433,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     } else {
         format!("no factors were given; expected factors or terms that name some of the columns {}", some_of(&others))
     };
-    file.error(1, message)
+    file.error(0, message)
 }
 
 /// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
@@ -594,7 +592,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
     for place in places.chain(columns.responses.iter().chain(&columns.factors).copied()) {
         if !taken.insert(place) && errors.is_empty() {
             let message = format!("the column {} has two uses; expected a column for each", header.names[place]);
-            errors.push(file.error(header.column(place), message));
+            errors.push(file.error(place, message));
         }
     }
     if errors.is_empty() { Ok(columns) } else { Err(errors) }
