@@ -114,6 +114,7 @@ fn read_inputs<T>(
     let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
+    notes.extend(unnamed(&selection, &tables));
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
@@ -233,7 +234,40 @@ fn without_values(selection: &Selection, reports: &[FileRead]) -> Vec<FileError>
     levels.chain(is_limited.then(without_time).flatten()).collect()
 }
 
-/// Says how a file was read if it is not plain text in UTF-8.
+/// Says how many rows are practice or later attempts according to columns that no option names. In a table from elsewhere,
+/// the columns may mean something else, so these rows count.
+fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
+    type Kind = (fn(&str) -> bool, &'static str, &'static str);
+    const KINDS: [Kind; 2] = [
+        (
+            |text| text.eq_ignore_ascii_case("practice"),
+            "are practice according to the column phase",
+            "phase among the factors, and of its levels only the others, such as phase=main",
+        ),
+        (
+            |text| values::number(text).is_some_and(|attempt| attempt > 1.0),
+            "are later attempts according to the column attempt",
+            "one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last \
+             attempt counts",
+        ),
+    ];
+    let mut warnings = Vec::new();
+    for (which, (is, what, expected)) in KINDS.into_iter().enumerate() {
+        let (mut first, mut found, mut all) = (None, 0, 0);
+        for (input, rows) in selection.inputs.iter().zip(tables) {
+            let Some(column) = input.columns.unnamed[which] else { continue };
+            let here = rows.columns[column].map(is).iter().filter(|is| **is).count();
+            (found, all) = (found + here, all + rows.status.len());
+            first = first.or((here > 0).then_some((input, column)));
+        }
+        let message =
+            format!("{found} of {all} rows {what}, which no option names, and count as ratings; expected {expected}");
+        warnings.extend(first.map(|(input, column)| input.error(column, message)));
+    }
+    warnings
+}
+
+/// Says how a file was read if it is not plain text in UTF-8, or that its session did not end.
 pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
     let sheet = input.header.converted.as_ref().and_then(|converted| converted.note.clone());
     let foreign = rows.foreign.map(|place| {

@@ -62,6 +62,8 @@ pub(super) struct Columns {
     pub simulated: Option<usize>,
     /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
+    /// In a table that is no result file, the columns `phase` and `attempt`, unless they have another use.
+    pub unnamed: [Option<usize>; 2],
 }
 
 /// Indices of a result file's own columns.
@@ -196,8 +198,8 @@ impl Columns {
     pub fn texts(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        let single = [self.count, self.session, self.repetition, self.order, self.simulated];
-        all.extend(self.factors.iter().copied().chain(single.into_iter().flatten()));
+        let single = [self.count, self.session, self.repetition, self.order, self.simulated].into_iter();
+        all.extend(self.factors.iter().copied().chain(single.chain(self.unnamed).flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial]);
             all.extend([own.experiment, own.attempt, own.dropped].into_iter().flatten());
@@ -558,7 +560,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         Some(order) => Some(needed(order)),
         None => (is_results && details).then(|| needed("trial")),
     };
-    let columns = Columns {
+    let mut columns = Columns {
         subject: needed(file.subject(options)),
         responses: match &options.wide {
             Some((_, names)) => names.iter().map(|name| needed(name)).collect(),
@@ -586,7 +588,10 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         time,
         order,
         simulated: header.position(SIMULATED).filter(|_| !options.is_factor(SIMULATED)),
+        unnamed: [None; 2],
     };
+    let read = columns.texts();
+    columns.unnamed = ["phase", "attempt"].map(|name| header.position(name).filter(|place| !read.contains(place)));
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();
     for place in places.chain(columns.responses.iter().chain(&columns.factors).copied()) {
