@@ -204,7 +204,7 @@ impl Rows {
     }
 
     /// Returns an error with its place.
-    fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
+    pub fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
             let message = error.message(input, inputs, |column| columns.cell(error.row, column));
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
