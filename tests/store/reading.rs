@@ -969,6 +969,8 @@ mod errors {
         let (said, counted) = damaged(|file| fs::write(file.with_extension("json"), "{").unwrap());
         let broken = "S1.json:1:1: is not a sidecar of a session: EOF while parsing an object at line 1 column 1";
         assert!(said.len() == 1 && said[0].starts_with(broken) && counted == 24, "{said:?}");
+        let (said, _) = damaged(|file| fs::write(file.with_extension("json"), "[]").unwrap());
+        assert_eq!(said, ["S1.json:1:1: is not a sidecar of a session; expected a JSON object"]);
     }
 
     #[test]
@@ -1065,7 +1067,7 @@ mod errors {
     fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
-        let cases: [(&str, ReadOptions, &[&str], &[&str]); 5] = [
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 6] = [
             (
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,\0,1,1\nA,0.1,1,7",
                 counts.clone(),
@@ -1099,6 +1101,14 @@ mod errors {
                 "subject_id,width,rating,session_id,repetition,session_id,note,note\nA,1,2,1,1,2,x,y\n",
                 ReadOptions { details: true, ..with_factors(&["width"]) },
                 &["1:47: the column session_id appears twice; expected it once"],
+                &[],
+            ),
+            (
+                "# made by hand\nsubject_id,width,rating\nA,1,2\n",
+                with_factors(&["width"]),
+                &[
+                    "1:1: the first line has one cell, and the next has several; expected the names of the columns: remove the lines above them",
+                ],
                 &[],
             ),
             (

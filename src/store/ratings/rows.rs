@@ -35,9 +35,9 @@ pub(super) struct Rows {
     pub errors: RowErrors,
     /// Line and column of the first text that is not UTF-8.
     pub foreign: Option<(usize, usize)>,
-    /// The position of every 64th row.
     /// The incomplete last line of a session that did not end.
     pub interrupted: Option<usize>,
+    /// The position of every 64th row.
     marks: Vec<Position>,
 }
 

@@ -309,9 +309,9 @@ impl Input {
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
                 let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
-                let sheet = sheet.map_or_else(String::new, |note| format!(" ({note})"));
+                let sheet = sheet.and_then(|note| Some(format!(" ({})", note.split(';').next()?))).unwrap_or_default();
                 let expected = expected_one_of(name, &known);
-                Err(self.error(1, format!("the column {name} is missing; {expected}{sheet}")))
+                Err(self.error(0, format!("the column {name} is missing{sheet}; {expected}")))
             }
             [place] => Ok(place),
             [_, second, ..] => Err(self.error(second, format!("the column {name} appears twice; expected it once"))),
@@ -600,5 +600,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
             errors.push(file.error(place, message));
         }
     }
+    // A file with a title above its header lacks every column.
+    errors.dedup();
     if errors.is_empty() { Ok(columns) } else { Err(errors) }
 }
