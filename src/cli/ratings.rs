@@ -12,7 +12,7 @@ use crate::{
         FileError, FileErrors, Writer,
         ratings::{FileRead, Reason, Source},
     },
-    work::{Ratings, explained},
+    work::{Ratings, check_order, explained},
 };
 
 /// Summarizes in one line what was read and what was left out.
@@ -79,6 +79,7 @@ pub(super) struct CountsArguments {
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
     let progress = super::Bar::spinner("reading");
     let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
+    check_order(&study, true)?;
     let counts = &study.measured.counts;
     writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
     progress.clear();

@@ -32,7 +32,7 @@ pub struct Checked {
     pub sentence: String,
     /// The display profile, if the file is one. Callers need it because its reliability depends on today's date.
     pub profile: Option<DisplayProfile>,
-    /// What does not work on this computer, if anything.
+    /// What does not work on this computer, or that a session did not end, if anything.
     pub warning: Option<String>,
 }
 
@@ -61,17 +61,17 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
     if definition::built_in(path).is_some() {
         return check_definition(definition::open(path)?);
     }
-    let sentence = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path),
+    let checked = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path)?.into(),
         Some("csv") => match column_names(path) {
-            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path),
-            Ok(names) if names.first().is_some_and(|name| name == "event") => check_matches(path),
+            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path)?.into(),
+            Ok(names) if names.first().is_some_and(|name| name == "event") => check_matches(path)?.into(),
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
-            _ => check_results(path),
+            _ => check_results(path)?,
         },
-        Some("png") => return image::verify(path, pixels).map(Checked::from),
-        Some("toml") => return check_toml(path, &name, &read_text(path)?),
+        Some("png") => image::verify(path, pixels)?.into(),
+        Some("toml") => check_toml(path, &name, &read_text(path)?)?,
         _ => return Err(match found(path) {
             Ok(Some(metadata)) if metadata.is_file() => FileErrors::whole(
                 path,
@@ -82,7 +82,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         }
         .into()),
     };
-    sentence.map(Checked::from)
+    Ok(checked)
 }
 
 /// Identifies the kind of TOML file by a required key that the other kinds lack.
@@ -140,7 +140,7 @@ pub fn missing_fonts(missing: &BTreeSet<char>) -> Option<String> {
 
 /// Checks a result file against the definition and the seed in its sidecar. The sidecar may be missing only outside a
 /// data set.
-fn check_results(path: &Path) -> Result<String, StoreError> {
+fn check_results(path: &Path) -> Result<Checked, StoreError> {
     let has_sidecar = exists(&path.with_extension("json"))? || dataset::described(path)?.is_some();
     if dataset::identity(path).is_ok() && has_sidecar {
         return check_session(path);
@@ -161,21 +161,24 @@ fn check_results(path: &Path) -> Result<String, StoreError> {
         errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
     }
     FileErrors::none(errors)?;
-    Ok(format!(
+    let sentence = format!(
         "result file: {} rows; the trial order was not checked because that requires a session's file and its sidecar",
         rows.len()
-    ))
+    );
+    Ok(sentence.into())
 }
 
-fn check_session(path: &Path) -> Result<String, StoreError> {
+fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
     let mut errors = [&session.row_errors[..], &session.changed].concat();
-    if let Some((line, what)) = session.incomplete_line() {
+    let interruption = session.interruption();
+    if let Some((line, what)) = session.incomplete_line().filter(|_| interruption.is_none()) {
         errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
     }
     FileErrors::none(errors)?;
     let ((rated, planned), rows, name) = (session.rated(), session.rows.len(), &session.protocol.name);
-    Ok(format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated"))
+    let sentence = format!("result file: {rows} rows; {rated} of {planned} planned trials of {name} rated");
+    Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
 }
 
 fn check_readings(path: &Path) -> Result<String, StoreError> {

@@ -253,7 +253,7 @@ fn expected(error: &std::io::Error) -> &'static str {
         ErrorKind::NotFound => "a path that exists",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "permission to do this",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "enough free space",
-        _ => "a readable and writable path",
+        _ => "a path and a disk that can be read and written",
     }
 }
 

@@ -68,8 +68,12 @@ pub(super) fn read_existing(path: &Path, most: u64) -> Result<Option<Vec<u8>>, S
 /// # Errors
 /// It is not that, with the line and column.
 pub(super) fn parse_json<T: DeserializeOwned>(path: &Path, text: &[u8], what: &str) -> Result<T, FileErrors> {
+    // A list could stand for the fields of a struct.
+    if text.trim_ascii_start().first().is_some_and(|first| *first != b'{') {
+        return Err(FileErrors::at(path, (1, 1), format!("is not {what}; expected a JSON object")));
+    }
     serde_json::from_slice(text).map_err(|error| {
-        let message = format!("is not {what}: {error}; expected JSON");
+        let message = format!("is not {what}: {error}; expected a JSON object");
         FileErrors::at(path, (error.line(), error.column()), message)
     })
 }
@@ -177,8 +181,8 @@ fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<temp
     // These are the permissions of a regular file; by default, only the owner could read a temporary file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut temporary = builder.tempfile_in(folder_of(path))?;
-    temporary.write_all(content)?;
+    let mut temporary = builder.tempfile_in(folder_of(path)).map_err(without_name)?;
+    temporary.as_file_mut().write_all(content)?;
     if durable {
         temporary.as_file().sync_all()?;
     }
@@ -188,6 +192,11 @@ fn temporary(path: &Path, content: &[u8], durable: bool) -> std::io::Result<temp
         return Err(Error::other(format!("only {kept} of {} bytes were stored", content.len())));
     }
     Ok(temporary)
+}
+
+/// Returns an error without the name of the temporary file or folder, which no user knows.
+fn without_name(error: Error) -> Error {
+    Error::new(error.kind(), error.to_string().split(" at path ").next().unwrap_or_default())
 }
 
 /// Creates a folder and its parents, and syncs them so that they survive a power failure: if the name of a folder is
@@ -286,8 +295,8 @@ pub(super) fn temporary_folder(path: &Path) -> std::io::Result<PathBuf> {
         let _ = remove_tree(&left);
     }
     let prefix = format!("{hidden}{marker}");
-    let made = tempfile::Builder::new().prefix(&prefix).suffix(suffix).rand_bytes(RANDOM).tempdir_in(folder)?;
-    Ok(made.keep())
+    let made = tempfile::Builder::new().prefix(&prefix).suffix(suffix).rand_bytes(RANDOM).tempdir_in(folder);
+    Ok(made.map_err(without_name)?.keep())
 }
 
 /// Makes a new or changed name in a folder survive a power failure, if the system supports this. Windows does not,
@@ -514,19 +523,19 @@ fn lock_within(file: &File, most: Duration) -> Result<bool, TryLockError> {
 /// How long [`is_locked`] may keep a file locked. It needs a few microseconds.
 const MAX_ASKING: Duration = Duration::from_millis(50);
 
-/// True if another program has locked a file; false if the file system does not support locks, or if there is no file.
+/// Returns whether another program has locked a file; `None` if the file system does not support locks.
 ///
 /// # Errors
 /// I/O errors.
-pub(super) fn is_locked(path: &Path) -> Result<bool, StoreError> {
+pub(super) fn is_locked(path: &Path) -> Result<Option<bool>, StoreError> {
     let file = match open_regular(path) {
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(false),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Some(false)),
         opened => opened.map_err(io(path, "open"))?,
     };
     match file.try_lock_shared() {
-        Ok(()) => file.unlock().map(|()| false).map_err(io(path, "unlock")),
-        Err(TryLockError::WouldBlock) => Ok(true),
-        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(false),
+        Ok(()) => file.unlock().map(|()| Some(false)).map_err(io(path, "unlock")),
+        Err(TryLockError::WouldBlock) => Ok(Some(true)),
+        Err(TryLockError::Error(error)) if has_no_locks(&error) => Ok(None),
         Err(TryLockError::Error(error)) => Err(io(path, "lock")(error)),
     }
 }

@@ -138,7 +138,8 @@ impl Writer {
         }
         match found {
             None => Ok(target),
-            Some(found) if !found.is_file() => {
+            // The output of the program may lead to a regular file.
+            Some(found) if !found.is_file() || ["/dev/stdout", "/dev/stderr"].map(Path::new).contains(&path) => {
                 refuse("is not a regular file; expected a new file or an existing regular file")
             }
             Some(_) if self.reads(&target)? => refuse("is an input of this command; expected a different file"),

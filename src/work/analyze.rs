@@ -7,12 +7,16 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, Only, Ratings, RequestError, Watcher, named, ratings::explained, request::allow_only};
+use super::{
+    Model, Only, Ratings, RequestError, Watcher, named,
+    ratings::{check_order, explained},
+    request::allow_only,
+};
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
         counts::{Counts, ExclusionError, Trial},
-        find_factor, number_of, numbers_of,
+        find_factor, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
     },
@@ -25,7 +29,7 @@ use crate::{
         Columns, FileError, StoreError,
         answers::{self, AnswerColumns, AnswersRead},
         ratings::Source,
-        table::{List, list},
+        table::List,
     },
     text::names::expected_one_of,
 };
@@ -92,6 +96,13 @@ pub struct AnswersAtLevels {
     pub log: bool,
 }
 
+/// Checks that the order of the categories is known.
+fn ordered(study: Result<Study, StudyError>) -> anyhow::Result<Study> {
+    let study = study.map_err(explained)?;
+    check_order(&study, false)?;
+    Ok(study)
+}
+
 impl Analyze {
     /// Returns the names of the columns that the terms use as factors, and of their numbers, the covariates and the items.
     pub fn columns(&self) -> [Vec<String>; 2] {
@@ -125,7 +136,7 @@ impl Analyze {
     /// # Errors
     /// There is nothing to analyze, the study is too large, or the order of its categories is not known.
     pub fn read(&self) -> anyhow::Result<Study> {
-        self.ordered(self.read_unordered())
+        ordered(self.read_unordered())
     }
 
     /// Takes the ratings from a table in memory instead of files; `name` stands for it in messages.
@@ -134,25 +145,7 @@ impl Analyze {
     /// The same errors as [`Analyze::read`].
     pub fn read_columns(&self, name: &str, columns: Columns) -> anyhow::Result<Study> {
         let how = self.ratings.options(self.columns(), true, self.model.large);
-        self.ordered(Study::from_columns(name, columns, &how))
-    }
-
-    /// Checks that the order of the categories is known.
-    fn ordered(&self, study: Result<Study, StudyError>) -> anyhow::Result<Study> {
-        let study = study.map_err(explained)?;
-        let counts = &study.measured.counts;
-        if counts.is_ordered(study.source.shape.categories.as_deref()) {
-            return Ok(study);
-        }
-        let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
-        let message = format!(
-            "{}: {} {}; expected numbers, or the order of all categories, lowest first",
-            study.source.shape.response,
-            list(words.iter().take(12)),
-            if words.len() == 1 { "is not a number" } else { "are not numbers" }
-        );
-        // Not an order of these words, which somebody would copy.
-        Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST").into())
+        ordered(Study::from_columns(name, columns, &how))
     }
 
     /// Reads the answers to a task, if the sessions have a task other than a rating.

@@ -9,8 +9,8 @@ use crate::store::{check::check_large, image::MAX_PIXELS};
 
 /// Check definitions, result files, display profiles, readings, observers, scenes and images, and report every error.
 ///
-/// Prints a warning to stderr, but no error, for a display profile that is old or dated in the future, and for texts for
-/// which this computer has no font.
+/// Prints a warning to stderr, but no error, for a display profile that is old or dated in the future, for texts for which
+/// this computer has no font, and for the incomplete last line of a session that was interrupted.
 #[derive(Clone, Debug, PartialEq, Eq, clap::Args, Serialize)]
 #[command(after_help = "Example: machband check my-study.toml results/quick/data/*.csv")]
 pub struct Check {
@@ -24,8 +24,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// Describes each file in a sentence, or finds every error in it. The watcher is warned of a display profile that is
-    /// old or dated in the future, and of texts for which this computer has no font.
+    /// Describes each file in a sentence, or finds every error in it. The watcher is warned of what is no error.
     ///
     /// # Errors
     /// The watcher ended it.

@@ -37,7 +37,7 @@ pub use export::Export;
 pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
-pub use ratings::{Only, Ratings, explained};
+pub use ratings::{Only, Ratings, check_order, explained};
 pub use repair::Repair;
 pub use request::{Request, RequestError, changed, from_names, named, told, words};
 pub use watcher::{Found, Watcher};

@@ -8,7 +8,7 @@ use super::{RequestError, request::paths};
 use crate::{
     analysis::{
         counts::{ExclusionError, Exclusions},
-        numbers_of,
+        number_of, numbers_of,
     },
     report::{
         Study, StudyError,
@@ -211,6 +211,29 @@ impl Ratings {
             large,
         }
     }
+}
+
+/// Checks that the order of the categories is known. For counts, categories `may_be_words`, but not beside numbers.
+///
+/// # Errors
+/// Names the categories that are no numbers.
+pub fn check_order(study: &Study, may_be_words: bool) -> Result<(), RequestError> {
+    let (shape, counts) = (&study.source.shape, &study.measured.counts);
+    let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
+    let are_all = words.len() == counts.categories.len();
+    if counts.is_ordered(shape.categories.as_deref()) || are_all && may_be_words {
+        return Ok(());
+    }
+    let place = study.source.files.iter().find_map(|file| file.word.as_ref()).filter(|_| !are_all);
+    let message = format!(
+        "{}: {} {}{}; expected numbers, or the order of all categories, lowest first",
+        shape.response,
+        list(words.iter().take(12)),
+        if words.len() == 1 { "is not a number" } else { "are not numbers" },
+        place.map_or_else(String::new, |place| format!(", first in {place}"))
+    );
+    // Not an order of these words, which somebody would copy.
+    Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST"))
 }
 
 /// Turns an error of reading into one of the request, if that is what is wrong.

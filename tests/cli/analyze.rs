@@ -538,7 +538,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is far from the other values"),
         ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
         ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
-        ("words.csv", &["--terms", "count"], 2, "y: oops is not a number"),
+        ("words.csv", &["--terms", "count"], 2, "y: oops is not a number, first in words.csv:9:10; expected numbers"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
         ("usual.csv", &["--terms", "count,num:count"], 2, "--terms count is both a factor and a number"),
         ("depth.csv", &["--terms", "depth,num:inv_n"], 2, "--terms depth is both a factor and a number"),
@@ -565,6 +565,10 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         let (code, error, output) = run(file, options);
         assert!(code == Some(status) && error.contains(expected), "{file} {options:?}: {code:?} {error} {output}");
     }
+    let counts = "counts words.csv --subject id --response y --factors count --out counts.csv";
+    let said = fails(folder.path(), &split(counts), 2);
+    assert!(said.contains("--response y: oops is not a number, first in words.csv:9:10; expected numbers"), "{said}");
+    assert!(!run("nobody.csv", &["--terms", "count"]).1.contains("merged cells"));
 }
 
 /// What is left out on request or because it is missing is in the report; above 2 % of unreadable rows, there is none.

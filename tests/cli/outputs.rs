@@ -20,7 +20,7 @@ use machband::{
 
 use crate::common::{
     attacks::{FILES, PANICS, ROWS, withstood},
-    everything, fails, machband, split, succeeds, text,
+    command, everything, fails, machband, split, succeeds, text,
 };
 
 fn is<T: 'static>(argument: &Arg) -> bool {
@@ -327,6 +327,11 @@ fn existing_files_are_replaced_only_with_force() {
     }
     #[cfg(unix)]
     {
+        // Also if it leads to a regular file.
+        let to = fs::File::create(folder.path().with_extension("stdout")).unwrap();
+        let output = command(folder.path(), &split("counts z --out /dev/stdout")).stdout(to).output().unwrap();
+        assert!(text(&output.stderr).starts_with("error: /dev/stdout: is not a regular file"), "{output:?}");
+        fs::remove_file(folder.path().with_extension("stdout")).unwrap();
         std::os::unix::fs::symlink("nothing", at("dangling")).unwrap();
         assert!(fails(folder.path(), &split("counts z --out dangling --force"), 2).contains("is not a regular file"));
         fs::remove_file(at("dangling")).unwrap();

@@ -11,7 +11,7 @@ use std::{
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::{
-    disk,
+    common, disk,
     run::{self, ProgramResult, Report},
     shim::{self, Fault},
     sweep::{self, Sweep},
@@ -189,10 +189,16 @@ fn without_locks(sweep: &Sweep, rows: usize) -> Counts {
     let before = fs::read(scene.csv()).unwrap();
     let mut command = run::binary(&sweep.definition(DEFINITION), &scene.first(), true);
     let log = scene.folder.path().join("log");
-    let (second, _) = shim::run_with(&mut command, &[fault], scene.folder.path(), &log);
+    let command_fault = [fault];
+    let (second, _) = shim::run_with(&mut command, &command_fault, scene.folder.path(), &log);
     let sentence = "data.csv.lock: means that another program is writing this session";
     assert!(second.status.code() == Some(1) && second.stderr.contains(sentence), "{second:?}");
     assert_eq!(fs::read(scene.csv()).unwrap(), before);
+    let mut verify = common::command(scene.folder.path(), &["verify", "first"]);
+    let verified = shim::set(&mut verify, &command_fault, scene.folder.path(), &log).output().unwrap();
+    let said = String::from_utf8_lossy(&verified.stdout);
+    let sentence = "another program is recording this session (first/";
+    assert!(said.contains(sentence) && said.contains(".lock says so; if no program on any computer"), "{said}");
     let report = waiting.end();
     assert!(report.done && report.errors.is_empty(), "{report:?}");
     let sidecar = fs::read_to_string(disk::paths(&scene.first(), DEFINITION).sidecar).unwrap();

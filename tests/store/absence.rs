@@ -13,7 +13,7 @@ use machband::store::{
 };
 
 use crate::{
-    common::{command, everything, fails, machband, rows, session_csv, skip, succeeds, text},
+    common::{command, everything, fails, machband, rows, session_csv, skip, succeeds, text, verified},
     recording::{record, small},
 };
 
@@ -112,6 +112,9 @@ fn an_export_is_a_snapshot() {
     let results = scratch.path().join("results");
     record(&results, "S000", usize::MAX);
     let running = record(&results, "S001", 3);
+    // A killed program left this file, and the locks of the operating system work.
+    fs::write(csv(&results, "S000").with_extension("csv.lock"), "").unwrap();
+    assert!(!verified(&csv(&results, "S000")).notes.join("; ").contains("is recording"));
     let out = |name: String| scratch.path().join(name);
     for format in FORMATS {
         let to = out(format!("{format:?}"));

@@ -57,7 +57,7 @@ fn errors(csv: &Path) -> String {
 #[test]
 fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
     type Touch = fn(&Path);
-    let ways: [(&str, usize, Touch); 5] = [
+    let ways: [(&str, usize, Touch); 6] = [
         ("a rating of an ended sitting", 3, change_rating),
         ("a rating and the last row of a complete session", 6, |csv| {
             change_rating(csv);
@@ -66,6 +66,8 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         ("every row", 3, |csv| fs::write(csv, "").unwrap()),
         ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
         ("the whole end but the time", 3, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
+        // Nothing was shown on a screen, so there are no frames.
+        ("the frames, of which there were none", 3, |csv| with_frames(csv, &format!("{HEADER}\n"))),
     ];
     for (what, rows, touch) in ways {
         let (folder, csv) = ended(rows);
@@ -383,7 +385,7 @@ fn an_analysis_tells_missing_rows_and_a_repair_notes_them() {
     assert!(!text(&analyzed().stderr).contains("without a row"));
 }
 
-/// Writes a frames file, and the seal of a session that recorded it.
+/// Writes a frames file.
 fn with_frames(csv: &Path, content: &str) {
     let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");
     fs::write(frames, content).unwrap();
@@ -392,6 +394,14 @@ fn with_frames(csv: &Path, content: &str) {
 #[test]
 fn frames_belong_to_planned_trials_and_the_generator_is_known() {
     let (_folder, csv) = ended(usize::MAX);
+    with_frames(&csv, "");
+    assert!(errors(&csv).contains("_frames.csv: is in no seal"), "{}", errors(&csv));
+    // The sitting says why there is no seal of its frames.
+    edit_sidecar(&csv, |sidecar| {
+        sidecar.sittings[0].incidents.push("the frames are not complete: the disk is full".to_owned());
+        let own = sidecar.sha256_at_end_of(0);
+        sidecar.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
+    });
     for (cells, expected) in [
         ("1,main,999,1", "_frames.csv:3:8: the definition plans no main trial 999"),
         ("1,practice,3,1", "_frames.csv:3:12: the definition plans no practice trial 3"),

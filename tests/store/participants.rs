@@ -163,7 +163,10 @@ fn a_table_that_cannot_be_read_stays_as_it_is() {
     // Another encoding and a row that is too short, after an empty line: nothing is replaced, and the line is right.
     for (number, (table, expected)) in [
         (&b"participant_id\tnote\nsub-S009\tM\xfcller\n"[..], "is not UTF-8 text"),
-        (&b"participant_id\tnote\n\nsub-S009\n"[..], "participants.tsv:3:1: the row has 1 cells; expected 2"),
+        (
+            &b"participant_id\tnote\n\nsub-S009\n"[..],
+            "participants.tsv:3:1: the number of cells in the row is 1; expected 2",
+        ),
     ]
     .into_iter()
     .enumerate()

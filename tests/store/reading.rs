@@ -636,6 +636,24 @@ mod elsewhere {
         let counted = ReadOptions { count: Some("y".to_owned()), ..of("c", &["note"]) };
         let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
         assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
+        let twice = sheet.replace("<t>note</t>", "<t>a, b</t>").replace("<t>y</t>", "<t>c</t>");
+        let said = errors(&[&file(&folder, "h.xlsx", workbook(&[("One", &twice)], ""))], &how);
+        assert_eq!(said[1], "h.xlsx: cell D1: the column c appears twice; expected it once");
+        let said =
+            errors(&[&file(&folder, "s.xlsx", workbook(&[("One", &sheet), ("Two", "")], ""))], &of("answer", &["c"]));
+        assert_eq!(
+            said,
+            [
+                "s.xlsx: cell A1: the column answer is missing (only the first sheet, One, was read); expected one of subject, note, c, y"
+            ]
+        );
+        // A workbook keeps 53 bits of a number; a column that is not used may have more.
+        for (number, column) in [("9007199254740991", "c"), ("9007199254740992", "note"), ("9007199254740993", "c")] {
+            let long = sheet.replace("<v>0.5</v>", &format!("<v>{number}</v>"));
+            let said = errors(&[&file(&folder, "n.xlsx", workbook(&[("One", &long)], ""))], &of("y", &[column]));
+            let expected = "n.xlsx: cell C2: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text";
+            assert_eq!(said, [expected; 1][..usize::from(number.ends_with('3'))], "{number}");
+        }
 
         let zeros = vec![b'0'; (64 << 20) + 1];
         let mut bomb = ZipWriter::new(Cursor::new(Vec::new()));
@@ -772,6 +790,20 @@ mod elsewhere {
         assert_eq!((&*found[0], read.measured.counts.subjects.len()), (expected, 19));
         let expected = "the levels -2, -2.0 of cond differ only in capitals, in the form of a number or in how characters are encoded, and are different levels; expected one form of each level";
         assert_eq!(found[1], expected);
+    }
+
+    /// A result file that lost columns is a table like any other, whose rows count.
+    #[test]
+    fn practice_and_later_attempts_are_told_if_no_option_names_their_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "subject_id,phase,attempt,c,score\nA,practice,1,a,1\nA,main,1,a,2\nA,main,2,a,3\nA,main,2.0,b,1\n";
+        let path = file(&folder, "t.csv", text);
+        let named = |names: &[&str]| warnings(&Study::read(std::slice::from_ref(&path), &of("score", names)).unwrap());
+        let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected phase among the factors, and of its levels only the others, such as phase=main";
+        let attempts = "1:18: 2 of 4 rows are later attempts according to the column attempt, which no option names, and count as ratings; expected one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last attempt counts";
+        assert_eq!(named(&["c"]), [practice, attempts]);
+        assert_eq!(named(&["c", "phase"]), [attempts]);
+        assert_eq!(named(&["c", "phase", "attempt"]), [""; 0]);
     }
 
     /// Small exports in the form of PsychoPy 2023.2 (wide CSV), jsPsych 7 and OpenSesame 4.0, made by hand.
@@ -948,6 +980,8 @@ mod errors {
         let (said, counted) = damaged(|file| fs::write(file.with_extension("json"), "{").unwrap());
         let broken = "S1.json:1:1: is not a sidecar of a session: EOF while parsing an object at line 1 column 1";
         assert!(said.len() == 1 && said[0].starts_with(broken) && counted == 24, "{said:?}");
+        let (said, _) = damaged(|file| fs::write(file.with_extension("json"), "[]").unwrap());
+        assert_eq!(said, ["S1.json:1:1: is not a sidecar of a session; expected a JSON object"]);
     }
 
     #[test]
@@ -1044,7 +1078,7 @@ mod errors {
     fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
-        let cases: [(&str, ReadOptions, &[&str], &[&str]); 5] = [
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 6] = [
             (
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,\0,1,1\nA,0.1,1,7",
                 counts.clone(),
@@ -1078,6 +1112,14 @@ mod errors {
                 "subject_id,width,rating,session_id,repetition,session_id,note,note\nA,1,2,1,1,2,x,y\n",
                 ReadOptions { details: true, ..with_factors(&["width"]) },
                 &["1:47: the column session_id appears twice; expected it once"],
+                &[],
+            ),
+            (
+                "# made by hand\nsubject_id,width,rating\nA,1,2\n",
+                with_factors(&["width"]),
+                &[
+                    "1:1: the first line has one cell, and the next has several; expected the names of the columns: remove the lines above them",
+                ],
                 &[],
             ),
             (

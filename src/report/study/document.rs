@@ -115,7 +115,12 @@ impl Study {
             let what = match (unreadable, nobodys) {
                 (_, 0) => format!("{unreadable} of {rows} rows{of_files} cannot be read"),
                 (0, _) => {
-                    format!("{nobodys} of {rows} rows{of_files} have no participant (merged cells have one value)")
+                    let merged = if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xlsx")) {
+                        " (merged cells have one value)"
+                    } else {
+                        ""
+                    };
+                    format!("{nobodys} of {rows} rows{of_files} have no participant{merged}")
                 }
                 _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
             };

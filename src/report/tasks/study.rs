@@ -147,7 +147,7 @@ impl TaskStudy {
                     format!("has the same participant and session as {}; expected each once", other.display());
                 return Err(FileErrors::whole(&session.csv, message));
             }
-            warnings.extend(session.changed.iter().cloned());
+            warnings.extend(session.changed.iter().cloned().chain(session.interruption()));
             if session.protocol != first.protocol {
                 let message =
                     "has another definition than the sessions before it; expected the sessions of one definition";

@@ -14,7 +14,7 @@ use crate::{
         dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
         frames,
         recorded::Recorded,
-        session::seal,
+        session::{lock, seal},
     },
     text::is_formula,
 };
@@ -103,11 +103,10 @@ pub(super) fn read(
     let open = |csv: &PathBuf| Recorded::open(csv).map(|session| (errors(&session), session));
     let (mut sessions, mut wrong) = (Vec::new(), Vec::new());
     for (csv, opened) in files.iter().zip(files.par_iter().map(open).collect::<Vec<_>>()) {
+        let mut leave_out = |why: &str| notes.push(format!("{}: {why}; the session is left out", csv.display()));
         match opened {
-            Ok((_, Recorded { is_running: true, .. })) | Err(StoreError::InUse(_)) => {
-                let csv = csv.display();
-                notes.push(format!("{csv}: another program is recording this session; the session is left out"));
-            }
+            Ok((_, Recorded { running: Some(why), .. })) => leave_out(&why),
+            Err(StoreError::InUse(_)) => leave_out(lock::RECORDING),
             Ok((errors, session)) => {
                 wrong.extend(errors);
                 sessions.push(session);

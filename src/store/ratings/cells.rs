@@ -111,6 +111,23 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// Returns the place of the first response that is no number, unless the categories are known.
+    fn word(&self) -> Option<String> {
+        let (input, rows) = (self.input, self.rows);
+        let is_word = |row: &usize, which: usize| {
+            let response = self.responses[which].get(*row);
+            matches!(rows.status[*row], Status::Counts(_)) && response.is_ok_and(|text| values::number(text).is_none())
+        };
+        let open = (0..self.responses.len()).filter(|_| self.selection.shape.categories.is_none());
+        let mut words = open.filter(|which| !self.known.responses[*which]).filter_map(|which| {
+            let row = rows.all().find(|row| is_word(row, which))?;
+            let nothing = RowError { row, cell: Some(input.columns.responses[which]), what: What::Said(String::new()) };
+            let place = input.header.in_cell(rows.placed(&nothing, input, &self.selection.inputs)).to_string();
+            Some(place.trim_end_matches(": ").to_owned())
+        });
+        words.next()
+    }
+
     fn subject(&self, row: usize) -> &'a str {
         self.text(row, self.input.columns.subject)
     }
@@ -262,6 +279,7 @@ pub(super) fn add_rows(
     }
     let marked = simulated.into_iter().filter(|(_, [marked, _])| *marked > 0);
     read.simulated = marked.map(|(subject, counts)| (subject.to_owned(), counts)).collect();
+    read.word = cells.word();
     rows.errors = errors;
     FileRead { without_level, without_time, again, ..read }
 }

@@ -9,7 +9,10 @@ use std::{
 
 use csv::Position;
 
-use super::converted::{Converted, converted};
+use super::{
+    converted::{Converted, converted},
+    workbook::{cell_at, cell_name},
+};
 use crate::{
     experiment::{IN_BIDS, Phase},
     store::{
@@ -400,20 +403,26 @@ impl Header {
     pub fn note_of_subject(&self, name: &str, index: usize) -> Option<FileError> {
         let column = Some(&self.names[index]).filter(|column| *column != SUBJECT)?;
         let message = format!("participants are in the column {column}; expected {SUBJECT}, or a column that you name");
-        Some(self.error(name, self.column(index), message))
+        Some(self.error(name, index, message))
     }
 
-    /// Creates an error in the header of the file `name`.
-    pub fn error(&self, name: &str, column: usize, message: String) -> FileError {
+    /// Names the cell of an error in a sheet: who sees it in a spreadsheet program does not see lines of text.
+    pub fn in_cell(&self, error: FileError) -> FileError {
+        let sheet = self.converted.as_ref().filter(|converted| converted.is_sheet);
+        let Some((sheet, position)) = sheet.zip(error.position) else { return error };
+        let message = format!("cell {}: {}", cell_at(&sheet.bytes, position), error.message);
+        FileError { position: None, message, ..error }
+    }
+
+    /// Creates an error in the header of the file `name`, at the name with this index.
+    pub fn error(&self, name: &str, index: usize, message: String) -> FileError {
         if self.columns.is_some() {
             return FileError::whole(name, message);
+        } else if self.converted.as_ref().is_some_and(|converted| converted.is_sheet) {
+            return FileError::whole(name, format!("cell {}: {message}", cell_name(self.line - 1, index)));
         }
+        let column = self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1;
         FileError::at(name, (self.line, column), message)
-    }
-
-    /// Returns the column, in characters from 1, where the name at an index begins.
-    pub fn column(&self, index: usize) -> usize {
-        self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1
     }
 }
 

@@ -16,7 +16,7 @@ use super::{
     selection::{Input, RecordColumns, Selection, layout},
     source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
-    values, workbook,
+    values,
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
@@ -26,6 +26,7 @@ use crate::{
         dataset,
         error::{RowErrors, io},
         file,
+        recorded::interrupted,
         table::{Content, decoded, rows_from},
     },
     text::names::natural,
@@ -113,6 +114,7 @@ fn read_inputs<T>(
     let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
+    notes.extend(unnamed(&selection, &tables));
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
@@ -232,14 +234,48 @@ fn without_values(selection: &Selection, reports: &[FileRead]) -> Vec<FileError>
     levels.chain(is_limited.then(without_time).flatten()).collect()
 }
 
-/// Says how a file was read if it is not plain text in UTF-8.
+/// Says how many rows are practice or later attempts according to columns that no option names. In a table from elsewhere,
+/// the columns may mean something else, so these rows count.
+fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
+    type Kind = (fn(&str) -> bool, &'static str, &'static str);
+    const KINDS: [Kind; 2] = [
+        (
+            |text| text.eq_ignore_ascii_case("practice"),
+            "are practice according to the column phase",
+            "phase among the factors, and of its levels only the others, such as phase=main",
+        ),
+        (
+            |text| values::number(text).is_some_and(|attempt| attempt > 1.0),
+            "are later attempts according to the column attempt",
+            "one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last \
+             attempt counts",
+        ),
+    ];
+    let mut warnings = Vec::new();
+    for (which, (is, what, expected)) in KINDS.into_iter().enumerate() {
+        let (mut first, mut found, mut all) = (None, 0, 0);
+        for (input, rows) in selection.inputs.iter().zip(tables) {
+            let Some(column) = input.columns.unnamed[which] else { continue };
+            let here = rows.columns[column].map(is).iter().filter(|is| **is).count();
+            (found, all) = (found + here, all + rows.status.len());
+            first = first.or((here > 0).then_some((input, column)));
+        }
+        let message =
+            format!("{found} of {all} rows {what}, which no option names, and count as ratings; expected {expected}");
+        warnings.extend(first.map(|(input, column)| input.error(column, message)));
+    }
+    warnings
+}
+
+/// Says how a file was read if it is not plain text in UTF-8, or that its session did not end.
 pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
     let sheet = input.header.converted.as_ref().and_then(|converted| converted.note.clone());
     let foreign = rows.foreign.map(|place| {
         let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
         FileError::at(&input.name, place, message)
     });
-    sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign)
+    let interrupted = rows.interrupted.map(|line| FileError::whole(&input.name, interrupted(line)));
+    sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign).chain(interrupted)
 }
 
 /// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
@@ -420,16 +456,8 @@ pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Ve
     if everything.is_some() {
         rows.errors = RowErrors::default();
     }
-    // Who sees a sheet in a spreadsheet program does not see lines of text.
-    let sheet = input.header.converted.as_ref().filter(|converted| converted.is_sheet);
-    let in_cell = |error: FileError| match (sheet, error.position) {
-        (Some(sheet), Some(position)) => {
-            let message = format!("cell {}: {}", workbook::cell_at(&sheet.bytes, position), error.message);
-            FileError { position: None, message, ..error }
-        }
-        _ => error,
-    };
-    rows.errors.finish(&input.name, &input.header.names).into_iter().map(in_cell).chain(everything).collect()
+    let errors = rows.errors.finish(&input.name, &input.header.names);
+    errors.into_iter().map(|error| input.header.in_cell(error)).chain(everything).collect()
 }
 
 /// Returns the content of a file, unless it is large.

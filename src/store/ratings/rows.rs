@@ -7,6 +7,7 @@ use csv::Position;
 use super::{
     selection::Input,
     values::{answer, seconds, with_point},
+    workbook,
 };
 use crate::store::{
     FileError,
@@ -34,6 +35,8 @@ pub(super) struct Rows {
     pub errors: RowErrors,
     /// Line and column of the first text that is not UTF-8.
     pub foreign: Option<(usize, usize)>,
+    /// The incomplete last line of a session that did not end.
+    pub interrupted: Option<usize>,
     /// The position of every 64th row.
     marks: Vec<Position>,
 }
@@ -115,6 +118,14 @@ impl Rows {
             rows.unwrap_answers(input);
             return Ok(rows);
         }
+        let rounded = header.converted.as_ref().map_or(&[][..], |converted| &converted.rounded);
+        if let Some((row, column)) = rounded.iter().find(|(_, column)| used.contains(column)) {
+            let cell = workbook::cell_name(*row, *column);
+            let message = format!(
+                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
+            );
+            return Err(FileError::whole(&input.name, message));
+        }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
@@ -122,8 +133,10 @@ impl Rows {
             let incomplete = interrupted(row).filter(|_| input.layout == Layout::Results);
             if std::mem::take(&mut is_header) {
             } else if let Some(what) = incomplete {
-                // Resuming the session shows its trial again.
-                rows.errors.add(&input.name, None, left_behind(what), || row.place(0));
+                match &input.sidecar {
+                    Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
+                    _ => rows.errors.add(&input.name, None, left_behind(what), || row.place(0)),
+                }
             } else {
                 let index = rows.status.len();
                 if index.is_multiple_of(MARK) {
@@ -191,7 +204,7 @@ impl Rows {
     }
 
     /// Returns an error with its place.
-    fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
+    pub fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
             let message = error.message(input, inputs, |column| columns.cell(error.row, column));
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);

@@ -62,6 +62,8 @@ pub(super) struct Columns {
     pub simulated: Option<usize>,
     /// The columns that only a result file has.
     pub record: Option<RecordColumns>,
+    /// In a table that is no result file, the columns `phase` and `attempt`, unless they have another use.
+    pub unnamed: [Option<usize>; 2],
 }
 
 /// Indices of a result file's own columns.
@@ -179,7 +181,7 @@ impl Selection {
                 "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
                  factor (it is left out); expected factors or terms that name the columns to analyze, such as num:{name}"
             );
-            warnings.push(self.inputs[0].error(self.inputs[0].header.column(columns[0]), message));
+            warnings.push(self.inputs[0].error(columns[0], message));
         }
         warnings.reverse();
         warnings
@@ -196,8 +198,8 @@ impl Columns {
     pub fn texts(&self) -> BTreeSet<usize> {
         let mut all = BTreeSet::from([self.subject]);
         all.extend(&self.responses);
-        let single = [self.count, self.session, self.repetition, self.order, self.simulated];
-        all.extend(self.factors.iter().copied().chain(single.into_iter().flatten()));
+        let single = [self.count, self.session, self.repetition, self.order, self.simulated].into_iter();
+        all.extend(self.factors.iter().copied().chain(single.chain(self.unnamed).flatten()));
         if let Some(own) = self.record {
             all.extend([own.session, own.phase, own.trial]);
             all.extend([own.experiment, own.attempt, own.dropped].into_iter().flatten());
@@ -302,25 +304,23 @@ impl Input {
             [] if is_title => {
                 let message = "the first line has one cell, and the next has several; expected the names of the columns: remove the \
                                lines above them";
-                Err(self.error(1, message.to_owned()))
+                Err(self.error(0, message.to_owned()))
             }
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
                 let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
-                let sheet = sheet.map_or_else(String::new, |note| format!(" ({note})"));
+                let sheet = sheet.and_then(|note| Some(format!(" ({})", note.split(';').next()?))).unwrap_or_default();
                 let expected = expected_one_of(name, &known);
-                Err(self.error(1, format!("the column {name} is missing; {expected}{sheet}")))
+                Err(self.error(0, format!("the column {name} is missing{sheet}; {expected}")))
             }
             [place] => Ok(place),
-            [_, second, ..] => {
-                Err(self.error(header.column(second), format!("the column {name} appears twice; expected it once")))
-            }
+            [_, second, ..] => Err(self.error(second, format!("the column {name} appears twice; expected it once"))),
         }
     }
 
-    /// Creates an error in the header.
-    pub fn error(&self, column: usize, message: String) -> FileError {
-        self.header.error(&self.name, column, message)
+    /// Creates an error in the header, at the name with this index.
+    pub fn error(&self, index: usize, message: String) -> FileError {
+        self.header.error(&self.name, index, message)
     }
 
     /// Returns the name of the experiment, from the definition or otherwise from the first row.
@@ -363,7 +363,7 @@ impl Input {
             "is {} and is left out; expected {expected} like {others}: only one experiment is analyzed at a time",
             self.kind
         );
-        self.error(1, message)
+        self.error(0, message)
     }
 }
 
@@ -435,7 +435,7 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
     } else {
         format!("no factors were given; expected factors or terms that name some of the columns {}", some_of(&others))
     };
-    file.error(1, message)
+    file.error(0, message)
 }
 
 /// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
@@ -560,7 +560,7 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         Some(order) => Some(needed(order)),
         None => (is_results && details).then(|| needed("trial")),
     };
-    let columns = Columns {
+    let mut columns = Columns {
         subject: needed(file.subject(options)),
         responses: match &options.wide {
             Some((_, names)) => names.iter().map(|name| needed(name)).collect(),
@@ -588,14 +588,19 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
         time,
         order,
         simulated: header.position(SIMULATED).filter(|_| !options.is_factor(SIMULATED)),
+        unnamed: [None; 2],
     };
+    let read = columns.texts();
+    columns.unnamed = ["phase", "attempt"].map(|name| header.position(name).filter(|place| !read.contains(place)));
     let mut taken = HashSet::new();
     let places = [Some(columns.subject), columns.count].into_iter().flatten();
     for place in places.chain(columns.responses.iter().chain(&columns.factors).copied()) {
         if !taken.insert(place) && errors.is_empty() {
             let message = format!("the column {} has two uses; expected a column for each", header.names[place]);
-            errors.push(file.error(header.column(place), message));
+            errors.push(file.error(place, message));
         }
     }
+    // A file with a title above its header lacks every column.
+    errors.dedup();
     if errors.is_empty() { Ok(columns) } else { Err(errors) }
 }

@@ -236,6 +236,8 @@ pub struct FileRead {
     pub simulated: BTreeMap<String, [u64; 2]>,
     /// For each factor, the number of ratings that have no value of it.
     pub without_level: Vec<u64>,
+    /// The place of the first response that is no number, unless the categories are known or hardly any is none.
+    pub word: Option<String>,
     /// Number of ratings without a response time.
     pub without_time: u64,
     /// Number of ratings in a wide table of a participant and condition that an earlier row has.

@@ -13,8 +13,12 @@ use crate::store::{
 /// Number of columns of a sheet in Excel.
 const MAX_COLUMNS: u32 = 16_384;
 
-/// The rows of a sheet as CSV, and what a user should know about how it was read.
-type Sheet = (Vec<u8>, Option<String>);
+/// Whole numbers below this are exact in a workbook.
+const EXACT: f64 = (1_u64 << 53) as f64;
+
+/// The rows of a sheet as CSV, what a user should know about how it was read, and row and column of the numbers that are not
+/// exact.
+type Sheet = (Vec<u8>, Option<String>, Vec<(usize, usize)>);
 
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
@@ -36,7 +40,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
-    let (mut characters, mut without_value) = (0, Vec::new());
+    let (mut characters, mut without_value, mut rounded) = (0, Vec::new(), Vec::new());
     let limited = |size: usize| match size as u64 > MAX_UNPACKED {
         true => Err(format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer")),
         false => Ok(()),
@@ -54,6 +58,8 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     // The formulas are not asked for as a range, which has a place for every cell between the first and the last one.
     while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(|error| unreadable(&error))? {
         let ((found, column), text) = (cell.pos, text(&cell.value.clone().into()));
+        let is_exact = !matches!(cell.value, DataRef::Float(number) if number.abs() >= EXACT);
+        rounded.extend((!is_exact).then_some((found as usize, column as usize)));
         if text.is_empty() {
             // The value of a formula may be an empty text.
             without_value.extend((cell.formula.is_some() && cell.value == DataRef::Empty).then_some(cell.pos));
@@ -73,18 +79,17 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     end_row(&mut row)?;
     if let Some((row, column)) = without_value.first() {
         return Err(format!(
-            "has no value of {} of its formulas, such as that in {}{}; expected values, which a spreadsheet program stores \
+            "has no value of {} of its formulas, such as that in {}; expected values, which a spreadsheet program stores \
              when it saves the workbook",
             without_value.len(),
-            letters(*column as usize),
-            row + 1
+            cell_name(*row as usize, *column as usize)
         ));
     }
     let note = (names.len() > 1).then(|| {
         let others = names[1..].join(", ");
         format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")
     });
-    Ok((bytes, note))
+    Ok((bytes, note, rounded))
 }
 
 /// Returns the name of the cell, such as `E2`, at a line and column of a sheet as CSV.
@@ -95,7 +100,12 @@ pub(super) fn cell_at(sheet: &[u8], (line, column): (usize, usize)) -> String {
         is_quoted ^= *char == '"';
         *char == ',' && !is_quoted
     };
-    format!("{}{line}", letters(text.chars().take(column - 1).filter(is_end).count()))
+    cell_name(line - 1, text.chars().take(column - 1).filter(is_end).count())
+}
+
+/// Returns the name of the cell at a row and column, both counted from 0.
+pub(super) fn cell_name(row: usize, column: usize) -> String {
+    format!("{}{}", letters(column), row + 1)
 }
 
 /// Returns the letters of a column, counted from 0: `A` to `Z`, `AA`, `AB` and so on.

@@ -19,6 +19,11 @@ use crate::store::{
 /// Suffix that is added to the name of the data file.
 pub(super) const SUFFIX: &str = ".lock";
 
+/// That a session is being recorded.
+pub(in crate::store) const RECORDING: &str = "another program is recording this session";
+/// What to do about a lock file that a killed program left.
+const REMEDY: &str = "if no program on any computer is writing it, remove this file";
+
 /// The lock file of a running session, which is removed when the session ends.
 #[derive(Debug)]
 pub(super) struct LockFile(PathBuf);
@@ -38,7 +43,9 @@ impl LockFile {
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(_) => Ok((Some(Self(path)), Some(format!("{unlocked}; a lock file protected the session")))),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                let what = "means that another program is writing this session; expected it to be closed first. If no program on any computer is writing it, remove this file";
+                let what = format!(
+                    "means that another program is writing this session; expected it to be closed first; {REMEDY}"
+                );
                 Err(FileErrors::whole(path, what).into())
             }
             Err(error) => {
@@ -61,12 +68,17 @@ fn path(csv: &Path) -> PathBuf {
     csv.with_file_name(name)
 }
 
-/// True if another program is writing the session of a data file.
+/// Says that another program is writing the session of a data file; `None` if none is. Where the locks of the operating
+/// system work, a lock file says nothing.
 ///
 /// # Errors
 /// I/O errors.
-pub(super) fn is_held(csv: &Path) -> Result<bool, StoreError> {
-    Ok(file::is_locked(csv)? || exists(&path(csv))?)
+pub(super) fn held(csv: &Path) -> Result<Option<String>, StoreError> {
+    let path = path(csv);
+    Ok(match file::is_locked(csv)? {
+        Some(is_locked) => is_locked.then(|| RECORDING.to_owned()),
+        None => exists(&path)?.then(|| format!("{RECORDING} ({} says so; {REMEDY})", path.display())),
+    })
 }
 
 impl Drop for LockFile {

@@ -3,7 +3,7 @@
 mod chain;
 pub mod dataset;
 pub mod frames;
-mod lock;
+pub(super) mod lock;
 pub mod overview;
 pub mod participants;
 pub mod recorded;

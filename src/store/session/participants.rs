@@ -60,7 +60,7 @@ impl Participants {
         for (number, line) in lines {
             let row = cells(line);
             if row.len() != columns.len() {
-                let message = format!("the row has {} cells; expected {}", row.len(), columns.len());
+                let message = format!("the number of cells in the row is {}; expected {}", row.len(), columns.len());
                 errors.push(FileError::at(&path, (number, 1), message));
             }
             rows.push(row);
@@ -102,18 +102,19 @@ impl Participants {
         }
     }
 
-    /// Adds the rows of these participants from the table of another data set. Earlier values are kept; returns a note
-    /// for each one that differs.
-    fn add(&mut self, other: &Self, subjects: &BTreeSet<&str>) -> Vec<String> {
+    /// Adds the rows of these participants from the table of another data set, at `path`. Earlier values are kept; returns
+    /// a note for each one that differs.
+    fn add(&mut self, (path, other): (&Path, &Self), subjects: &BTreeSet<&str>) -> Vec<String> {
         let mut notes = Vec::new();
         for row in &other.rows {
             let Some(subject) = subjects.iter().find(|subject| is_of(row, subject)) else { continue };
             let mut values = Vec::new();
             for (column, value) in other.columns.iter().zip(row).skip(1) {
                 let known = self.get(subject, column);
-                if known.is_some_and(|known| known != value && value != MISSING) {
+                if let Some(known) = known.filter(|known| known != value && value != MISSING) {
+                    let path = path.display();
                     notes.push(format!(
-                        "{PARTICIPANTS}: {column} of {subject} has more than one value; the first one is used"
+                        "{path}: {column} of {subject} is {value:?}, but {known:?} in an earlier data set, which is used"
                     ));
                 }
                 values.push((column.as_str(), Some(value.clone()).filter(|_| known.is_none())));
@@ -206,10 +207,10 @@ pub(in crate::store) fn collect<'a>(
             FileError::at(dataset.join(PARTICIPANTS), (line, 1), message)
         });
         FileErrors::none(errors.collect())?;
-        notes.extend(participants.add(&table, &subjects));
+        let path = dataset.join(PARTICIPANTS);
+        notes.extend(participants.add((&path, &table), &subjects));
         let missing: Vec<&str> =
             subjects.iter().filter(|subject| !table.rows.iter().any(|row| is_of(row, subject))).copied().collect();
-        let path = dataset.join(PARTICIPANTS);
         if !missing.is_empty() && exists(&path)? {
             notes.push(format!("{}: has no row for {}", path.display(), missing.join(", ")));
         }

@@ -26,14 +26,14 @@ pub struct Recorded {
     pub sidecar_path: PathBuf,
     /// Path of the frames file, if there is one.
     pub frames: Option<PathBuf>,
-    /// The SHA-256 of the frames file, if its seals cover it.
+    /// The SHA-256 of the frames file, if it was compared with the seals.
     pub(in crate::store) frames_sha256: Option<String>,
     /// The bytes of the data file.
     pub(in crate::store) data: Vec<u8>,
     /// The bytes of the sidecar.
     pub(in crate::store) sidecar_text: Vec<u8>,
-    /// True if another program is recording the session.
-    pub is_running: bool,
+    /// Says that another program is recording the session, if one is.
+    pub(in crate::store) running: Option<String>,
     /// Participant and session, from the file names.
     pub identity: Identity,
     /// The definition, from the sidecar.
@@ -68,14 +68,14 @@ impl Recorded {
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
         for _ in 0..ATTEMPTS {
-            let is_running = lock::is_held(csv)?;
-            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), is_running);
+            let running = lock::held(csv)?;
+            let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), running.clone());
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
                 // A session that is just being created has no sidecar yet.
                 return match read {
-                    Err(_) if is_running || lock::is_held(csv)? => Err(StoreError::InUse(csv.to_owned())),
+                    Err(_) if running.is_some() || lock::held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
                     read => read,
                 };
             }
@@ -85,7 +85,7 @@ impl Recorded {
         Err(FileErrors::whole(&sidecar_path, what).into())
     }
 
-    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, is_running: bool) -> Result<Self, StoreError> {
+    fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, running: Option<String>) -> Result<Self, StoreError> {
         let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
         let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
@@ -114,7 +114,7 @@ impl Recorded {
             left,
             data,
             sidecar_text,
-            is_running,
+            running,
             csv: csv.to_owned(),
             sidecar_path,
             frames: exists(&frames)?.then_some(frames),
@@ -134,6 +134,12 @@ impl Recorded {
             text => format!("the line is incomplete, {text:?}"),
         };
         self.partial_line.as_ref().map(|text| (line, what(text)))
+    }
+
+    /// Says that the last line is incomplete, if the session did not end.
+    pub fn interruption(&self) -> Option<FileError> {
+        let (line, _) = self.incomplete_line().filter(|_| !self.sidecar.is_sealed())?;
+        Some(FileError::whole(&self.csv, interrupted(line)))
     }
 
     /// Returns the part that all file names of the session share.
@@ -176,6 +182,12 @@ impl Recorded {
         let (rated, planned) = self.rated();
         rated == planned && self.partial_line.is_none()
     }
+}
+
+/// Says that this line, the last one of a session that did not end, is incomplete.
+pub(in crate::store) fn interrupted(line: usize) -> String {
+    let again = if line == 1 { "it is written" } else { "it does not count, and its trial is shown" };
+    format!("line {line} is incomplete because the program was interrupted; {again} again when the session is resumed")
 }
 
 /// The rows of a session, as they were recomputed.

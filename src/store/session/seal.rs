@@ -37,7 +37,7 @@ pub(super) struct Difference {
     pub sitting: usize,
     /// True if later sittings followed, so that the seal covers only the beginning of the file.
     pub is_prefix: bool,
-    /// The recorded hash; `None` if the sitting has no seal.
+    /// The recorded hash; `None` if the sitting has no seal, or the file is in none.
     pub was: Option<String>,
     /// The hash now, or why there is none.
     pub is: Result<String, String>,
@@ -50,6 +50,9 @@ impl Difference {
             false => "the session ended".to_owned(),
         };
         let message = match (&self.was, &self.is) {
+            (None, Ok(_)) => {
+                format!("is in no seal, so it was added after {since}; expected only the files of the session")
+            }
             (None, _) => format!("has no seal although {since}; expected the hashes of the files at that time"),
             (Some(was), Ok(is)) => format!("was changed since {since}: sha256 {is}; expected {was}"),
             (Some(_), Err(why)) => format!("{why}; expected the file that the session wrote"),
@@ -61,6 +64,7 @@ impl Difference {
     pub(super) fn accepted(&self) -> String {
         let file = self.path.file_name().unwrap_or_default().to_string_lossy();
         match (&self.was, &self.is) {
+            (None, Ok(is)) => format!("{ACCEPTED}that {file} was added: sha256 {is} now"),
             (None, _) => format!("{ACCEPTED}that sitting {} has no seal in {file}", self.sitting + 1),
             (Some(was), Ok(is)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed, {is} now"),
             (Some(was), Err(why)) => format!("{ACCEPTED}a change of {file}: sha256 {was} when sealed; it {why}"),
@@ -87,7 +91,7 @@ pub fn sha256(path: &Path) -> Result<Option<String>, StoreError> {
 /// The hashes of a session's files.
 pub(super) struct Hashes {
     rows: Prefixes,
-    /// `None` if no seal covers frames.
+    /// `None` if neither the seals nor the incidents say whether there are frames.
     frames: Option<Prefixes>,
 }
 
@@ -105,11 +109,13 @@ impl Hashes {
         let frames = beside(csv, frames::SUFFIX);
         let lengths = sidecar.seals().filter_map(|seal| seal.frames_bytes).collect();
         let has_frames = sidecar.seals().any(|seal| seal.frames_sha256.is_some());
-        let frames = has_frames.then(|| Prefixes::of(&frames, open(&frames), lengths)).transpose()?;
+        let frames = (has_frames || is_without_frames(sidecar))
+            .then(|| Prefixes::of(&frames, open(&frames), lengths))
+            .transpose()?;
         Ok(Self { rows, frames })
     }
 
-    /// Returns the hash of the whole frames file, if the seals cover it and it exists.
+    /// Returns the hash of the whole frames file, if it was compared with the seals and exists.
     pub fn of_frames(&self) -> Option<&str> {
         self.frames.as_ref()?.whole.as_deref()
     }
@@ -142,8 +148,24 @@ impl Hashes {
                 compare(&frames, hashes.hash(seal.frames_bytes.filter(|_| is_prefix)), was);
             }
         }
+        let added = self.of_frames().filter(|_| is_without_frames(sidecar));
+        found.extend(added.map(|is| {
+            let (path, is) = (frames, Ok(is.to_owned()));
+            Difference { path, sitting: last, is_prefix: false, was: None, is }
+        }));
         found
     }
+}
+
+/// True if no frames file belongs to a session: every sitting is sealed without one, and no incident tells of one.
+fn is_without_frames(sidecar: &Sidecar) -> bool {
+    let tells = |incident: &String| {
+        incident.starts_with("the frames ") || incident.starts_with(ACCEPTED) && incident.contains(frames::SUFFIX)
+    };
+    sidecar.sittings.iter().all(|sitting| {
+        let is_sealed = sitting.seal.as_ref().is_some_and(|seal| seal.frames_sha256.is_none());
+        is_sealed && !sitting.incidents.iter().any(tells)
+    })
 }
 
 /// Returns the path of another file of the same session.

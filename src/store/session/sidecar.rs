@@ -89,6 +89,11 @@ impl Sidecar {
         self.sittings.last().is_some_and(|sitting| sitting.complete)
     }
 
+    /// True if the last sitting ended and was sealed.
+    pub(in crate::store) fn is_sealed(&self) -> bool {
+        self.sittings.last().is_some_and(|sitting| sitting.seal.is_some())
+    }
+
     /// Returns an error if the definition in the sidecar at `path`, of which this is [`definition::hash`], is not the one
     /// that was used.
     pub(in crate::store) fn definition_error(&self, path: &Path, hash: &str) -> Option<FileError> {

@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use super::{
     chain,
     frames::{self, FrameRow},
-    recorded::Recorded,
+    recorded::{Recorded, interrupted},
     seal::ACCEPTED,
     sidecar::Sidecar,
     sitting::{OtherPicture, Pictures},
@@ -155,9 +155,7 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
             let message = format!("{what}; expected the complete rows of a complete session");
             found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
         }
-        Some((line, _)) => found.notes.push(format!(
-            "line {line} is incomplete because the program was interrupted; its trial is shown again when the session is resumed"
-        )),
+        Some((line, _)) => found.notes.push(interrupted(line)),
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
@@ -181,11 +179,11 @@ fn turned_back(sidecar: &Sidecar) -> usize {
 
 /// Checks that the files have not changed since the session ended.
 fn check_seal(recorded: &Recorded, found: &mut Verified) {
-    found.sealed = recorded.sidecar.sittings.last().is_some_and(|sitting| sitting.seal.is_some());
-    if recorded.is_running {
-        found.notes.push("another program is recording it".to_owned());
-    } else if !found.sealed && recorded.changed.is_empty() {
-        found.notes.push("not sealed: the session did not end".to_owned());
+    found.sealed = recorded.sidecar.is_sealed();
+    // What is sealed is not being recorded, even if another program has it open.
+    if !found.sealed && (recorded.running.is_some() || recorded.changed.is_empty()) {
+        let why = || "not sealed: the session did not end".to_owned();
+        found.notes.push(recorded.running.clone().unwrap_or_else(why));
     }
     found.errors.extend(recorded.changed.iter().cloned());
 }
