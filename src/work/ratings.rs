@@ -248,6 +248,7 @@ pub fn explained(error: StudyError) -> anyhow::Error {
             return RequestError::value("response", error).such_as("missing", &codes).into();
         }
         StudyError::Levels(_) => "levels",
+        StudyError::Direction(_) => "direction",
         StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
         StudyError::Exclusion(ExclusionError::Participant { .. } | ExclusionError::Nothing) => "exclude",
         StudyError::Exclusion(ExclusionError::Factor { .. } | ExclusionError::Level { .. }) => "only",

@@ -67,7 +67,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     refuses(
         folder.path(),
         "calibrate r.csv --out new.toml {}",
-        "2: --on 2026-02-30 => --on 2026-02-30: is not a date; expected one such as 2026-01-31
+        "2: --on 2026-02-30 => is not a date; expected one such as 2026-01-31
          2: --name '' => is empty; expected a name",
     );
     assert!(report["models"][0]["cross_validation"]["score"].is_null(), "there is no noise to compare it with");

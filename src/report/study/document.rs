@@ -62,6 +62,9 @@ pub enum StudyError {
     /// A level whose place was named does not exist.
     #[error(transparent)]
     Levels(ExclusionError),
+    /// A factor that was named as a direction does not exist.
+    #[error(transparent)]
+    Direction(ExclusionError),
 }
 
 fn told(codes: &[(String, u64)]) -> String {
@@ -136,6 +139,8 @@ impl Study {
             return Err(StudyError::Codes { response: source.shape.response, codes });
         }
         all.counts.check_levels(&options.levels).map_err(StudyError::Levels)?;
+        let directions: Vec<_> = options.direction.iter().map(|name| (name.clone(), Vec::new())).collect();
+        all.counts.check_levels(&directions).map_err(StudyError::Direction)?;
         let measured = all.narrowed(&exclusions)?;
         if !options.large {
             // A number or an item is not listed level by level.

@@ -84,9 +84,11 @@ impl<'a> Cells<'a> {
         let columns = &input.columns;
         let texts = |column: usize| &rows.columns[column];
         let is_own = columns.record.is_some();
+        // A session records every answer; an option may still take some as missing.
+        let may_lack = !is_own || !known.missing.is_empty();
         let responses = columns.responses.iter().zip(&known.responses).map(|(&column, &among_numbers)| {
             texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
-                _ if !is_own && values::is_no_response(text, known.missing, among_numbers) => Err(true),
+                _ if may_lack && values::is_no_response(text, known.missing, among_numbers) => Err(true),
                 true if !among_numbers || values::number(text).is_some() => Ok(text),
                 _ => Err(false),
             })

@@ -143,16 +143,6 @@ impl Selection {
                 false
             }
         });
-        let mut named = |name: &String, what: &str, known: &[String]| {
-            let message = format!("the {what} {name} is not a factor; {}", expected_one_of(name, known));
-            let file = inputs.first().filter(|_| !known.contains(name));
-            errors.extend(file.map(|file| FileError::whole(&file.path, message)));
-        };
-        options.direction.iter().for_each(|name| named(name, "direction", &shape.factors));
-        // The column of an ordered factor may be there without being analyzed.
-        let columns: Vec<String> =
-            inputs.iter().flat_map(|file| &file.header.names).chain(&shape.factors).cloned().collect();
-        options.levels.iter().for_each(|(name, _)| named(name, "ordered factor", &columns));
         let defined = |name: &String| protocol.as_ref()?.factors.iter().find(|factor| factor.name == *name);
         let texts = |factor: &Factor| factor.levels.iter().map(ToString::to_string).collect();
         let levels = shape.factors.iter().map(|name| defined(name).map_or_else(Vec::new, texts)).collect();
