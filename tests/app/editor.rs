@@ -268,7 +268,7 @@ fn a_task_and_its_method_are_chosen() {
     // Each task can be chosen after each other one, and a rating says nothing of a task again.
     let mut window = duplicate(path.to_str().unwrap());
     for (task, shown) in [
-        ("Yes-no", "Catch trials, share"),
+        ("Yes-no", "Catch trials, proportion"),
         ("Pair", "Chain along"),
         ("Adjust", "Lowest value"),
         ("Rating", "Scale"),

@@ -14,7 +14,7 @@ options! {
     /// Yes or no.
     YesNo {
         reference: Settings = Settings::default(), "Reference", OptionValue::Settings, "The parameters in which the stimulus of a catch trial differs from the target.";
-        catch: f64 = 0.25, "Catch trials, share", OptionValue::Number, "The share of trials that show the reference: 0.05 to 0.95.";
+        catch: f64 = 0.25, "Catch trials, proportion", OptionValue::Number, "The proportion of trials that show the reference: 0.05 to 0.95.";
         feedback: bool = false, "Feedback", OptionValue::Flag, "A mark after each answer says whether it was right.";
     }
 }
@@ -29,7 +29,7 @@ impl Kind for YesNo {
     }
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
-        errors.check_range("task.catch", self.catch, 0.05, 0.95, "the share of trials that show the reference");
+        errors.check_range("task.catch", self.catch, 0.05, 0.95, "the proportion of trials that show the reference");
         given.check_reference(&self.reference, errors);
     }
 
