@@ -187,6 +187,10 @@ impl Analyze {
                        and the options of answers, such as --guess";
         allow_only(self, &OF_LEVELS, message)?;
         let given = self.levels.clone();
+        if given.function == Some(Curve::Weibull) && !given.log {
+            let message = "weibull: uses logarithms of the level; expected logistic or normal";
+            return Err(RequestError::value("function", message).unless("log").into());
+        }
         let factors = self.ratings.factors.clone().unwrap_or_default().0;
         let columns = AnswerColumns {
             level: given.level.unwrap_or_default(),
@@ -214,10 +218,6 @@ impl Analyze {
         if given.log && range[0] <= 0.0 {
             let message = format!("a level is {}; expected levels above 0 for a logarithmic scale", range[0]);
             return Err(RequestError::new("log", message).into());
-        }
-        if given.function == Some(Curve::Weibull) && !given.log {
-            let message = "weibull: uses logarithms of the level; expected logistic or normal";
-            return Err(RequestError::value("function", message).unless("log").into());
         }
         let model = psychometric::Model {
             curve: given.function.unwrap_or(Curve::Normal),

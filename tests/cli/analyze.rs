@@ -461,7 +461,7 @@ fn the_script_finds_the_same_numbers_in_r() {
         2: --items picture => no factors were given
         2: --factors style --direction style => not numbers
         2: --factors style --covariate style => --covariate style: has levels that are not numbers
-        2: --factors style --only style=old,age=20 => expected one of old, new; repeat the option for another factor
+        2: --factors style --only style=old,age=20 => repeat the option for another factor
         2: --factors style --levels style=odd,new => odd";
     refuses(folder.path(), "analyze pictures.csv --out refused {}", cases);
     // A table of counts has the conditions of the analysis, not one for each age.
