@@ -255,6 +255,7 @@ def psignifit():
 
     sets = {"documentation": ("2AFC", "norm", [(level, correct, 90) for level, correct in DOCUMENTED])}
     sets |= {f"s{number:02}": simulated(number) for number in range(1, 50)}
+    sets["overdispersed"] = "2AFC", "norm", [(level, correct, 20) for level, correct in enumerate([15, 8, 8, 20, 20, 20], 1)]
     rows, offsets, noise = [], [], []
     for name, (experiment, shape, data) in sets.items():
         axis = np.array([(np.log10(level) if shape == "weibull" else level, correct, total) for level, correct, total in data])

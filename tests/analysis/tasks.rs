@@ -109,7 +109,7 @@ fn estimates_and_intervals_match_psignifit() {
         near(fit.width.low, "width_low", 0.1 * widths);
         near(fit.width.high, "width_high", 0.1 * widths);
     }
-    assert_eq!(expected.len(), 50);
+    assert_eq!(expected.len(), 51);
 }
 
 #[test]

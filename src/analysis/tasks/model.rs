@@ -235,8 +235,12 @@ impl Priors {
         if shares.iter().zip(greatest).any(|(share, greatest)| *share >= greatest) {
             return f64::NEG_INFINITY;
         }
-        let ln_shares = shares.iter().map(|share| (SHARPNESS - 1.0) * (-share).ln_1p());
-        self.ln_place(at.threshold, at.width) + ln_shares.sum::<f64>()
+        self.ln_place(at.threshold, at.width) + shares.into_iter().map(Self::ln_share).sum::<f64>()
+    }
+
+    /// The part of λ, of a free γ, or of η.
+    pub fn ln_share(share: f64) -> f64 {
+        (SHARPNESS - 1.0) * (-share).ln_1p()
     }
 
     /// The part of the threshold and the width.
@@ -249,15 +253,13 @@ impl Priors {
         fall(2.0 * outside / span) + fall(beyond)
     }
 
-    /// The bounds of the threshold, the logarithm of the width, and the probabilities to which λ, γ and η correspond in
-    /// their priors.
+    /// The bounds of the threshold, the logarithm of the width, λ, γ and η.
     pub fn bounds(&self) -> [[f64; 2]; 5] {
         let [low, high] = self.range;
         let span = high - low;
-        let guess = if self.has_free_guess { prior_share(MAX_LAPSE) } else { 0.0 };
+        let guess = if self.has_free_guess { MAX_LAPSE } else { 0.0 };
         let width = [self.least_width.ln(), (3.0 * span).ln()];
-        let lapse = [0.0, prior_share(self.max_lapse)];
-        [[low - span / 2.0, high + span / 2.0], width, lapse, [0.0, guess], [0.0, 1.0]]
+        [[low - span / 2.0, high + span / 2.0], width, [0.0, self.max_lapse], [0.0, guess], [0.0, 1.0]]
     }
 }
 
@@ -275,14 +277,4 @@ fn check(points: &[Point], model: &Model) -> Result<(), FitError> {
         Guess::Fixed(guess) if !(0.0..1.0).contains(&guess) => Err(FitError::Guess),
         _ => Ok(()),
     }
-}
-
-/// The distribution function of the priors of λ, γ and η.
-pub(super) fn prior_share(value: f64) -> f64 {
-    -(SHARPNESS * (-value).ln_1p()).exp_m1()
-}
-
-/// The inverse of [`prior_share`].
-pub(super) fn prior_quantile(share: f64) -> f64 {
-    -((-share).ln_1p() / SHARPNESS).exp_m1()
 }

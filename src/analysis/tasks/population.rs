@@ -116,6 +116,8 @@ const MAX_NODES: u32 = 1_000;
 /// The peak of an integrand is found to this share of its width, and thresholds that differ by less of the width of a
 /// function are the same.
 const CLOSE: f64 = 1e-4;
+/// People whose contributions to the mean differ by less than this share of the width answered alike.
+const ALIKE: f64 = 2e-3;
 
 struct Answers<'a> {
     model: &'a Model,
@@ -201,7 +203,7 @@ impl Answers<'_> {
         let people: Vec<Person> = (0..n).map(person).collect();
         let contributions: Vec<f64> = people.iter().map(|person| person.contribution).collect();
         // Equal answers give contributions that differ by rounding, which says nothing about how people differ.
-        let differ = mean_and_sd(&contributions).1 > CLOSE * self.parameters(x).width;
+        let differ = mean_and_sd(&contributions).1 > ALIKE * self.parameters(x).width;
         let interval = Interval::of_mean(&contributions);
         (people, interval.filter(|_| differ && !self.rises_between_levels(x)))
     }

@@ -4,13 +4,13 @@ use std::array::from_fn;
 
 use super::{
     likelihood::{ln_likelihood, ln_total, step_of},
-    model::{Estimate, FitError, Model, Point, Priors, prior_quantile},
+    model::{Estimate, FitError, Model, Point, Priors},
     numeric::{highest, legendre},
 };
 use crate::statistics::Interval;
 
-/// The parameters as coordinates of a grid: the threshold, the logarithm of the width, and the probabilities to which λ,
-/// γ and η correspond in their priors.
+/// The parameters as coordinates of a grid: the threshold, the logarithm of the width, λ, γ and η. With the priors'
+/// distribution functions in place of the last three, nodes would miss large values, which only some answers need.
 pub(super) type Place = [f64; 5];
 
 /// The axes of a grid.
@@ -61,8 +61,7 @@ impl<'a> Posterior<'a> {
 
     /// Returns the parameters at a place.
     pub fn at(&self, place: &Place) -> Estimate {
-        let [threshold, ln_width, lapse, guess, eta] = *place;
-        let [lapse, guess, overdispersion] = [lapse, guess, eta].map(prior_quantile);
+        let [threshold, ln_width, lapse, guess, overdispersion] = *place;
         Estimate { threshold, width: ln_width.exp(), lapse, guess: self.model.guess.or(guess), overdispersion }
     }
 
@@ -94,14 +93,14 @@ impl<'a> Posterior<'a> {
         let within = |axis: usize, share: f64| bounds[axis][0] + share * (bounds[axis][1] - bounds[axis][0]);
         let searched = |[lapse, eta]: [f64; 2]| {
             let start = |threshold: f64, width: f64| {
-                [within(THRESHOLD, threshold), within(WIDTH, width), within(LAPSE, lapse), within(GUESS, 0.2), eta]
+                [within(THRESHOLD, threshold), within(WIDTH, width), within(LAPSE, lapse), within(GUESS, 0.04), eta]
             };
             let nodes = (1..12).flat_map(|i| (1..12).map(move |j| [f64::from(i) / 12.0, f64::from(j) / 12.0]));
             let starts = self.highest_first(nodes.map(|[threshold, width]| start(threshold, width)));
             self.search(&starts[0].1)
         };
-        let etas = if bounds[ETA][1] > 0.0 { &[0.0, 0.65, 0.97][..] } else { &[0.0] };
-        let shares = etas.iter().map(|&eta| [0.15, eta]).chain([[0.0, 0.0], [0.8, 0.0]]);
+        let etas = if bounds[ETA][1] > 0.0 { &[0.0, 0.1, 0.3][..] } else { &[0.0] };
+        let shares = etas.iter().map(|&eta| [0.03, eta]).chain([[0.0, 0.0], [0.08, 0.0], [0.3, 0.0]]);
         self.highest_first(shares.map(searched))
     }
 
@@ -116,8 +115,8 @@ impl<'a> Posterior<'a> {
         let [[low, high], .., guess, _] = self.bounds();
         let place = |x: &Place| from_fn(|axis| if axis < LAPSE { x[axis] } else { x[axis].powi(2) });
         let x = from_fn(|axis| if axis < LAPSE { start[axis] } else { start[axis].sqrt() });
-        let step = |is_free: bool| if is_free { 0.2 } else { 0.0 };
-        let steps = [(high - low) / 40.0, 0.2, 0.2, step(guess[1] > 0.0), step(start[ETA] > 0.0)];
+        let step = |is_free: bool| if is_free { 0.06 } else { 0.0 };
+        let steps = [(high - low) / 40.0, 0.2, 0.06, step(guess[1] > 0.0), step(start[ETA] > 0.0)];
         place(&highest(|x| self.ln_density(&place(x)), x, steps, 1e-9).0)
     }
 
@@ -167,12 +166,19 @@ impl<'a> Posterior<'a> {
                     if axis < LAPSE { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) }
                 },
             );
-        let quantiles = |axis: usize| axes[axis].iter().map(|node| prior_quantile(node.place)).collect();
-        let lapses: Vec<f64> = quantiles(LAPSE);
-        let guesses: Vec<f64> =
-            axes[GUESS].iter().map(|node| self.model.guess.or(prior_quantile(node.place))).collect();
-        let steps = quantiles(ETA).into_iter().map(step_of);
-        let steps: Vec<(f64, f64)> = steps.map(|step| (step, ln_total(&self.points, step))).collect();
+        let [lapses, guesses, etas] = [LAPSE, GUESS, ETA].map(|axis| &axes[axis]);
+        let shares = lapses
+            .iter()
+            .flat_map(|lapse| guesses.iter().map(move |guess| [self.model.guess.or(guess.place), lapse.place]));
+        let ln_rises = shares.clone().map(|[guess, lapse]| (-guess - lapse).ln_1p()).collect();
+        // With 1/ν, and the logarithms of what these determine: the priors and a part of the likelihood.
+        let with_eta = |[guess, lapse]: [f64; 2]| {
+            etas.iter().map(move |eta| {
+                let (step, priors) = (step_of(eta.place), [guess, lapse, eta.place].map(Priors::ln_share));
+                ([guess, lapse], step, priors.iter().sum::<f64>() + ln_total(&self.points, step))
+            })
+        };
+        let each: Vec<([f64; 2], f64, f64)> = shares.flat_map(with_eta).collect();
         let mut densities = Vec::with_capacity(axes.iter().map(Vec::len).product());
         for threshold in &axes[THRESHOLD] {
             for ln_width in &axes[WIDTH] {
@@ -180,14 +186,12 @@ impl<'a> Posterior<'a> {
                 // The density is per unit of the logarithm.
                 let prior = self.priors.ln_place(threshold.place, width) + ln_width.place;
                 let sigmoids = self.sigmoids(threshold.place, width);
-                let shares = lapses.iter().flat_map(|&lapse| guesses.iter().map(move |&guess| [guess, lapse]));
-                let each = shares.flat_map(|shares| steps.iter().map(move |&(step, total)| (shares, step, total)));
-                densities.extend(each.map(|(shares, step, total)| {
-                    prior + total + ln_likelihood(&self.points, sigmoids.iter().copied(), shares, step)
+                densities.extend(each.iter().map(|&(shares, step, ln)| {
+                    prior + ln + ln_likelihood(&self.points, sigmoids.iter().copied(), shares, step)
                 }));
             }
         }
-        Masses::new(axes, &densities, [lapses, guesses])
+        Masses::new(axes, &densities, ln_rises)
     }
 }
 
@@ -225,9 +229,8 @@ pub(super) struct Masses {
 }
 
 impl Masses {
-    fn new(axes: [Vec<Node>; 5], ln_densities: &[f64], [lapses, guesses]: [Vec<f64>; 2]) -> Self {
+    fn new(axes: [Vec<Node>; 5], ln_densities: &[f64], ln_rises: Vec<f64>) -> Self {
         let sizes = axes.each_ref().map(Vec::len);
-        let ln_rises = lapses.iter().flat_map(|lapse| guesses.iter().map(move |guess| (-lapse - guess).ln_1p()));
         let most = ln_densities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut marginals = sizes.map(|size| vec![0.0; size]);
         let mut widths = vec![vec![0.0; sizes[WIDTH]]; sizes[LAPSE] * sizes[GUESS]];
@@ -242,7 +245,7 @@ impl Masses {
             (0..5).for_each(|axis| marginals[axis][nodes[axis]] += mass);
             widths[nodes[LAPSE] * sizes[GUESS] + nodes[GUESS]][nodes[WIDTH]] += mass;
         }
-        Self { marginals, ln_rises: ln_rises.collect(), widths, axes }
+        Self { marginals, ln_rises, widths, axes }
     }
 
     /// Returns the part of an axis in which the density is not negligible, with one node on either side. Where it is not
