@@ -796,7 +796,7 @@ mod elsewhere {
     #[test]
     fn practice_and_later_attempts_are_told_if_no_option_names_their_columns() {
         let folder = tempfile::tempdir().unwrap();
-        let text = "subject_id,phase,attempt,c,score\nA,practice,1,a,1\nA,main,1,a,2\nA,main,2,a,3\nA,main,2.0,b,1\n";
+        let text = "subject_id,phase,attempt,c,score\nA,practice,1,a,1\nA,main,1,a,2\nA,main,2,a,3\nA,main,2,b,1\n";
         let path = file(&folder, "t.csv", text);
         let named = |names: &[&str]| warnings(&Study::read(std::slice::from_ref(&path), &of("score", names)).unwrap());
         let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected phase among the factors, and of its levels only the others, such as phase=main";

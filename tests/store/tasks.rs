@@ -412,7 +412,7 @@ CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
-QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [0] }\n => 13:12 => width is varied already
+QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
 YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse 0.6 is outside 0…0.5
 QUESTfunction = "cubic"\n => 13:1 => function
 QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
@@ -437,7 +437,7 @@ ADJUST"low"\nlow = 0.1\nhigh = 0.9\n => 10:1 => high 0.75 is below low, which is
 ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
-QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [0] }\n => 13:31 => high 0.75 is below low, which is 0.9
+QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 13:31 => high 0.75 is below low, which is 0.9
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:51 => the threshold cannot change with the second parameter
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:69 => 0 appears twice
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
