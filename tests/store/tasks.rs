@@ -438,7 +438,7 @@ ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expect
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 13:31 => high 0.75 is below low, which is 0.9
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:51 => the threshold cannot change with the second parameter
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:52 => the threshold cannot change with the second parameter
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:69 => 0 appears twice
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
 QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
