@@ -439,7 +439,7 @@ HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 13:31 => high 0.75 is below low, which is 0.9
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:52 => the threshold cannot change with the second parameter
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:69 => 0 appears twice
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:70 => 0 appears twice
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
 QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
 [task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
