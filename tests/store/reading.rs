@@ -799,7 +799,7 @@ mod elsewhere {
         let text = "subject_id,phase,attempt,c,score\nA,practice,1,a,1\nA,main,1,a,2\nA,main,2,a,3\nA,main,2,b,1\n";
         let path = file(&folder, "t.csv", text);
         let named = |names: &[&str]| warnings(&Study::read(std::slice::from_ref(&path), &of("score", names)).unwrap());
-        let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected phase among the factors, and of its levels only the others, such as phase=main";
+        let practice = "1:12: 1 of 4 rows are practice according to the column phase, which no option names, and count as ratings; expected phase among the factors, with only its other levels, such as phase=main";
         let attempts = "1:18: 2 of 4 rows are later attempts according to the column attempt, which no option names, and count as ratings; expected one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last attempt counts";
         assert_eq!(named(&["c"]), [practice, attempts]);
         assert_eq!(named(&["c", "phase"]), [attempts]);

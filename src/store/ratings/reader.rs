@@ -242,7 +242,7 @@ fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
         (
             |text| text.eq_ignore_ascii_case("practice"),
             "are practice according to the column phase",
-            "phase among the factors, and of its levels only the others, such as phase=main",
+            "phase among the factors, with only its other levels, such as phase=main",
         ),
         (
             |text| values::number(text).is_some_and(|attempt| attempt > 1.0),
