@@ -166,17 +166,20 @@ impl<'a> Posterior<'a> {
                     if axis < LAPSE { uniform(bounds[axis], sizes[axis]) } else { gauss(bounds[axis], sizes[axis]) }
                 },
             );
-        let [lapses, guesses, etas] = [LAPSE, GUESS, ETA].map(|axis| &axes[axis]);
+        let [lapses, guesses] = [LAPSE, GUESS].map(|axis| &axes[axis]);
         let shares = lapses
             .iter()
             .flat_map(|lapse| guesses.iter().map(move |guess| [self.model.guess.or(guess.place), lapse.place]));
         let ln_rises = shares.clone().map(|[guess, lapse]| (-guess - lapse).ln_1p()).collect();
         // With 1/ν, and the logarithms of what these determine: the priors and a part of the likelihood.
+        let of_eta = |eta: &Node| {
+            let step = step_of(eta.place);
+            (step, Priors::ln_share(eta.place) + ln_total(&self.points, step))
+        };
+        let etas: Vec<(f64, f64)> = axes[ETA].iter().map(of_eta).collect();
         let with_eta = |[guess, lapse]: [f64; 2]| {
-            etas.iter().map(move |eta| {
-                let (step, priors) = (step_of(eta.place), [guess, lapse, eta.place].map(Priors::ln_share));
-                ([guess, lapse], step, priors.iter().sum::<f64>() + ln_total(&self.points, step))
-            })
+            let prior = Priors::ln_share(guess) + Priors::ln_share(lapse);
+            etas.iter().map(move |&(step, ln)| ([guess, lapse], step, prior + ln))
         };
         let each: Vec<([f64; 2], f64, f64)> = shares.flat_map(with_eta).collect();
         let mut densities = Vec::with_capacity(axes.iter().map(Vec::len).product());

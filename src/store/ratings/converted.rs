@@ -15,8 +15,8 @@ use crate::store::{
 #[derive(Clone, Debug, Default)]
 pub(super) struct Converted {
     pub bytes: Vec<u8>,
-    /// What a user should know about how the file was read.
-    pub note: Option<String>,
+    /// What a user should know about how the file was read, and what was expected.
+    pub note: Option<[String; 2]>,
     /// Whether it is the sheet of a workbook, whose cells have names.
     pub is_sheet: bool,
     /// Row and column of each number of a sheet that was probably rounded, counted from 0.

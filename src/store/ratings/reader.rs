@@ -269,7 +269,7 @@ fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
 
 /// Says how a file was read if it is not plain text in UTF-8, or that its session did not end.
 pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileError> {
-    let sheet = input.header.converted.as_ref().and_then(|converted| converted.note.clone());
+    let sheet = input.header.converted.as_ref().and_then(|converted| Some(converted.note.as_ref()?.join("; ")));
     let foreign = rows.foreign.map(|place| {
         let message = "is not UTF-8 text and was read as Windows-1252; expected UTF-8";
         FileError::at(&input.name, place, message)

@@ -299,7 +299,7 @@ impl Input {
             [] => {
                 let known: Vec<&String> = header.names.iter().filter(|name| !name.is_empty()).collect();
                 let sheet = header.converted.as_ref().and_then(|converted| converted.note.as_ref());
-                let sheet = sheet.and_then(|note| Some(format!(" ({})", note.split(';').next()?))).unwrap_or_default();
+                let sheet = sheet.map_or_else(String::new, |[read, _]| format!(" ({read})"));
                 let expected = expected_one_of(name, &known);
                 Err(self.error(0, format!("the column {name} is missing{sheet}; {expected}")))
             }

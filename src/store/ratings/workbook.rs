@@ -18,7 +18,7 @@ const EXACT: f64 = (1_u64 << 53) as f64;
 
 /// The rows of a sheet as CSV, what a user should know about how it was read, and row and column of the numbers that are not
 /// exact.
-type Sheet = (Vec<u8>, Option<String>, Vec<(usize, usize)>);
+type Sheet = (Vec<u8>, Option<[String; 2]>, Vec<(usize, usize)>);
 
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
@@ -87,7 +87,8 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     }
     let note = (names.len() > 1).then(|| {
         let others = names[1..].join(", ");
-        format!("only the first sheet, {name}, was read; expected one sheet (the others were ignored: {others})")
+        let expected = format!("expected one sheet (the others were ignored: {others})");
+        [format!("only the first sheet, {name}, was read"), expected]
     });
     Ok((bytes, note, rounded))
 }
