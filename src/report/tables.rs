@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::{
     analysis::{
-        Contrast, Link, Model, ModelReport, Results,
+        Comparison, Link, Model, ModelReport, Results,
         counts::{CountRow, Counts, Factor, Quartiles},
         number_of,
         rank_tests::PMethod,
@@ -403,7 +403,7 @@ pub fn model(results: &Results) -> Value {
             value["proportional_odds"] = json!(report.proportional_odds);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);
-            value["effect_sizes"] = effect_sizes(&report.model);
+            value["effect_sizes"] = effect_sizes(report);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);
             value["checks"] = json!(report.checks);
@@ -416,13 +416,13 @@ pub fn model(results: &Results) -> Value {
 }
 
 /// Lists the contrasts as odds ratios, probabilities of superiority and latent differences in standard deviations.
-fn effect_sizes(model: &Model) -> Value {
-    let link = model.link;
-    let of = |contrast: &Contrast, scale: &dyn Fn(f64) -> f64| {
+fn effect_sizes(report: &ModelReport) -> Value {
+    let link = report.model.link;
+    let of = |contrast: &Comparison, scale: &dyn Fn(f64) -> f64| {
         let ends = contrast.interval.map(|interval| [scale(interval.low), scale(interval.high)]);
         json!({ "estimate": scale(contrast.estimate), "interval": ends })
     };
-    let row = |contrast: &Contrast| {
+    let row = |contrast: &Comparison| {
         let mut value = json!({
             "factor": contrast.factor, "level": contrast.level, "other": contrast.other,
             "superiority": of(contrast, &|x| link.superiority(x)), "d": of(contrast, &|x| x / link.sd()),
@@ -432,5 +432,5 @@ fn effect_sizes(model: &Model) -> Value {
         }
         value
     };
-    model.contrasts.iter().map(row).collect()
+    report.contrasts.iter().map(row).collect()
 }

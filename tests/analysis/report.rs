@@ -193,7 +193,7 @@ fn later_levels_are_compared_with_earlier_ones() {
         let results = results(8, &DEPTHS, reversed);
         let report = results.model.as_ref().unwrap();
         let pairs = (report.comparisons.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)))
-            .chain(report.model.contrasts.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)));
+            .chain(report.contrasts.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)));
         for (factor, level, other, estimate) in pairs {
             let levels = &results.measured.counts.factor(factor).unwrap().1.levels;
             let place = |level: &String| levels.iter().position(|known| known == level);

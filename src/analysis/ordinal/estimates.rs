@@ -80,7 +80,6 @@ pub(super) fn report(fitted: &Fitted) -> Model {
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })
             .collect(),
         coefficients: (0..fitted.x.columns.len()).map(coefficient).collect(),
-        contrasts: Vec::new(),
         random: mixed.map(|mixed| random_effect(fitted, mixed, (!boundary).then_some((&covariance, first_psi)))),
         categories: fitted.frame.categories.clone(),
         notes,
@@ -221,18 +220,6 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
         covariance.column_mut(index).fill(f64::NAN);
     }
     Some(covariance)
-}
-
-/// Returns the difference between two coefficients, given by index, and its standard error. `None` stands for the
-/// baseline, whose coefficient is 0.
-pub(super) fn difference(model: &Model, [first, second]: [Option<usize>; 2]) -> (f64, Option<f64>) {
-    let value = |index: Option<usize>| index.map_or(0.0, |index| model.coefficients[index].estimate);
-    let covariance = |i: Option<usize>, j: Option<usize>| {
-        let place = |index: usize| model.thresholds.len() + index;
-        i.zip(j).map_or(0.0, |(i, j)| model.covariance[(place(i), place(j))])
-    };
-    let variance = covariance(first, first) + covariance(second, second) - 2.0 * covariance(first, second);
-    (value(first) - value(second), Some(variance.sqrt()).filter(|se| se.is_finite()))
 }
 
 /// Returns the linear predictor of each of these conditions, without thresholds.

@@ -276,8 +276,7 @@ fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Inter
             return pair;
         };
         if let Some(lr) = test.lr {
-            let [ratios, _] = simulate(&wider, &[vec![(&term, lr)], Vec::new()], settings, &|| ());
-            test.calibrate(&ratios[0]);
+            test.calibrate(&simulate(&wider, &[(&term, lr)], settings, &|| ())[0]);
         }
         Interaction {
             chi_squared: test.lr,

@@ -75,7 +75,7 @@ pub enum Withheld {
     #[error("no mixed model could be fitted, and ratings by the same participant are related")]
     NoMixedModel,
     /// There are too few ratings for the parameters of the wider model.
-    #[error("there are fewer than five ratings for each parameter of the model")]
+    #[error("there are too few ratings for the parameters of the model")]
     FewRatings,
     /// The interaction has too many coefficients for simulated studies.
     #[error(
@@ -194,7 +194,7 @@ pub(super) fn comparable(one: &Fitted, other: &Fitted) -> bool {
 /// Maximum number of parameters for a test of proportional odds. A separate effect of each level at each threshold
 /// needs levels × thresholds parameters, and the time for a fit grows with the cube of their number. On a scale of 101
 /// steps, the test would be useless.
-pub(super) const MAX_NOMINAL: usize = 300;
+const MAX_NOMINAL: usize = 300;
 
 /// Tests the proportional odds of each term. The random effects are omitted, because this checks the scale and not the
 /// effects. With two categories, there is one threshold and nothing to test.
@@ -212,7 +212,7 @@ const PART_OF_A_RATING: f64 = 1e-5;
 /// Tests the proportional odds of a term: it gets a separate effect at each threshold, which is compared with one common
 /// effect (R's `nominal_test`). In every condition, the thresholds of the wider model are in order, so the ratio cannot
 /// exceed that of the saturated model. A test with more than [`MAX_NOMINAL`] parameters is not performed.
-pub(super) fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
+fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
     let own = Terms::new([term.clone()]);
     let nominal = Design::new(&full.frame, &own)?.independent(&full.frame);
     let x = full.x.independent_of(&nominal, &full.frame);

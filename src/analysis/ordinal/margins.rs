@@ -12,8 +12,8 @@ use super::{
     estimates::reach,
     fitting::Fitted,
     likelihood_ratios::{TermTest, Withheld},
-    model::{Contrast, Model},
-    profile::{Quantity, chi_squared_limit, ratio_at_zero},
+    model::Model,
+    profile::{self, Quantity, chi_squared_limit, ratio_at_zero},
     terms::{Term, TermPart, Variable},
 };
 use crate::{
@@ -55,8 +55,8 @@ pub struct Comparison {
     pub expected: Option<[f64; 2]>,
     /// The standard error that p implies, with the normal distribution; p of the only difference of a term is the term's.
     pub se: Option<f64>,
-    /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient or a contrast
-    /// has one, and otherwise symmetric; not corrected for the number of comparisons.
+    /// The 95 % interval, with the limit of the term's likelihood ratio: that of the profile where a coefficient has one or it
+    /// was asked for, and otherwise symmetric; not corrected for the number of comparisons.
     pub interval: Option<Interval>,
     /// Two-sided probability.
     pub p: Option<f64>,
@@ -70,6 +70,9 @@ pub struct Comparison {
 const CLEAR: f64 = 10.0;
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
+
+/// The name of a factor, and the indices of two of its levels.
+pub type Pair = (String, [u32; 2]);
 
 /// The design rows of each combination of the levels of some factors, in the cells of the other factors.
 struct Cells {
@@ -172,12 +175,14 @@ fn factors(fitted: &Fitted) -> BTreeSet<usize> {
 /// Returns the comparisons of all pairs of levels: of each factor whose effect is the same everywhere; on average over the
 /// other factors if it is not, but has a test; and, for each interaction of two factors, of each factor at each level of the
 /// other (simple effects); likewise of the lowest and the highest value of a number at each level of the factor with which it
-/// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect.
+/// interacts. For a simple effect, the limit is the larger one of the interaction and the main effect. The differences that are
+/// `wanted` have profile intervals.
 pub(super) fn comparisons(
     fitted: &Fitted,
     model: &Model,
     limits: &[Result<f64, Withheld>],
     tests: &[TermTest],
+    wanted: &[Pair],
 ) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
@@ -195,7 +200,7 @@ pub(super) fn comparisons(
             limit.and_then(|limit| main.map(|main| main.max(limit)))
         };
         match &term.variables[..] {
-            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All, limit)),
+            [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All(wanted), limit)),
             [number @ Variable::Number(_), factor @ Variable::Factor(_)]
             | [factor @ Variable::Factor(_), number @ Variable::Number(_)] => {
                 all.extend(slopes(fitted, model, number, factor, with_main(number)).unwrap_or_default());
@@ -213,8 +218,8 @@ pub(super) fn comparisons(
 /// Where levels are compared.
 #[derive(Clone, Copy)]
 enum Scope<'a> {
-    /// Everywhere: the effect is the same.
-    All,
+    /// Everywhere: the effect is the same. These pairs have profile intervals.
+    All(&'a [Pair]),
     /// On average over the factors with which this one interacts, which has this test.
     Average(&'a TermTest),
     /// At each level of another factor.
@@ -240,10 +245,8 @@ fn compare(
     levels.sort_unstable();
     let strata =
         other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
-    let pairs = levels.len() * (levels.len() - 1) / 2 * strata.len();
-    if pairs > MAX_COMPARISONS {
-        return Vec::new();
-    }
+    let wanted = if let Scope::All(wanted) = scope { wanted } else { &[] };
+    let is_wanted = |levels: [u32; 2]| wanted.iter().any(|(name, own)| name == factor.name() && *own == levels);
     let values = values_of(&model.categories);
     let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
     // Simple effects and comparisons with a column that was dropped have no such ratio.
@@ -253,23 +256,35 @@ fn compare(
         let name = &counts.factors[own].levels[level as usize];
         fitted.x.columns.iter().position(|column| column.is_level(factor.name(), name))
     };
-    let ratio = |level: u32, lower: u32| {
-        let quantity = match (column(level), column(lower)) {
-            (Some(one), Some(other)) => Quantity::Difference(one, other),
-            (Some(one), None) | (None, Some(one)) => Quantity::Coefficient(one),
-            (None, None) => return None,
-        };
-        match scope {
-            Scope::All if is_whole => ratio_at_zero(fitted, quantity),
-            Scope::Average(test) if test.df == 1 => test.lr,
-            _ => None,
+    let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
+        (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
+        (Some(one), None) | (None, Some(one)) => Some(Quantity::Coefficient(one)),
+        (None, None) => None,
+    };
+    let ratio = |level: u32, lower: u32| match scope {
+        Scope::All(_) if is_whole => ratio_at_zero(fitted, quantity(level, lower)?),
+        Scope::Average(test) if test.df == 1 => test.lr,
+        _ => None,
+    };
+    let interval = |levels: [u32; 2], estimate: f64, se: f64| match (scope, quantity(levels[0], levels[1])?) {
+        (Scope::All(_), Quantity::Coefficient(column)) => {
+            let own = &model.coefficients[column];
+            let signs = [1.0, -1.0].into_iter();
+            let sign = signs.into_iter().find(|sign| (sign * own.estimate - estimate).abs() < 1e-9)?;
+            own.interval.map(|interval| interval.scaled(sign))
         }
+        (_, quantity) if is_whole && is_wanted(levels) && estimate.is_finite() && se.is_finite() => {
+            profile::interval(fitted, quantity, estimate, se, [limit.ok()?; 2])
+        }
+        _ => None,
     };
     let pairs_of = |stratum: Option<u32>| {
         let pairs = |(place, &level): (usize, &u32)| levels[..place].iter().map(move |&lower| (stratum, level, lower));
         levels.iter().enumerate().flat_map(pairs).collect::<Vec<_>>()
     };
-    let pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
+    let mut pairs: Vec<(Option<u32>, u32, u32)> = strata.into_iter().flat_map(pairs_of).collect();
+    let are_many = pairs.len() > MAX_COMPARISONS;
+    pairs.retain(|&(_, level, lower)| !are_many || is_wanted([level, lower]));
     let compare = |(stratum, level, lower): (Option<u32>, u32, u32)| {
         let x = [rows(level, stratum)?, rows(lower, stratum)?];
         let (estimate, se) = estimated(model, &(x[0].row_mean() - x[1].row_mean()).transpose());
@@ -284,7 +299,11 @@ fn compare(
         let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
         let expected = Some(x.map(|x| expected(model, x, &values).0));
         let average = matches!(scope, Scope::Average(_));
-        Some(Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) })
+        let own = Comparison { expected, average, ..Comparison::new(names, (estimate, implied.unwrap_or(se)), limit) };
+        let interval = own.interval.and_then(|_| interval([level, lower], estimate, se)).or(own.interval);
+        // Of many pairs, those with the largest difference are wanted: their p would be too small.
+        let [p, se] = [own.p, own.se].map(|number| number.filter(|_| !are_many));
+        Some(Comparison { interval, p, se, ..own })
     };
     corrected(pairs.into_par_iter().filter_map(compare).collect())
 }
@@ -334,10 +353,9 @@ impl Comparison {
         of.map(|(_, rating)| rating)
     }
 
-    /// Returns the difference as one between two levels.
-    pub fn contrast(&self) -> Contrast {
-        let Self { factor, level, other, estimate, interval, .. } = self.clone();
-        Contrast { factor, level, other, estimate, interval }
+    /// Returns whether the difference is the same everywhere, whatever the levels of the other factors are.
+    pub(super) fn is_everywhere(&self) -> bool {
+        self.at.is_none() && !self.average
     }
 
     /// Creates a comparison of two levels, at a level of another factor, from the difference and its standard error.

@@ -36,15 +36,15 @@ pub mod terms;
 pub use calibration::{
     Calibration, FEW_FOR_LIKELIHOOD_RATIOS, MAX_MINUTES, ModelReport, fit_calibrated, fit_with_tests,
 };
-pub use checks::{Checks, Influence, Proportion};
+pub use checks::{Checks, Proportion};
 pub use estimates::{Prediction, fit};
 pub use interactions::{Interaction, LEAST_FOR_SIGNS};
 pub use likelihood_ratios::{TermTest, Withheld};
 pub use link::Link;
 pub use margins::{Comparison, Margin};
 pub use model::{
-    Coefficient, Contrast, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope,
-    Slopes, SubjectMode, Threshold,
+    Coefficient, MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Note, Random, RandomEffect, RandomSlope, Slopes,
+    SubjectMode, Threshold,
 };
 
 pub use order::Order;

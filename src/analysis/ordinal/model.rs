@@ -113,19 +113,6 @@ pub struct Coefficient {
     pub interval: Option<Interval>,
 }
 
-/// The difference between two levels of a factor.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Contrast {
-    pub factor: String,
-    pub level: String,
-    pub other: String,
-    /// How much higher `level`, which is the later one in natural order, is rated than `other`, on the scale of the link;
-    /// infinite if there is no finite estimate.
-    pub estimate: f64,
-    /// The 95 % profile-likelihood interval.
-    pub interval: Option<Interval>,
-}
-
 /// The random intercept, and the random slopes if there are any.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RandomEffect {
@@ -189,8 +176,6 @@ pub struct Model {
     pub parameters: usize,
     pub thresholds: Vec<Threshold>,
     pub coefficients: Vec<Coefficient>,
-    /// Differences between levels that were asked for.
-    pub contrasts: Vec<Contrast>,
     /// The random intercept of a mixed model.
     pub random: Option<RandomEffect>,
     /// Names of the ordered categories that have ratings.

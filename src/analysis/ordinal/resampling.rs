@@ -21,7 +21,7 @@ use super::{
     design::Design,
     estimates::finite_estimates,
     fitting::{Fitted, How, Layout, fit_terms, lay_out, layout},
-    likelihood_ratios::{comparable, is_decided, nominal_test, recoded},
+    likelihood_ratios::{comparable, is_decided, recoded},
     link::Link,
     search::MixedFit,
     terms::Term,
@@ -52,22 +52,18 @@ impl Default for Resampling {
     }
 }
 
-/// The terms whose coefficients are tested in simulated studies, and those whose proportional odds are, each with its
-/// observed ratio.
-pub(super) type Tested<'a> = [Vec<(&'a Term, f64)>; 2];
-
 /// Number of studies after which a simulation may end.
 const BATCH: u32 = 100;
 
-/// Simulates studies from a fit and returns the ratios for each of the terms that are tested; not finite where a
-/// study allows no fit. The ratios of a term end when its observed ratio is decided (Besag & Clifford 1991, Biometrika 78,
-/// 301). `progress` is called after each study.
+/// Simulates studies from a fit and returns the ratios for each of the terms that are tested, each given with its observed
+/// ratio; not finite where a study allows no fit. The ratios of a term end when its observed ratio is decided (Besag &
+/// Clifford 1991, Biometrika 78, 301). `progress` is called after each study.
 pub(super) fn simulate(
     full: &Fitted,
-    tested: &Tested,
+    tested: &[(&Term, f64)],
     settings: Resampling,
     progress: &(dyn Fn() + Sync),
-) -> [Vec<Vec<f64>>; 2] {
+) -> Vec<Vec<f64>> {
     let simulator = Simulator::new(full, true);
     // A term whose columns cannot be found has no ratios.
     let held = |term: &Term| {
@@ -79,60 +75,42 @@ pub(super) fn simulate(
         let own: Vec<(usize, f64)> = own.map(|column| (column, estimates[thresholds + column])).collect();
         Some(model.x.held(&model.standard, &own))
     };
-    let held: Vec<Option<Design>> = tested[0].iter().map(|(term, _)| held(term)).collect();
-    let of_study = |study: u32, open: &[Vec<bool>; 2]| {
-        let frame = simulator.study(settings.seed, study.into());
-        let ratios = frame.map(|frame| ratios(full, frame, &held, tested, open));
+    let held: Vec<Option<Design>> = tested.iter().map(|(term, _)| held(term)).collect();
+    let mut open = vec![true; tested.len()];
+    let of_study = |study: u32, open: &[bool]| {
+        let designs: Vec<Option<&Design>> =
+            held.iter().zip(open).map(|(x, open)| x.as_ref().filter(|_| *open)).collect();
+        let ratios = simulator.study(settings.seed, study.into()).and_then(|frame| ratios(full, frame, &designs));
         progress();
-        ratios.unwrap_or_else(|| none(tested))
+        ratios.unwrap_or_else(|| vec![f64::NAN; tested.len()])
     };
-    let mut all = tested.each_ref().map(|terms| vec![Vec::new(); terms.len()]);
-    let mut open = tested.each_ref().map(|terms| vec![true; terms.len()]);
+    let mut all = vec![Vec::new(); tested.len()];
     let mut next = 0;
-    while next < settings.draws {
+    while next < settings.draws && open.contains(&true) {
         // With 99, 199, … studies, a quantile at the level 0.05 is one of the ratios.
         let end = settings.draws.min((next + 1) / BATCH * BATCH + BATCH - 1);
         for study in (next..end).into_par_iter().map(|study| of_study(study, &open)).collect::<Vec<_>>() {
-            let places = all.iter_mut().flatten().zip(study.into_iter().flatten()).zip(open.iter().flatten());
+            let places = all.iter_mut().zip(study).zip(&open);
             places.filter(|(_, open)| **open).for_each(|((ratios, ratio), _)| ratios.push(ratio));
         }
         next = end;
-        let places = all.iter().flatten().zip(tested.iter().flatten()).zip(open.iter_mut().flatten());
+        let places = all.iter().zip(tested).zip(&mut open);
         places.for_each(|((ratios, (_, own)), open)| *open = *open && !is_decided(ratios, *own));
-        if !open.iter().flatten().any(|open| *open) {
-            break;
-        }
     }
     all
 }
 
-/// Returns the ratios of a study that allows no fit.
-fn none(tested: &Tested) -> [Vec<f64>; 2] {
-    tested.each_ref().map(|terms| vec![f64::NAN; terms.len()])
-}
-
-/// Returns the ratios of the terms that are `open`.
-fn ratios(
-    full: &Fitted,
-    frame: Frame,
-    held: &[Option<Design>],
-    tested: &Tested,
-    open: &[Vec<bool>; 2],
-) -> [Vec<f64>; 2] {
+/// Returns the ratio of each design, if there is one, in a simulated study; `None` if the study allows no fit.
+fn ratios(full: &Fitted, frame: Frame, designs: &[Option<&Design>]) -> Option<Vec<f64>> {
     let how = How { x: Some(&full.x), near: Some(full), informed: Some(full), rough: true, ..How::default() };
-    let Ok(free) = fit_terms(frame, full.spec.clone(), Vec::new(), how) else { return none(tested) };
+    let free = fit_terms(frame, full.spec.clone(), Vec::new(), how).ok()?;
     let fixed = |x: &Design| {
         let near = if free.mixed.is_some() { &free } else { full };
         let how = How { x: Some(x), near: Some(near), ..how };
         let fixed = fit_terms(free.frame.clone(), free.spec.clone(), Vec::new(), how).ok()?;
         comparable(&free, &fixed).then(|| (2.0 * (free.loglik() - fixed.loglik())).max(0.0))
     };
-    let nominal = |term: &Term| nominal_test(&free, term).ok()?.lr;
-    let or_nan = |ratio: Option<f64>| ratio.unwrap_or(f64::NAN);
-    [
-        held.iter().zip(&open[0]).map(|(x, open)| or_nan(x.as_ref().filter(|_| *open).and_then(fixed))).collect(),
-        tested[1].iter().zip(&open[1]).map(|((term, _), open)| or_nan(open.then(|| nominal(term)).flatten())).collect(),
-    ]
+    Some(designs.iter().map(|x| x.and_then(fixed).unwrap_or(f64::NAN)).collect())
 }
 
 /// Corrects the standard deviations of independent effects for the means over participants that are estimated, as

@@ -384,9 +384,9 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
         let is_own = |c: &&Comparison| {
             c.average && c.factor == factor.name && pair.contains(&&c.level) && pair.contains(&&c.other)
         };
-        report.comparisons.iter().find(is_own)?.contrast()
+        report.comparisons.iter().find(is_own)?
     } else {
-        report.model.contrasts.iter().find(|contrast| contrast.factor == factor.name)?.clone()
+        report.contrasts.iter().find(|contrast| contrast.factor == factor.name)?
     };
     if !contrast.estimate.is_finite() {
         return None;

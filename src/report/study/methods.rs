@@ -147,8 +147,8 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     text += &interactions_tested(cited, results, report);
     text += &limits(report);
     if report.proportional_odds.iter().any(|test| test.p.is_some()) {
-        text += " Proportional odds were tested with likelihood ratios of models without random effects in simulated studies, or \
-                 with the χ² distribution where ratings are many, and corrected with Holm’s method.";
+        text += " Proportional odds were tested with likelihood ratios of models without random effects, with p values from the \
+                 χ² distribution, corrected with Holm’s method.";
     }
     if report.comparisons.iter().any(|comparison| comparison.p_holm.is_some()) {
         text += &format!(

@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     analysis::{
-        Coefficient, Comparison, Contrast, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes,
-        TermTest, Withheld, terms::Variable,
+        Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes, TermTest,
+        Withheld, terms::Variable,
     },
     report::{
         document::{
@@ -47,7 +47,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     if let Some(random) = &model.random {
         between_people(&mut section, results, model, random);
     }
-    effect_sizes(&mut section, results, model);
+    effect_sizes(&mut section, results, report);
     comparisons(&mut section, results, report);
     margins(&mut section, results, report);
     tests(
@@ -95,7 +95,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     }
     order(&mut section, report);
     if let Some(checks) = &report.checks {
-        fit::fit_of_model(&mut section, results, model, checks, figures);
+        fit::fit_of_model(&mut section, results, checks, figures);
     }
     section
 }
@@ -233,12 +233,13 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
 }
 
 /// Lists the size of each factor's effect on several scales.
-fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
-    if model.contrasts.is_empty() {
+fn effect_sizes(section: &mut Section, results: &Results, report: &ModelReport) {
+    if report.contrasts.is_empty() {
         return;
     }
     section.heading("Effect sizes");
-    let odds = model.link == Link::Logit;
+    let link = report.model.link;
+    let odds = link == Link::Logit;
     section.text(format!(
         "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
          whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
@@ -247,12 +248,11 @@ fn effect_sizes(section: &mut Section, results: &Results, model: &Model) {
         if odds { "The odds ratio is that of a higher rating. " } else { "" },
         if script::has_numbers(results) { " The summary gives the effects of numbers over their range." } else { "" }
     ));
-    let link = model.link;
-    let level = |contrast: &Contrast, level: &str| names::level(results, &contrast.factor, level);
-    let levels = |c: &Contrast| format!("{} – {}", level(c, &c.level), level(c, &c.other));
+    let level = |contrast: &Comparison, level: &str| names::level(results, &contrast.factor, level);
+    let levels = |c: &Comparison| format!("{} – {}", level(c, &c.level), level(c, &c.other));
     let superiority = |difference: f64| unit(link.superiority(difference));
     let d = |difference: f64| fixed(difference / link.sd(), 2);
-    let mut table = TableOf::new("Sizes of the effects", &model.contrasts)
+    let mut table = TableOf::new("Sizes of the effects", &report.contrasts)
         .text("Factor", |contrast| names::factor(results, &contrast.factor))
         .text("Levels", levels);
     if odds {
