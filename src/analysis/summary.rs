@@ -19,7 +19,7 @@ pub struct Summary {
     pub subjects: usize,
     /// Mean rating. A category counts as its number or, if the categories are not numbers, as its position, starting at
     /// 0. Each participant counts equally, and each condition of a participant counts equally, regardless of how many
-    /// ratings there are. Ratings without a level are left out if the participant rated the condition in full, too.
+    /// ratings there are.
     pub mean: f64,
     /// Median rating. For an even number of ratings, it is halfway between the two in the middle.
     pub median: f64,
@@ -118,8 +118,7 @@ fn groups(
     let mut tallies = vec![vec![0_u64; values.len()]; number];
     let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
     // Rows are sorted by participant and condition.
-    let cells: Vec<_> = counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)).collect();
-    for &cell in &cells {
+    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
         let Some(group) = group_of(&cell[0]) else { continue };
         let (mut n, mut sum) = (0.0, 0.0);
         for row in cell {
@@ -128,8 +127,7 @@ fn groups(
             sum += row.count as f64 * values[row.rating as usize];
         }
         let subject = cell[0].subject;
-        let mut in_full = others(counts, &cells, &cell[0]).filter(|other| group_of(&other[0]) == Some(group));
-        if n == 0.0 || in_full.next().is_some() {
+        if n == 0.0 {
             continue;
         }
         if shares[group].last().is_none_or(|share| share.subject != subject) {
@@ -148,19 +146,6 @@ fn groups(
             Group { names: name(group), summary: summarize(tally, &values, &means, intervals, single) }
         })
         .collect()
-}
-
-/// Returns the participant's ratings of conditions that a row may belong to, if it lacks levels: those with the same
-/// levels and more.
-fn others<'a>(counts: &Counts, cells: &'a [&'a [CountRow]], row: &CountRow) -> impl Iterator<Item = &'a [CountRow]> {
-    let own = &counts.conditions[row.condition as usize];
-    let lacks = own.contains(&None);
-    let first = cells.partition_point(|cell| lacks && cell[0].subject < row.subject);
-    let of_person = cells[first..].iter().take_while(move |cell| lacks && cell[0].subject == row.subject);
-    let has_more = move |other: &[Option<u32>]| {
-        other != own.as_slice() && other.iter().zip(own).all(|(other, own)| own.is_none() || other == own)
-    };
-    of_person.copied().filter(move |cell| has_more(&counts.conditions[cell[0].condition as usize]))
 }
 
 /// Summarizes ratings from their tally and the participants' means. With a `single` participant, the interval is that

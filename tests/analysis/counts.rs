@@ -220,13 +220,6 @@ fn cells_factors_and_subjects_are_described() {
     let numbers: Vec<_> = widths.iter().map(|group| (group.names[0].as_str(), group.summary.n)).collect();
     assert_eq!((numbers, widths[0].summary.median), (vec![("0.1", 4), ("0.4", 4)], 1.0));
     assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.5, 1.5, 3.0]);
-    // A rating without a width is of a condition that S1 rated in full, so it is not one condition more.
-    let mut builder = empty();
-    for (width, depth, rating) in [("0.1", "1", "0"), ("0.4", "1", "1"), ("", "1", "3"), ("0.1", "inf", "3")] {
-        builder.add_counts("S1", &[width, depth], rating, 1).unwrap();
-    }
-    let depths = by_factor(&builder.finish().counts, 1);
-    assert_eq!((depths[0].summary.mean, depths[0].summary.n), (0.5, 3));
 }
 
 /// Over many studies of four people, the interval of a mean covers it about as often as it claims, both in the middle of
