@@ -243,7 +243,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let covariates = covariates(&measured.counts, options);
     // The model needs them, and describes the same ratings as the rest.
     let measured = measured.complete(&covariates);
-    let (mut spec, nested) = model_spec(&measured, &covariates, options);
+    let (mut spec, nested) = model_spec(&measured.counts, &covariates, options);
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
     let agreed = items.map(|_| measured.without_factors(&covariates));
@@ -357,8 +357,7 @@ pub(crate) fn covariates(counts: &Counts, options: &Options) -> Vec<usize> {
 
 /// Returns the model, and notes about factors that it has not. By default, every factor that varies is a term, except those
 /// that determine another one, and of two that determine each other the later one.
-fn model_spec(measured: &Measured, covariates: &[usize], options: &Options) -> (ModelSpec, Vec<Note>) {
-    let counts = &measured.counts;
+pub(super) fn model_spec(counts: &Counts, covariates: &[usize], options: &Options) -> (ModelSpec, Vec<Note>) {
     let name = |factor: usize| counts.factors[factor].name.clone();
     let is_varied = |factor: &usize| counts.factors[*factor].levels.len() > 1 && options.items != Some(name(*factor));
     let varied: Vec<usize> = (0..counts.factors.len()).filter(is_varied).collect();

@@ -12,8 +12,8 @@ use serde::Serialize;
 use super::{Model, RequestError, Watcher, analyze, request::paths};
 use crate::{
     analysis::{
-        Slopes,
-        power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+        Options, Slopes,
+        power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
     },
     experiment::{OrderedLogit, Protocol},
     report::tables::Rows,
@@ -150,8 +150,9 @@ impl Plan {
         once("deviations", &self.deviations)?;
         let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
         let slopes: Vec<Slope> = self.deviations.iter().map(slope).collect();
-        let Model { terms, link, slopes: random, large } = self.model.clone();
-        let model = ModelChoice { terms, link, slopes: random, large };
+        let Model { terms, link, slopes: random, .. } = self.model.clone();
+        let max_coefficients = self.model.max_coefficients();
+        let model = Options { terms, link, slopes: random, max_coefficients, ..Options::default() };
         let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(refused)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
         let participants = in_order(&self.participants);

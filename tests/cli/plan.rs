@@ -5,8 +5,8 @@ use std::path::Path;
 
 use machband::{
     analysis::{
-        Slopes,
-        power::{Effect, ModelChoice, Plan, Power, Sampling, Shift, Slope, Test},
+        Options, Slopes,
+        power::{Effect, Plan, Power, Sampling, Shift, Slope, Test},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
@@ -28,13 +28,13 @@ fn oblique(oblique: f64) -> OrderedLogit {
 
 fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
     let terms = terms.map(|terms| Terms::parse(terms).unwrap());
-    Plan::new(protocol, observer, shifts, &[], &ModelChoice { terms, ..ModelChoice::default() }).unwrap()
+    Plan::new(protocol, observer, shifts, &[], &Options { terms, ..Options::default() }).unwrap()
 }
 
 /// Plans the design for people who differ in the effect of the orientation by this standard deviation.
 fn plan_with_slopes(observer: &OrderedLogit, sd: f64, slopes: Slopes) -> Plan {
     let slope = Slope { factor: "orientation_deg".to_owned(), sd };
-    let model = ModelChoice { slopes, ..ModelChoice::default() };
+    let model = Options { slopes, ..Options::default() };
     Plan::new(&design(), observer, &[], &[slope], &model).unwrap()
 }
 

@@ -22,6 +22,6 @@ mod scenario;
 mod thresholds;
 
 pub use hypothesis::{Effect, Hypothesis, Test};
-pub use plan::{ModelChoice, Plan, Power, Sampling};
+pub use plan::{Plan, Power, Sampling};
 pub use scenario::{PlanError, Shift, Slope};
 pub use thresholds::{Precision, Quantity, ThresholdObserver, ThresholdPlan};

@@ -8,14 +8,15 @@ use super::{
 };
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, ModelSpec, Random, Slopes, Withheld,
+        FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Withheld,
         counts::Counts,
         frame::{Frame, find_factor},
         ordinal::{
-            check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms::Terms, terms_with_slopes,
-            without_term, without_terms,
+            check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms_with_slopes, without_term,
+            without_terms,
         },
         rank_tests::{SubjectMeans, friedman, least_friedman_p},
+        results::model_spec,
     },
     experiment::{OrderedLogit, Protocol},
     statistics::{Interval, median},
@@ -25,18 +26,6 @@ use crate::{
 const PERMUTATIONS: usize = 1999;
 /// Fewest and most studies without an effect that calibrate its test.
 const WITHOUT_EFFECT: (u32, u32) = (199, 999);
-
-/// How studies are analyzed.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ModelChoice {
-    /// Terms of the model. `None` means the main effects of all factors with two or more levels.
-    pub terms: Option<Terms>,
-    pub link: Link,
-    /// Random slopes of the model.
-    pub slopes: Slopes,
-    /// True if the number of levels, conditions and coefficients has no limit.
-    pub large: bool,
-}
 
 /// The size of the simulation, and the criterion for finding an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,31 +97,21 @@ impl Plan {
         observer: &OrderedLogit,
         shifts: &[Shift],
         slopes: &[Slope],
-        model: &ModelChoice,
+        model: &Options,
     ) -> Result<Self, PlanError> {
         let scenario = Scenario::new(protocol, observer, shifts, slopes)?;
         let outline = scenario.outline();
-        let varied: Vec<usize> =
-            (0..outline.factors.len()).filter(|own| outline.factors[*own].levels.len() > 1).collect();
-        let free = varied.iter().filter(|own| outline.determined_by(**own, &varied).is_none());
-        let free: Vec<&str> = free.map(|own| outline.factors[*own].name.as_str()).collect();
-        let terms = model.terms.clone().unwrap_or_else(|| Terms::factors(&free));
-        if terms.is_empty() {
+        // The factors of a definition are no covariates, however many levels they have.
+        let model = Options { covariates: Some(Vec::new()), ..model.clone() };
+        let (spec, _) = model_spec(&outline, &[], &model);
+        if spec.terms.is_empty() {
             return Err(PlanError::NothingVaries);
         }
-        if !model.large {
+        if spec.max_coefficients <= MAX_COEFFICIENTS {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }
-        let max_coefficients = if model.large { usize::MAX } else { MAX_COEFFICIENTS };
-        let spec = ModelSpec {
-            link: model.link,
-            random: Random::Subject,
-            slopes: model.slopes,
-            max_coefficients,
-            ..ModelSpec::new(terms)
-        };
         let (frame, _) = Frame::new(&outline, &spec)?;
-        check_size(&frame, &spec.terms, max_coefficients)?;
+        check_size(&frame, &spec.terms, spec.max_coefficients)?;
         let hypotheses = Layout::new(&scenario, &frame, &spec.terms).hypotheses()?;
         let allowed = terms_with_slopes(&frame, &spec)?;
         let allows = |slope: &&Slope| {
