@@ -288,7 +288,7 @@ pub(super) fn category_bounds(bounds: &[f64], category: usize) -> (f64, f64) {
 }
 
 /// Adds the outer product of two vectors times `factor`. It skips zeros, which are frequent in treatment contrasts.
-pub(super) fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
+fn add_product(sum: &mut DMatrix<f64>, factor: f64, left: &DVector<f64>, right: &DVector<f64>) {
     for (column, &r) in right.iter().enumerate().filter(|(_, r)| **r != 0.0) {
         sum.column_mut(column).axpy(factor * r, left, 1.0);
     }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::{
     arrow::Factor,
-    clm::{add_product, category_bounds},
+    clm::category_bounds,
     link::{Category, Link, Shift},
     random::Loadings,
 };
@@ -362,94 +362,5 @@ impl ClmmData {
             variances.iter().sum::<f64>() / variances.len().max(1) as f64
         };
         known.into_iter().map(mean).collect()
-    }
-
-    /// Returns approximate information to begin a search: the curvature of the integrand profiled over the modes. For
-    /// ψ, the diagonal includes the curvature of the log determinant, which is what keeps a standard deviation away
-    /// from 0.
-    pub fn rough_information(&self, parameters: &DVector<f64>, modes: &Modes) -> Option<DMatrix<f64>> {
-        let (size, thresholds, first_psi) = (self.parameters(), self.thresholds(), self.first_psi());
-        let thetas = &parameters.as_slice()[..thresholds];
-        let (location, weights) = (self.location(parameters), self.weights(parameters));
-        let effects = self.loadings.effects();
-        let mut sum = DMatrix::zeros(size, size);
-        for (range, u) in self.subjects.iter().zip(modes) {
-            let subject = self.subject(range, thetas, &location, &weights);
-            let point = subject.at(u);
-            let inverse = subject.slope_and_curvature(u, &point)?.1.inverse();
-            // The derivatives of the bounds of category k are upper = shift + e_k and lower = shift + e_(k−1). The curvature
-            // is (aa upper + ab lower) upperᵀ + (ab upper + bb lower) lowerᵀ.
-            let mut by_mode = DMatrix::zeros(size, effects);
-            for of_row in subject.observations.chunk_by(|one, other| one.row == other.row) {
-                let row = of_row[0].row;
-                let weights = subject.weights_of(row);
-                let by = location[row] + subject.effect(row, u);
-                let mut shift = DVector::zeros(size);
-                shift.rows_mut(thresholds, self.x.ncols()).copy_from(&-self.x.row(row).transpose());
-                for entry in self.loadings.entries(row) {
-                    shift[first_psi + entry.parameter] -= entry.value * u[weights[entry.slot].0];
-                }
-                let mut of_shift = DVector::zeros(size);
-                let mut slope = 0.0;
-                for &Observation { category, count, .. } in of_row {
-                    let (a, b) = category_bounds(thetas, category);
-                    let cell = self.link.cell(a - by, b - by);
-                    slope += count * (cell.a + cell.b);
-                    let (upper, lower) = (category, category.wrapping_sub(1));
-                    for (own, by_own, other) in [(upper, cell.aa, lower), (lower, cell.bb, upper)] {
-                        let mut bound = &shift * (by_own + cell.ab);
-                        for (place, by) in [(own, by_own), (other, cell.ab)] {
-                            if place < thresholds {
-                                bound[place] += by;
-                            }
-                        }
-                        of_shift.axpy(count, &bound, 1.0);
-                        if own < thresholds {
-                            sum.column_mut(own).axpy(-count, &bound, 1.0);
-                        }
-                    }
-                }
-                add_product(&mut sum, -1.0, &of_shift, &shift);
-                for &(effect, weight) in weights {
-                    by_mode.column_mut(effect).axpy(-weight, &of_shift, 1.0);
-                }
-                for entry in self.loadings.entries(row) {
-                    by_mode[(first_psi + entry.parameter, weights[entry.slot].0)] -= slope * entry.value;
-                }
-            }
-            sum -= &by_mode * &inverse * by_mode.transpose();
-            self.add_determinant_curvature(&mut sum, &subject, &point, &inverse);
-        }
-        Some(sum)
-    }
-
-    /// Adds the second derivative of ½ log |curvature| with respect to each ψ, with the weights of the rows held
-    /// constant.
-    fn add_determinant_curvature(
-        &self,
-        sum: &mut DMatrix<f64>,
-        subject: &Subject,
-        point: &Point,
-        inverse: &DMatrix<f64>,
-    ) {
-        let effects = self.loadings.effects();
-        let mut first = vec![DMatrix::zeros(effects, effects); self.loadings.parameters()];
-        let mut second = vec![0.0; self.loadings.parameters()];
-        for sums in &point.rows {
-            let weights = subject.weights_of(sums.row);
-            for entry in self.loadings.entries(sums.row) {
-                let effect = weights[entry.slot].0;
-                for &(other, weight) in weights {
-                    first[entry.parameter][(effect, other)] -= sums.g2 * entry.value * weight;
-                    first[entry.parameter][(other, effect)] -= sums.g2 * entry.value * weight;
-                }
-                second[entry.parameter] -= 2.0 * sums.g2 * entry.value * entry.value * inverse[(effect, effect)];
-            }
-        }
-        for (parameter, (first, second)) in first.iter().zip(second).enumerate() {
-            let product = inverse * first;
-            let index = self.first_psi() + parameter;
-            sum[(index, index)] += 0.5 * (second - product.dot(&product.transpose()));
-        }
     }
 }

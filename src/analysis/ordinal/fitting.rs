@@ -239,7 +239,7 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
     let first_psi = data.first_psi();
     let mut free: Vec<usize> = (0..data.parameters()).filter(|&index| !fitted.is_infinite(index)).collect();
     let tolerance = if how.rough { 1e3 } else { 1.0 } * tolerance(data.ratings());
-    let plain = &fitted.clm.parameters;
+    let plain = &fitted.clm;
     let near = how.near.and_then(|near| Some((near, near.mixed.as_ref()?)));
     let mut start = near.map(|(near, fit)| {
         let places = places(fitted, near);
@@ -247,13 +247,13 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
             // A deviation that was 0 may not be 0 here.
             Some(psi) if index >= first_psi && data.loadings.independent && psi.abs() < 0.1 => 0.1,
             Some(own) if index >= first_psi || !fitted.is_infinite(index) && own.abs() < FAR => own,
-            _ => plain[index],
+            _ => plain.parameters[index],
         })
     });
     if let Some((parameter, value)) = how.held {
         let index = first_psi + parameter;
         free.retain(|other| *other != index);
-        start.get_or_insert_with(|| plain.clone().resize_vertically(data.parameters(), 0.3))[index] =
+        start.get_or_insert_with(|| plain.parameters.clone().resize_vertically(data.parameters(), 0.3))[index] =
             value * fitted.random.units()[parameter];
     }
     let information = how.informed.and_then(|informed| informed.information_on(&free, &places(fitted, informed)));

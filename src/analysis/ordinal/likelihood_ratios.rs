@@ -166,7 +166,7 @@ pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitte
 /// Tests one term by the likelihood ratio against the model without it.
 pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
     let mut spec = full.spec.clone();
-    let mut how = How { near: Some(full), ..How::default() };
+    let mut how = How { near: Some(full), informed: Some(full), ..How::default() };
     let x;
     if let Some(index) = full.spec.terms.iter().position(|own| own == term).filter(|_| is_mean_effect(full, term)) {
         x = full.x.with_sum_contrasts(&full.frame)?.without_columns(index);

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::{
-    clm::positive_definite,
+    clm::{ClmFit, positive_definite},
     clmm::{ClmmData, Evaluation, Modes},
 };
 use crate::system::checkpoint;
@@ -55,13 +55,15 @@ struct Search<'a> {
     modes: Modes,
     at: DVector<f64>,
     value: Evaluation,
+    /// The approximate inverse of the information of the free parameters, as far as the steps have told it.
+    inverse: DMatrix<f64>,
 }
 
 /// What a search needs to know besides the data.
 #[derive(Clone, Copy)]
 pub(super) struct Task<'a> {
-    /// The estimates of the model without random effects (θ and β).
-    pub plain: &'a DVector<f64>,
+    /// The fit of the model without random effects (θ and β).
+    pub plain: &'a ClmFit,
     /// Where to start (θ, β and ψ); `None` tries a few standard deviations.
     pub start: Option<&'a DVector<f64>>,
     /// Starting values of the modes.
@@ -93,13 +95,16 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
-        search.move_to_boundary(task.plain)?;
+        search.move_to_boundary(&task.plain.parameters)?;
         return Some(search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0)));
     }
     if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
         return Some(search.finish(iterations, end, DMatrix::zeros(0, 0)));
     }
     search.make_deviations_positive();
+    if search.inverse.nrows() != search.free.len() {
+        search.climb(task, None);
+    }
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
     Some(search.finish(iterations, end, information))
@@ -115,7 +120,7 @@ impl<'a> Search<'a> {
             for (place, &parameter) in data.loadings.deviations.iter().enumerate() {
                 psi[parameter] = if place == 0 { intercept } else { slope };
             }
-            let start = task.plain;
+            let start = &task.plain.parameters;
             DVector::from_iterator(start.len() + psi.len(), start.iter().copied().chain(psi))
         };
         let starts: Vec<DVector<f64>> = match task.start {
@@ -131,7 +136,7 @@ impl<'a> Search<'a> {
             if let Some(value) = data.evaluate(&at, &mut modes)
                 && best.as_ref().is_none_or(|best| value.loglik > best.value.loglik)
             {
-                best = Some(Self { data, free: task.free.to_vec(), modes, at, value });
+                best = Some(Self { data, free: task.free.to_vec(), modes, at, value, inverse: DMatrix::zeros(0, 0) });
             }
         }
         best
@@ -225,22 +230,30 @@ impl<'a> Search<'a> {
         None
     }
 
-    fn rough_information(&self) -> Option<DMatrix<f64>> {
-        let whole = self.data.rough_information(&self.at, &self.modes)?;
-        Some(whole.select_rows(&self.free).select_columns(&self.free))
+    /// Returns the information with which a search begins: that of the model without random effects and, for each ψ, the mean
+    /// number of effects of a component.
+    fn first_information(&self, plain: &ClmFit) -> DMatrix<f64> {
+        let loadings = &self.data.loadings;
+        let effects = (loadings.effects() * self.data.subjects.len()) as f64 / loadings.deviations.len() as f64;
+        let first_psi = self.data.first_psi();
+        DMatrix::from_fn(self.free.len(), self.free.len(), |row, column| match (self.free[row], self.free[column]) {
+            (i, j) if i.max(j) < first_psi => plain.information[(i, j)],
+            (i, j) if i == j => effects,
+            _ => 0.0,
+        })
     }
 
-    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the information of a similar fit or from
-    /// the approximate one.
+    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the information of a similar fit, if there
+    /// is one.
     fn climb(&mut self, task: Task<'_>, similar: Option<&DMatrix<f64>>) -> (usize, MixedFitEnd) {
         const MAX_ITERATIONS: usize = 300;
         /// Twice the distance of the log-likelihood from its maximum that is as good as none.
         const SMALL: f64 = 1e-9;
         let similar = similar.and_then(positive_definite);
-        let Some(factor) = similar.or_else(|| positive_definite(&self.rough_information()?)) else {
+        let Some(factor) = similar.or_else(|| positive_definite(&self.first_information(task.plain))) else {
             return (0, MixedFitEnd::Stalled);
         };
-        let mut inverse = factor.inverse();
+        self.inverse = factor.inverse();
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();
             // Newton's method takes over near the maximum.
@@ -251,7 +264,7 @@ impl<'a> Search<'a> {
                 return (iteration, MixedFitEnd::Diverged);
             }
             let before = self.free_gradient();
-            let mut step = &inverse * &before;
+            let mut step = &self.inverse * &before;
             if !task.errors && iteration > 0 && before.dot(&step) < SMALL {
                 return (iteration, MixedFitEnd::Converged);
             }
@@ -260,7 +273,7 @@ impl<'a> Search<'a> {
             let Some(factor) = self.take(&step) else { return (iteration, MixedFitEnd::Stalled) };
             step *= factor;
             let change = before - self.free_gradient();
-            update_inverse(&mut inverse, &step, &change);
+            update_inverse(&mut self.inverse, &step, &change);
         }
         (MAX_ITERATIONS, MixedFitEnd::Stalled)
     }
@@ -294,18 +307,17 @@ impl<'a> Search<'a> {
     /// single threshold is known a thousand times more precisely than all thresholds together with the participants'
     /// mean, so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
-        let factor = positive_definite(&self.rough_information()?)?.unpack();
+        let factor = positive_definite(&self.inverse)?.unpack();
         let size = self.free.len();
-        let directions = factor.transpose().solve_upper_triangular(&DMatrix::identity(size, size))?;
         let change = |index: usize| {
-            let direction = directions.column(index).clone_owned();
-            self.change(&direction, 1e-3).or_else(|| self.change(&direction, 1e-6))
+            let direction = factor.column(index).clone_owned();
+            self.change(&direction, 3e-4).or_else(|| self.change(&direction, 1e-6))
         };
         let changes: Vec<DVector<f64>> = (0..size).into_par_iter().map(change).collect::<Option<_>>()?;
-        let changes = DMatrix::from_columns(&changes);
-        let alike = factor.solve_lower_triangular(&changes)?;
+        let alike = factor.tr_mul(&DMatrix::from_columns(&changes));
         let alike = (&alike + alike.transpose()) / 2.0;
-        Some(&factor * alike * factor.transpose())
+        let back = factor.solve_lower_triangular(&DMatrix::identity(size, size))?;
+        Some(back.tr_mul(&alike) * back)
     }
 
     /// Returns the negative change of the gradient along a direction, per unit of that direction.
