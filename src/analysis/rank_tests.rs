@@ -1,12 +1,12 @@
 //! Participants' mean ratings at the levels of a factor, and Friedman's test with Kendall's W on their ranks.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use serde::Serialize;
 
 use super::{
-    counts::{CountRow, Counts},
+    counts::{Combinations, CountRow, Counts},
     summary::category_values,
 };
 use crate::{
@@ -32,20 +32,12 @@ impl SubjectMeans {
     pub fn new(counts: &Counts, factor: usize) -> Self {
         let values = category_values(counts);
         let levels = counts.factors[factor].levels.len();
-        // The cell of the other factors to which each condition belongs.
-        let mut cells: HashMap<Vec<Option<u32>>, usize> = HashMap::new();
-        let cell_of: Vec<usize> = (counts.conditions.iter())
-            .map(|condition| {
-                let mut other = condition.clone();
-                other.remove(factor);
-                let next = cells.len();
-                *cells.entry(other).or_insert(next)
-            })
-            .collect();
+        let others: Vec<usize> = (0..counts.factors.len()).filter(|other| *other != factor).collect();
+        let Combinations { of: cell_of, .. } = counts.combinations(&others);
         let level_of = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
         let rated = |level: usize| counts.rows.iter().any(|row| level_of(row) == Some(level) && row.count > 0);
         let used: Vec<usize> = (0..levels).filter(|&level| rated(level)).collect();
-        let mut tallies: Vec<HashMap<usize, Vec<(u64, f64)>>> = vec![HashMap::new(); counts.subjects.len()];
+        let mut tallies: Vec<BTreeMap<usize, Vec<(u64, f64)>>> = vec![BTreeMap::new(); counts.subjects.len()];
         for row in &counts.rows {
             let Some(level) = level_of(row) else { continue };
             let own = tallies[row.subject as usize].entry(cell_of[row.condition as usize]);
@@ -61,16 +53,14 @@ impl SubjectMeans {
             tolerance: 1e-9 * span.max(f64::MIN_POSITIVE),
         };
         for (subject, tally) in counts.subjects.iter().zip(tallies) {
-            let mut whole: Vec<(usize, Vec<(u64, f64)>)> =
-                tally.into_iter().filter(|(_, cell)| used.iter().all(|&level| cell[level].0 > 0)).collect();
-            // The order of the sum must not depend on that of the map.
-            whole.sort_unstable_by_key(|(cell, _)| *cell);
+            let whole: Vec<Vec<(u64, f64)>> =
+                tally.into_values().filter(|cell| used.iter().all(|&level| cell[level].0 > 0)).collect();
             if whole.is_empty() {
                 means.incomplete.push(subject.clone());
                 continue;
             }
             let mean = |&level: &usize| {
-                let sum: f64 = whole.iter().map(|(_, cell)| cell[level].1 / cell[level].0 as f64).sum();
+                let sum: f64 = whole.iter().map(|cell| cell[level].1 / cell[level].0 as f64).sum();
                 sum / whole.len() as f64
             };
             means.rows.push((subject.clone(), used.iter().map(mean).collect()));

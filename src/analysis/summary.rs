@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    counts::{CountRow, Counts},
+    counts::{Combinations, CountRow, Counts},
     levels,
 };
 use crate::statistics::{Interval, mean_and_sd};
@@ -52,27 +52,14 @@ pub fn by_cell(counts: &Counts) -> Vec<Group> {
 
 /// Summarizes every combination of the levels of some factors, given by index.
 pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
-    let levels = |condition: u32| -> Vec<Option<u32>> {
-        factors.iter().map(|&factor| counts.conditions[condition as usize][factor]).collect()
-    };
-    let mut all: Vec<Vec<Option<u32>>> = (0..counts.conditions.len() as u32).map(levels).collect();
-    let own = all.clone();
-    all.sort_unstable();
-    all.dedup();
-    let name = |group: usize| -> Vec<String> {
-        let level = |(level, factor): (&Option<u32>, &usize)| {
-            level.map(|level| counts.factors[*factor].levels[level as usize].clone()).unwrap_or_default()
-        };
-        all[group].iter().zip(factors).map(level).collect()
-    };
-    groups(counts, all.len(), |row| all.binary_search(&own[row.condition as usize]).ok(), name, true)
+    let Combinations { all, of } = counts.combinations(factors);
+    let name = |group: usize| counts.names(factors, &all[group]).into_iter().map(str::to_owned).collect();
+    groups(counts, all.len(), |row| Some(of[row.condition as usize]), name, true)
 }
 
 /// Summarizes every level of a factor. Ratings without a level are left out.
 pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
-    let levels = &counts.factors[factor].levels;
-    let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
-    groups(counts, levels.len(), level, |group| vec![levels[group].clone()], true)
+    by_levels(counts, &[factor]).into_iter().filter(|group| !group.names[0].is_empty()).collect()
 }
 
 /// Summarizes every participant, without intervals.

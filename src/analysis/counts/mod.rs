@@ -9,5 +9,5 @@ mod table;
 pub use builder::MeasuredBuilder;
 pub use exclusions::{ExclusionError, Exclusions, MISSING};
 pub(super) use size::MAX_LEVELS;
-pub(super) use table::crossing;
+pub(super) use table::{Combinations, crossing};
 pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Part, Quartiles, Role, Trial};

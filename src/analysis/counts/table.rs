@@ -54,6 +54,15 @@ impl Factor {
     }
 }
 
+/// The distinct combinations of levels of some factors, in order.
+#[derive(Clone, Debug)]
+pub(in crate::analysis) struct Combinations {
+    /// The levels of each combination; `None` if the value is missing.
+    pub all: Vec<Vec<Option<u32>>>,
+    /// The combination to which each condition belongs.
+    pub of: Vec<usize>,
+}
+
 /// One row of the table: `count` equal ratings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CountRow {
@@ -145,9 +154,26 @@ impl Counts {
 
     /// Returns the names of a condition's levels, in the order of the factors. A missing value has an empty name.
     pub fn level_names(&self, condition: u32) -> Vec<&str> {
-        (self.conditions[condition as usize].iter().zip(&self.factors))
-            .map(|(level, factor)| level.map_or("", |level| factor.levels[level as usize].as_str()))
-            .collect()
+        self.names(&(0..self.factors.len()).collect::<Vec<_>>(), &self.conditions[condition as usize])
+    }
+
+    /// Returns the combinations of the levels of some factors, given by index.
+    pub(in crate::analysis) fn combinations(&self, factors: &[usize]) -> Combinations {
+        let of_condition = |levels: &Vec<Option<u32>>| factors.iter().map(|&factor| levels[factor]).collect();
+        let own: Vec<Vec<Option<u32>>> = self.conditions.iter().map(of_condition).collect();
+        let mut all = own.clone();
+        all.sort_unstable();
+        all.dedup();
+        let of = own.iter().map(|own| all.partition_point(|other| other < own)).collect();
+        Combinations { all, of }
+    }
+
+    /// Returns the names of the levels of a combination of factors, given by index. A missing value has an empty name.
+    pub(in crate::analysis) fn names(&self, factors: &[usize], levels: &[Option<u32>]) -> Vec<&str> {
+        let name = |(&factor, level): (&usize, &Option<u32>)| {
+            level.map_or("", |level| self.factors[factor].levels[level as usize].as_str())
+        };
+        factors.iter().zip(levels).map(name).collect()
     }
 
     /// Returns the participants who rated at least two levels of a factor.
@@ -209,23 +235,6 @@ impl Counts {
         }
         let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
         sums.into_iter().map(row).collect()
-    }
-
-    /// Returns the same ratings by new factors, and the new index of each condition. `levels` returns a condition's levels of
-    /// the new factors, or `None` to leave out its ratings.
-    pub fn regrouped(
-        &self,
-        factors: Vec<Factor>,
-        levels: impl Fn(&[Option<u32>]) -> Option<Vec<Option<u32>>>,
-    ) -> (Self, Vec<Option<u32>>) {
-        let all: Vec<Option<Vec<Option<u32>>>> = self.conditions.iter().map(|condition| levels(condition)).collect();
-        let conditions: BTreeSet<_> = all.iter().flatten().cloned().collect();
-        let conditions = Vec::from_iter(conditions);
-        let place = |own: &Vec<Option<u32>>| conditions.partition_point(|other| other < own) as u32;
-        let places: Vec<Option<u32>> = all.iter().map(|own| own.as_ref().map(place)).collect();
-        let rows = self.moved(|subject, condition| Some((subject, places[condition as usize]?)));
-        let (subjects, categories) = (self.subjects.clone(), self.categories.clone());
-        (Self { subjects, factors, conditions, categories, rows }, places)
     }
 
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
@@ -377,13 +386,18 @@ impl Measured {
 
     /// Returns the ratings without some factors, given by index: conditions that differ only in them are one.
     pub fn without_factors(&self, left_out: &[usize]) -> Self {
-        let counts = &self.counts;
-        let kept: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
-        let factors = kept.iter().map(|&factor| counts.factors[factor].clone()).collect();
-        let (counts, places) =
-            counts.regrouped(factors, |levels| Some(kept.iter().map(|&factor| levels[factor]).collect()));
-        let trial = |trial: &Trial| Some(Trial { condition: places[trial.condition as usize]?, ..*trial });
-        let trials = self.trials.iter().filter_map(trial).collect();
+        let Counts { subjects, factors, categories, .. } = &self.counts;
+        let kept: Vec<usize> = (0..factors.len()).filter(|factor| !left_out.contains(factor)).collect();
+        let Combinations { all, of } = self.counts.combinations(&kept);
+        let place = |condition: u32| of[condition as usize] as u32;
+        let counts = Counts {
+            subjects: subjects.clone(),
+            factors: kept.iter().map(|&factor| factors[factor].clone()).collect(),
+            categories: categories.clone(),
+            conditions: all,
+            rows: self.counts.moved(|subject, condition| Some((subject, place(condition)))),
+        };
+        let trials = self.trials.iter().map(|trial| Trial { condition: place(trial.condition), ..*trial }).collect();
         Self { counts, trials, excluded: self.excluded.clone() }
     }
 

@@ -1,13 +1,17 @@
 //! How well a model describes the data: it is compared with studies simulated from it.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{fitting::Fitted, resampling::Simulator};
-use crate::{analysis::counts::CountRow, statistics::Interval};
+use crate::{
+    analysis::counts::{Combinations, CountRow},
+    statistics::{Interval, mean_and_sd},
+};
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
-const STUDIES: usize = 200;
+const STUDIES: u64 = 200;
 /// Maximum number of conditions whose proportions are compared.
 const MAX_CELLS: usize = 300;
 
@@ -51,83 +55,55 @@ impl Checks {
     }
 }
 
-/// The counts of each category at each level of each factor and in each cell.
-struct Tally {
-    levels: Vec<Vec<Vec<f64>>>,
-    cells: Vec<Vec<f64>>,
-}
-
-/// Counts the ratings; `cell_of` is the cell of each condition of the table.
-fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
-    let counts = full.frame.counts;
-    let categories = full.frame.categories.len();
-    let mut levels: Vec<Vec<Vec<f64>>> =
-        counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
-    let mut cells = vec![vec![0.0; categories]; counts.conditions.len()];
-    for row in rows {
-        let n = row.count as f64;
-        cells[cell_of[row.condition as usize]][usize::from(row.rating)] += n;
-        for (tallies, level) in levels.iter_mut().zip(&counts.conditions[row.condition as usize]) {
-            if let Some(level) = level {
-                tallies[*level as usize][usize::from(row.rating)] += n;
-            }
-        }
-    }
-    Tally { levels, cells }
-}
-
 /// Compares the ratings with those of simulated studies.
 pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
     let (counts, left_out) = (full.frame.counts, full.left_out());
     let described: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
-    let levels_of =
-        |levels: &Vec<Option<u32>>| described.iter().map(|&factor| levels[factor]).collect::<Vec<Option<u32>>>();
-    let mut cells: Vec<Vec<Option<u32>>> = counts.conditions.iter().map(levels_of).collect();
-    let own = cells.clone();
-    cells.sort_unstable();
-    cells.dedup();
-    let cell_of: Vec<usize> = own.iter().map(|own| cells.partition_point(|cell| cell < own)).collect();
+    let categories = &full.frame.categories;
+    // The number of ratings in each category, one column for each condition.
+    let tally = |rows: &[CountRow]| {
+        let mut tally = DMatrix::zeros(categories.len(), counts.conditions.len());
+        rows.iter().for_each(|row| tally[(row.rating.into(), row.condition as usize)] += row.count as f64);
+        tally
+    };
     let simulator = Simulator::new(full, false);
-    let observed = tally(full, &cell_of, &full.frame.rows);
     // The streams after those of the calibration.
     let first = u64::from(u32::MAX);
-    let simulate = |study: usize| tally(full, &cell_of, &simulator.ratings(seed, first + study as u64));
-    let studies: Vec<Tally> = (0..STUDIES).into_par_iter().map(simulate).collect();
-    let middle = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
-        Interval { low: at(0.025), high: at(0.975) }
+    let simulate = |study: u64| tally(&simulator.ratings(seed, first + study));
+    let observed = tally(&full.frame.rows);
+    let studies: Vec<DMatrix<f64>> = (0..STUDIES).into_par_iter().map(simulate).collect();
+    let compare = |factors: &[usize]| {
+        let Combinations { all, of } = counts.combinations(factors);
+        let combined = |tally: &DMatrix<f64>| {
+            let mut sums = DMatrix::zeros(categories.len(), all.len());
+            of.iter().zip(tally.column_iter()).for_each(|(group, own)| sums.column_mut(*group).axpy(1.0, &own, 1.0));
+            sums
+        };
+        let (observed, studies) = (combined(&observed), studies.iter().map(combined).collect::<Vec<DMatrix<f64>>>());
+        let names: Vec<&str> = factors.iter().map(|&factor| counts.factors[factor].name.as_str()).collect();
+        let mut proportions = Vec::new();
+        for (group, levels) in all.iter().enumerate().filter(|(_, levels)| levels[..] != [None]) {
+            let n = observed.column(group).sum();
+            for (category, label) in categories.iter().enumerate().filter(|_| n > 0.0) {
+                let mut values: Vec<f64> = studies.iter().map(|study| study[(category, group)] / n).collect();
+                let expected = mean_and_sd(&values).0;
+                values.sort_by(f64::total_cmp);
+                let at = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
+                proportions.push(Proportion {
+                    factor: names.join(", "),
+                    level: counts.names(factors, levels).join(", "),
+                    category: label.clone(),
+                    observed: observed[(category, group)] / n,
+                    expected,
+                    range: Interval { low: at(0.025), high: at(0.975) },
+                });
+            }
+        }
+        proportions
     };
-    let compare = |factor: &str, level: &str, of: &dyn Fn(&Tally) -> &[f64], all: &mut Vec<Proportion>| {
-        let n: f64 = of(&observed).iter().sum();
-        for (category, label) in full.frame.categories.iter().enumerate().filter(|_| n > 0.0) {
-            let values: Vec<f64> = studies.iter().map(|study| of(study)[category] / n).collect();
-            all.push(Proportion {
-                factor: factor.to_owned(),
-                level: level.to_owned(),
-                category: label.clone(),
-                observed: of(&observed)[category] / n,
-                expected: values.iter().sum::<f64>() / values.len() as f64,
-                range: middle(values),
-            });
-        }
-    };
-    let (mut proportions, mut in_cells) = (Vec::new(), Vec::new());
-    for &index in &described {
-        let factor = &counts.factors[index];
-        for (level, name) in factor.levels.iter().enumerate() {
-            compare(&factor.name, name, &|tally| &tally.levels[index][level], &mut proportions);
-        }
+    let has_cells = described.len() > 1 && (2..=MAX_CELLS).contains(&counts.combinations(&described).all.len());
+    Checks {
+        proportions: described.iter().flat_map(|factor| compare(&[*factor])).collect(),
+        cells: if has_cells { compare(&described) } else { Vec::new() },
     }
-    if described.len() > 1 && (2..=MAX_CELLS).contains(&cells.len()) {
-        let names: Vec<&str> = described.iter().map(|&factor| counts.factors[factor].name.as_str()).collect();
-        for (cell, levels) in cells.iter().enumerate() {
-            let level = |(level, factor): (&Option<u32>, &usize)| {
-                level.map_or("", |level| counts.factors[*factor].levels[level as usize].as_str())
-            };
-            let levels: Vec<&str> = levels.iter().zip(&described).map(level).collect();
-            compare(&names.join(", "), &levels.join(", "), &|tally| &tally.cells[cell], &mut in_cells);
-        }
-    }
-    Checks { proportions, cells: in_cells }
 }

@@ -314,48 +314,47 @@ impl ClmmData {
         Some(())
     }
 
+    /// Computes something for each participant at some parameters and modes.
+    fn each<T>(&self, parameters: &DVector<f64>, modes: &Modes, of: impl Fn(&Subject, &DVector<f64>) -> T) -> Vec<T> {
+        let (location, weights) = (self.location(parameters), self.weights(parameters));
+        let thresholds = &parameters.as_slice()[..self.thresholds()];
+        let own = |(range, mode)| of(&self.subject(range, thresholds, &location, &weights), mode);
+        self.subjects.iter().zip(modes).map(own).collect()
+    }
+
     /// Returns the inverse curvature of a participant's log-integrand at the mode: the conditional covariance of the
     /// effects given the ratings.
     pub fn conditional_covariances(&self, parameters: &DVector<f64>, modes: &Modes) -> Option<Vec<DMatrix<f64>>> {
-        let (location, weights) = (self.location(parameters), self.weights(parameters));
-        let thresholds = &parameters.as_slice()[..self.thresholds()];
-        let of_subject = |(range, mode): (&Range<usize>, &DVector<f64>)| {
-            let subject = self.subject(range, thresholds, &location, &weights);
+        let inverse = |subject: &Subject, mode: &DVector<f64>| {
             Some(subject.slope_and_curvature(mode, &subject.at(mode))?.1.inverse())
         };
-        self.subjects.iter().zip(modes).map(of_subject).collect()
+        self.each(parameters, modes, inverse).into_iter().collect()
     }
 
     /// Returns, for each participant and row, the derivative of the log-probability of the ratings with respect to the
     /// location, and their information on it, both at the mode.
     pub fn residuals(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<Vec<(usize, f64, f64)>> {
-        let (location, weights) = (self.location(parameters), self.weights(parameters));
-        let thresholds = &parameters.as_slice()[..self.thresholds()];
-        let of_subject = |(range, mode): (&Range<usize>, &DVector<f64>)| {
-            let rows = self.subject(range, thresholds, &location, &weights).at(mode).rows;
-            rows.into_iter().map(|sums| (sums.row, -sums.g1, -sums.g2)).collect()
-        };
-        self.subjects.iter().zip(modes).map(of_subject).collect()
+        self.each(parameters, modes, |subject, mode| {
+            subject.at(mode).rows.into_iter().map(|sums| (sums.row, -sums.g1, -sums.g2)).collect()
+        })
     }
 
     /// Returns, for each standard deviation of independent effects, the mean sampling variance of an effect: how
     /// uncertain it would be if only its own ratings were known. Effects of which the ratings say next to nothing, such as
     /// those at a level where all ratings are 0, say nothing about the standard deviation either.
     pub fn sampling_variances(&self, parameters: &DVector<f64>, modes: &Modes) -> Vec<f64> {
-        let (location, weights) = (self.location(parameters), self.weights(parameters));
-        let thresholds = &parameters.as_slice()[..self.thresholds()];
-        let mut known = vec![Vec::new(); self.loadings.parameters()];
-        for (range, u) in self.subjects.iter().zip(modes) {
-            let subject = self.subject(range, thresholds, &location, &weights);
+        let informations = self.each(parameters, modes, |subject, mode| {
             let mut information = vec![(0, 0.0); self.loadings.effects()];
-            for sums in subject.at(u).rows {
+            for sums in subject.at(mode).rows {
                 for entry in self.loadings.entries(sums.row) {
                     let own = &mut information[subject.weights_of(sums.row)[entry.slot].0];
                     *own = (entry.parameter, own.1 - sums.g2 * entry.value * entry.value);
                 }
             }
-            information.into_iter().for_each(|(parameter, information)| known[parameter].push(information));
-        }
+            information
+        });
+        let mut known = vec![Vec::new(); self.loadings.parameters()];
+        informations.into_iter().flatten().for_each(|(parameter, information)| known[parameter].push(information));
         let mean = |own: Vec<f64>| {
             let least = 0.01 * own.iter().copied().fold(0.0, f64::max);
             let variances: Vec<f64> = own.into_iter().filter(|own| *own > least).map(f64::recip).collect();
