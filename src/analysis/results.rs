@@ -273,20 +273,14 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         let is_adjusted = modeled.factor(&factor.name).is_some_and(|(own, _)| differs(own));
         factor.with_margins(|level| Some(margins.iter().find(|margin| is_own(margin, level))?.mean), is_adjusted)
     };
-    let contrasts = |margins: &[Margin]| -> Vec<(String, [u32; 2])> {
-        let pair = |(index, factor): (usize, &FactorResults)| {
-            let level = |place: usize| {
-                let name = &factor.levels[place].names[0];
-                let (_, own) = modeled.factor(&counts.factors[index].name)?;
-                own.levels.iter().position(|level| level == name).map(|level| level as u32)
-            };
+    let contrasts = |margins: &[Margin]| -> Vec<(String, [String; 2])> {
+        let pair = |factor: &FactorResults| {
             let ([first, second], _) = with_margins(factor, margins).contrast();
             // The later level minus the earlier one, as in all comparisons.
-            let (later, earlier) = (level(first.max(second))?, level(first.min(second))?);
-            (later != earlier).then(|| (factor.name.clone(), [later, earlier]))
+            let levels = [first.max(second), first.min(second)].map(|place| factor.levels[place].names[0].clone());
+            (first != second).then(|| (factor.name.clone(), levels))
         };
-        let varied = factors.iter().enumerate().filter(|(_, factor)| factor.levels.len() > 1);
-        varied.filter_map(pair).collect()
+        factors.iter().filter(|factor| factor.levels.len() > 1).filter_map(pair).collect()
     };
     let Options { resampling, max_minutes, checks, .. } = *options;
     let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };

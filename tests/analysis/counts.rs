@@ -50,7 +50,9 @@ fn counts_do_not_depend_on_the_order() {
 
 #[test]
 fn constant_factors_and_filtered_rows_are_dropped() {
-    let varied = add(MeasuredBuilder::new(&["width", "depth"]).only_varied_factors(), &ROWS).finish();
+    let mut builder = MeasuredBuilder::new(&["width", "depth"]);
+    builder.only_varied = true;
+    let varied = add(builder, &ROWS).finish();
     assert_eq!(varied.counts.factors.iter().map(|factor| &factor.name).collect::<Vec<_>>(), ["width"]);
     let measured = add(empty(), &ROWS).finish();
     let rest = measured.filtered(|subject| subject != 0, |levels| levels[0] == Some(0));

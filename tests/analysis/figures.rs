@@ -69,7 +69,8 @@ fn results(
     rating: impl Fn(usize, &[usize], u32) -> Option<String>,
 ) -> Results {
     let names: Vec<&str> = factors.iter().map(|(name, _)| *name).collect();
-    let mut builder = MeasuredBuilder::new(&names).with_directions(&["orientation_deg"]);
+    let mut builder = MeasuredBuilder::new(&names);
+    builder.directions = vec!["orientation_deg".to_owned()];
     let cells: usize = factors.iter().map(|(_, levels)| levels.len()).product();
     for subject in 0..subjects {
         for cell in 0..cells {

@@ -246,7 +246,8 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
     let of = |levels: [&str; 3]| {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let order = [("a".to_owned(), levels.map(str::to_owned).to_vec())];
-        let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]).with_levels(&order);
+        let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]);
+        builder.levels = order.to_vec();
         for (person, (a, b, latent)) in (0..12).flat_map(|person| {
             let cells = [("1", "p", 0.0), ("1", "q", 1.6), ("2", "p", 0.8), ("2", "q", 0.0), ("3", "p", 0.4)];
             cells.map(|cell| (person, cell))
@@ -364,8 +365,8 @@ fn a_covariate_within_people_turns_no_direction_round() {
 fn a_cell_at_the_floor_is_no_interaction() {
     for levels in [["A", "B"], ["B", "A"]] {
         let order = ("a".to_owned(), levels.map(str::to_owned).to_vec());
-        let mut builder =
-            MeasuredBuilder::new(&["a", "c"]).with_categories(&["0", "1"]).with_levels(std::slice::from_ref(&order));
+        let mut builder = MeasuredBuilder::new(&["a", "c"]).with_categories(&["0", "1"]);
+        builder.levels = vec![order.clone()];
         for person in 1..=6 {
             let ones = [0, usize::from(person % 2 == 0), usize::from(person < 3), 1];
             for (cell, ones) in [["A", "X"], ["A", "Y"], ["B", "X"], ["B", "Y"]].iter().zip(ones) {

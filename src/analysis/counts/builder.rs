@@ -14,11 +14,11 @@ pub struct MeasuredBuilder {
     factors: Vec<String>,
     declared: Option<Vec<String>>,
     /// Names of the factors that are directions.
-    directions: Vec<String>,
-    /// Factors with the order of their levels.
-    levels: Vec<(String, Vec<String>)>,
-    /// Whether to drop factors that have only one level.
-    only_varied: bool,
+    pub directions: Vec<String>,
+    /// Factors with the order of their levels. Levels that are not among them follow, in their own order.
+    pub levels: Vec<(String, Vec<String>)>,
+    /// Whether to drop every factor that turns out to have only one level.
+    pub only_varied: bool,
     /// Texts of the ratings, in the order of their first appearance.
     ratings: Vec<String>,
     index: HashMap<Box<[u8]>, u32>,
@@ -65,27 +65,6 @@ impl MeasuredBuilder {
         let declared: Vec<String> = categories.iter().map(|name| name.as_ref().to_owned()).collect();
         self.ratings.clone_from(&declared);
         self.declared = Some(declared);
-        self
-    }
-
-    /// Declares factors that are directions.
-    #[must_use]
-    pub fn with_directions<S: AsRef<str>>(mut self, names: &[S]) -> Self {
-        self.directions = names.iter().map(|name| name.as_ref().to_owned()).collect();
-        self
-    }
-
-    /// Declares the order of the levels of factors. Levels that are not declared follow, in their own order.
-    #[must_use]
-    pub fn with_levels(mut self, levels: &[(String, Vec<String>)]) -> Self {
-        self.levels = levels.to_vec();
-        self
-    }
-
-    /// Drops every factor that turns out to have only one level.
-    #[must_use]
-    pub fn only_varied_factors(mut self) -> Self {
-        self.only_varied = true;
         self
     }
 

@@ -322,13 +322,11 @@ fn share_intervals(report: &mut ModelReport) {
 
 /// Returns the comparisons of some pairs of levels, of factors whose effect is the same everywhere.
 fn contrasts(full: &Fitted, comparisons: &[Comparison], wanted: &[Pair]) -> Vec<Comparison> {
-    let of_pair = |(factor, levels): &Pair| {
+    let of_pair = |(factor, [level, other]): &Pair| {
         let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
-        let (_, description) = full.frame.counts.factor(factor)?;
-        let names = levels.map(|level| &description.levels[level as usize]);
-        let is_own = |c: &&Comparison| c.factor == *factor && [&c.level, &c.other] == names && c.is_everywhere();
         // If a column was dropped, a level without a coefficient is not necessarily the baseline.
         let is_whole = full.x.dropped.iter().all(|column| column.term != term);
+        let is_own = |c: &&Comparison| (&c.factor, &c.level, &c.other) == (factor, level, other) && c.is_everywhere();
         comparisons.iter().find(is_own).filter(|own| is_whole && !own.estimate.is_nan()).cloned()
     };
     wanted.iter().filter_map(of_pair).collect()

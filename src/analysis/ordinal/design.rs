@@ -36,13 +36,6 @@ pub(crate) struct Design {
     offset: Option<Vec<f64>>,
 }
 
-impl Column {
-    /// Returns whether the column is the contrast of a level with the baseline, in the main effect of a factor.
-    pub fn is_level(&self, factor: &str, level: &str) -> bool {
-        is_level(&self.parts, factor, level)
-    }
-}
-
 /// Returns whether these are the parts of a contrast of a level with the baseline, in the main effect of a factor.
 pub(super) fn is_level(parts: &[TermPart], factor: &str, level: &str) -> bool {
     let is_factor = |variable: &Variable| matches!(variable, Variable::Factor(name) if name == factor);

@@ -29,7 +29,7 @@ pub fn fit(counts: &Counts, spec: &ModelSpec) -> Result<Model, ModelError> {
 /// Converts a fit to a model on the scale of the data.
 pub(super) fn report(fitted: &Fitted) -> Model {
     let mut notes = fitted.notes.clone();
-    let mixed = usable_mixed_fit(fitted);
+    let mixed = fitted.usable();
     note_design(fitted, &mut notes);
     note_separation(fitted, &mut notes);
     note_mixed(fitted, &mut notes);
@@ -148,14 +148,9 @@ fn random_effect(fitted: &Fitted, mixed: &MixedFit, covariance: Option<(&DMatrix
     }
 }
 
-/// Returns the fit with a random intercept, if there is one and it did not diverge.
-fn usable_mixed_fit<'a>(fitted: &'a Fitted) -> Option<&'a MixedFit> {
-    fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged)
-}
-
 /// Returns the estimates of the search and the matrix that converts them to the scale of the data.
 fn search_estimates<'a>(fitted: &'a Fitted) -> (&'a DVector<f64>, DMatrix<f64>) {
-    let parameters = match usable_mixed_fit(fitted) {
+    let parameters = match fitted.usable() {
         Some(mixed) if mixed.end != MixedFitEnd::Boundary => &mixed.parameters,
         _ => &fitted.clm.parameters,
     };
@@ -191,7 +186,7 @@ fn estimates(fitted: &Fitted) -> DVector<f64> {
 fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     let (parameters, to_data_scale) = search_estimates(fitted);
     let size = parameters.len();
-    let (information, free) = match usable_mixed_fit(fitted) {
+    let (information, free) = match fitted.usable() {
         Some(mixed) if mixed.end != MixedFitEnd::Boundary => (mixed.information.clone(), mixed.free.clone()),
         _ => {
             let finite: Vec<usize> = (0..size).filter(|&index| !fitted.is_infinite(index)).collect();
@@ -278,7 +273,7 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         Some(MixedFitEnd::Converged | MixedFitEnd::Stalled) => None,
         None => Some(Note::NoMixedModel),
     });
-    let Some(mixed) = usable_mixed_fit(fitted) else { return };
+    let Some(mixed) = fitted.usable() else { return };
     let part = &fitted.random;
     let psi = &mixed.parameters.as_slice()[mixed.parameters.len() - part.parameters()..];
     if part.correlated {

@@ -290,6 +290,17 @@ impl Fitted<'_> {
             .then(|| mixed.information.select_rows(&rows).select_columns(&rows))
     }
 
+    /// Returns the mixed model, if there is one and it did not diverge.
+    pub(super) fn usable(&self) -> Option<&MixedFit> {
+        self.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged)
+    }
+
+    /// Returns θ, β and ψ of a mixed model; without one, those of the model without random effects, with ψ = 0.
+    pub(super) fn searched(&self, mixed: Option<&MixedFit>, data: &ClmmData) -> DVector<f64> {
+        let plain = || self.clm.parameters.clone().resize_vertically(data.parameters(), 0.0);
+        mixed.map_or_else(plain, |mixed| mixed.parameters.clone())
+    }
+
     /// Returns the number of estimated parameters.
     pub fn parameters(&self) -> usize {
         let random = if self.mixed.is_some() { self.random.parameters() } else { 0 };

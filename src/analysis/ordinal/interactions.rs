@@ -196,10 +196,8 @@ struct Residuals {
 impl Residuals {
     fn of(full: &Fitted) -> Self {
         let Layout { data, .. } = layout(full);
-        let (parameters, modes) = match &full.mixed {
-            Some(mixed) => (mixed.parameters.clone(), mixed.modes.clone()),
-            None => (full.clm.parameters.clone().resize_vertically(data.parameters(), 0.0), data.modes()),
-        };
+        let parameters = full.searched(full.mixed.as_ref(), &data);
+        let modes = full.mixed.as_ref().map_or_else(|| data.modes(), |mixed| mixed.modes.clone());
         let mut information = DVector::zeros(data.x.nrows());
         let of_subjects = data.residuals(&parameters, &modes);
         of_subjects.iter().flatten().for_each(|(row, _, own)| information[*row] += own);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    design::Column,
+    design::{Column, is_level},
     estimates::reach,
     fitting::Fitted,
     likelihood_ratios::{TermTest, Withheld},
@@ -71,8 +71,8 @@ const CLEAR: f64 = 10.0;
 /// Maximum number of comparisons of a factor; more would not be read.
 const MAX_COMPARISONS: usize = 120;
 
-/// The name of a factor, and the indices of two of its levels.
-pub type Pair = (String, [u32; 2]);
+/// The name of a factor, and those of two of its levels.
+pub type Pair = (String, [String; 2]);
 
 /// The design rows of each combination of the levels of some factors, in the cells of the other factors.
 struct Cells {
@@ -246,15 +246,19 @@ fn compare(
     let strata =
         other.map_or_else(|| vec![None], |other| fitted.frame.levels(other).iter().copied().map(Some).collect());
     let wanted = if let Scope::All(wanted) = scope { wanted } else { &[] };
-    let is_wanted = |levels: [u32; 2]| wanted.iter().any(|(name, own)| name == factor.name() && *own == levels);
+    let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
+    let is_wanted = |levels: [u32; 2]| {
+        let names = levels.map(|level| name(own, level));
+        wanted.iter().any(|(of, levels)| of == factor.name() && *levels == names)
+    };
     let values = values_of(&model.categories);
     let rows = |level: u32, stratum: Option<u32>| cells.get(&[level].into_iter().chain(stratum).collect::<Vec<_>>());
     // Simple effects and comparisons with a column that was dropped have no such ratio.
     let is_main = |parts: &[TermPart]| matches!(parts, [part] if part.variable == *factor);
     let is_whole = fitted.x.columns.iter().filter(|column| is_main(&column.parts)).count() + 1 == levels.len();
     let column = |level: u32| {
-        let name = &counts.factors[own].levels[level as usize];
-        fitted.x.columns.iter().position(|column| column.is_level(factor.name(), name))
+        let name = name(own, level);
+        fitted.x.columns.iter().position(|column| is_level(&column.parts, factor.name(), &name))
     };
     let quantity = |level: u32, lower: u32| match (column(level), column(lower)) {
         (Some(one), Some(other)) => Some(Quantity::Difference(one, other)),
@@ -294,7 +298,6 @@ fn compare(
         let is_clear = estimate.abs() > CLEAR * se;
         let implied = if is_clear { None } else { ratio(level, lower).filter(|ratio| *ratio > 0.01) };
         let implied = implied.map(|ratio| estimate.abs() / ratio.sqrt());
-        let name = |factor: usize, level: u32| counts.factors[factor].levels[level as usize].clone();
         let at = other.zip(stratum).map(|(other, stratum)| (counts.factors[other].name.clone(), name(other, stratum)));
         let names = (factor.name(), [level, lower].map(|level| name(own, level)), at);
         let expected = Some(x.map(|x| expected(model, x, &values).0));

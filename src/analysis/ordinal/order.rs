@@ -17,7 +17,7 @@ use super::{
     clmm::Modes,
     fitting::{Fitted, Layout, lay_out},
     interactions::{LEAST_FOR_SIGNS, each_block_of_signs, exceedances},
-    search::{MixedFit, MixedFitEnd},
+    search::MixedFit,
 };
 use crate::{analysis::counts::Trial, statistics::normal_two_sided};
 
@@ -66,11 +66,8 @@ struct Residual {
 /// Returns the residual of a rating: of a participant and a category, given as in the frame, in a condition.
 fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl FnMut(usize, u32, usize) -> Residual + use<'a> {
     let Layout { data, row_of } = layout;
-    let mixed = fitted.mixed.as_ref().filter(|mixed| mixed.end != MixedFitEnd::Diverged);
-    let parameters = match mixed {
-        Some(mixed) => mixed.parameters.clone(),
-        None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
-    };
+    let mixed = fitted.usable();
+    let parameters = fitted.searched(mixed, data);
     let (location, weights) = (data.location(&parameters), data.weights(&parameters));
     let (own, _) = fitted.random.effects();
     let people = fitted.frame.subjects.len();

@@ -176,10 +176,7 @@ impl<'a> Simulator<'a> {
     /// Lays out a fit. If `corrected`, standard deviations are corrected for the means that are estimated.
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
         let Layout { data, .. } = layout(fitted);
-        let mut parameters = match &fitted.mixed {
-            Some(mixed) => mixed.parameters.clone(),
-            None => fitted.clm.parameters.clone().resize_vertically(data.parameters(), 0.0),
-        };
+        let mut parameters = fitted.searched(fitted.mixed.as_ref(), &data);
         if let Some(mixed) = fitted.mixed.as_ref().filter(|_| corrected) {
             correct_deviations(fitted, &data, mixed, &mut parameters);
         }

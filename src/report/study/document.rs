@@ -164,12 +164,14 @@ impl Study {
 }
 
 fn builder(shape: &Shape) -> MeasuredBuilder {
-    let mut builder =
-        MeasuredBuilder::new(&shape.factors).with_directions(&shape.directions).with_levels(&shape.levels);
+    let mut builder = MeasuredBuilder::new(&shape.factors);
     if let Some(categories) = &shape.categories {
         builder = builder.with_categories(categories);
     }
-    if shape.guessed { builder.only_varied_factors() } else { builder }
+    builder.directions.clone_from(&shape.directions);
+    builder.levels.clone_from(&shape.levels);
+    builder.only_varied = shape.guessed;
+    builder
 }
 
 fn add(builder: &mut MeasuredBuilder, row: &RatingRow<'_>) -> Result<(), String> {
