@@ -125,6 +125,14 @@ fn proportion(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number between 0 and 1".to_owned())
 }
 
+impl Assignment {
+    /// Returns the effect of a level, if the name is that of a factor and a level.
+    pub(super) fn shift(&self) -> Option<Shift> {
+        let (factor, level) = self.name.split_once(':')?;
+        Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: self.value })
+    }
+}
+
 /// The simulated powers of a plan, and the settings they depend on.
 #[derive(Clone, Debug)]
 pub struct Planned {
@@ -148,8 +156,7 @@ impl Plan {
         };
         let (observer, shifts) = self.observer(observer, &protocol)?;
         once("deviations", &self.deviations)?;
-        let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
-        let slopes: Vec<Slope> = self.deviations.iter().map(slope).collect();
+        let slopes = self.slopes();
         let Model { terms, link, slopes: random, .. } = self.model.clone();
         let max_coefficients = self.model.max_coefficients();
         let model = Options { terms, link, slopes: random, max_coefficients, ..Options::default() };
@@ -163,6 +170,11 @@ impl Plan {
         Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
     }
 
+    /// Returns how much people differ in the effects of factors.
+    pub(super) fn slopes(&self) -> Vec<Slope> {
+        self.deviations.iter().map(|given| Slope { factor: given.name.clone(), sd: given.value }).collect()
+    }
+
     /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
     fn observer(
         &self,
@@ -172,12 +184,8 @@ impl Plan {
         once("effects", &self.effects)?;
         let mut shifts = Vec::new();
         for effect in &self.effects {
-            match effect.name.split_once(':') {
-                Some((factor, level)) => shifts.push(Shift {
-                    factor: factor.trim().to_owned(),
-                    level: level.trim().to_owned(),
-                    logits: effect.value,
-                }),
+            match effect.shift() {
+                Some(shift) => shifts.push(shift),
                 None => {
                     let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
                     observer = with(&observer, effect, protocol).map_err(error)?;
@@ -211,7 +219,7 @@ pub(super) fn once(field: &str, given: &[Assignment]) -> Result<(), RequestError
 }
 
 /// Returns what is wrong with the request.
-fn refused(error: PlanError) -> RequestError {
+pub(super) fn refused(error: PlanError) -> RequestError {
     match &error {
         PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
         PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),

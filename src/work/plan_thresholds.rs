@@ -2,11 +2,11 @@
 
 use super::{
     RequestError, Watcher,
-    plan::{Assignment, Plan, Planned, in_order, once, progress},
+    plan::{Plan, Planned, in_order, once, progress, refused},
     request::allow_only,
 };
 use crate::{
-    analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
+    analysis::power::{Precision, Quantity, Sampling, Shift, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
     report::{names, study::shell_command, tables::Rows, tasks::task},
     stimulus::Stimulus,
@@ -95,16 +95,10 @@ impl Plan {
         once("effects", &self.effects)?;
         once("deviations", &self.deviations)?;
         let (observer, shifts) = self.threshold_observer(&protocol)?;
-        let slope = |given: &Assignment| {
-            let known = protocol.factors.iter().any(|factor| factor.name == given.name);
-            let slope = Slope { factor: given.name.clone(), sd: given.value };
-            known
-                .then_some(slope)
-                .ok_or_else(|| RequestError::value("deviations", unknown_factor(&given.name, &protocol)))
-        };
-        let slopes = self.deviations.iter().map(slope).collect::<Result<Vec<_>, _>>()?;
+        let slopes = self.slopes();
         let plans = self.with_trials(&protocol)?.into_iter().map(|protocol| {
-            ThresholdPlan::new(&protocol, observer.clone(), shifts.clone(), slopes.clone()).ok_or_else(|| {
+            let plan = ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused)?;
+            plan.ok_or_else(|| {
                 let message = format!("{} has no method that varies a level; expected [adaptive]", protocol.name);
                 RequestError::whole(message)
             })
@@ -141,16 +135,8 @@ impl Plan {
         let (mut observer, mut shifts) = (ThresholdObserver::of(&adaptive), Vec::new());
         for effect in &self.effects {
             let wrong = |message: String| RequestError::value("effects", format!("{effect}: {message}"));
-            if let Some((factor, level)) = effect.name.split_once(':') {
-                let (factor, level) = (factor.trim(), level.trim());
-                let of = protocol.factors.iter().find(|known| known.name == factor);
-                let of = of.ok_or_else(|| wrong(unknown_factor(factor, protocol)))?;
-                let levels: Vec<String> = of.levels.iter().map(ToString::to_string).collect();
-                if !levels.iter().any(|known| known == level) {
-                    let expected = expected_one_of(level, &levels);
-                    return Err(wrong(format!("{factor} has no level {level}; {expected}")));
-                }
-                shifts.push(Shift { factor: factor.to_owned(), level: level.to_owned(), logits: effect.value });
+            if let Some(shift) = effect.shift() {
+                shifts.push(shift);
                 continue;
             }
             let [low, high] = adaptive.range();
@@ -173,14 +159,6 @@ impl Plan {
         }
         Ok((observer, shifts))
     }
-}
-
-fn unknown_factor(name: &str, protocol: &Protocol) -> String {
-    let known: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-    if known.is_empty() {
-        return format!("{name} is not a factor; {} has none", protocol.name);
-    }
-    format!("{name} is not a factor; {}", expected_one_of(name, &known))
 }
 
 impl PlannedThresholds {

@@ -135,8 +135,8 @@ fn studies_of_thresholds_are_planned() {
         2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
         2: pairs-shaders => run machband simulate pairs-shaders --participants 8
         2: quick --trials 20 => --trials: does not apply to ratings
-        2: threshold-width --effect orientation:90=0.3 => orientation is not a factor; expected orientation_deg
-        2: threshold-width --effect orientation_deg:45=0.3 => orientation_deg has no level 45; expected one of 0, 90
+        2: threshold-width --effect orientation:90=0.3 => --effect orientation: no such factor; expected orientation_deg
+        2: threshold-width --effect orientation_deg:45=0.3 => --effect orientation_deg:45: no such level; expected one of 0, 90
         2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
         2: threshold-width --effect lapse=0.9 => expected 0…0.5
         2: threshold-width --terms width => does not apply to thresholds

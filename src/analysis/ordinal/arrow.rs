@@ -3,7 +3,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// A dense factor is faster up to this size.
+/// Up to this size, it is faster to leave D empty.
 const SMALL: usize = 16;
 
 /// The size of the parts of a matrix [D C; Cᵀ E], in which D consists of blocks on its diagonal.
@@ -17,14 +17,8 @@ pub(super) struct Blocks {
     pub rest: usize,
 }
 
-/// A factor of a positive definite matrix.
-pub(super) enum Factor {
-    Dense(Cholesky<f64, Dyn>),
-    Arrow(Arrow),
-}
-
-/// The factor of a matrix [D C; Cᵀ E].
-pub(super) struct Arrow {
+/// The factor of a positive definite matrix [D C; Cᵀ E].
+pub(super) struct Factor {
     of_blocks: OfBlocks,
     /// D⁻¹C.
     solved: DMatrix<f64>,
@@ -70,75 +64,61 @@ impl OfBlocks {
 impl Factor {
     /// Factors a matrix. `None` if it is not positive definite.
     pub fn new(matrix: DMatrix<f64>, blocks: Blocks) -> Option<Self> {
-        let Blocks { number, size, rest } = blocks;
-        if number <= 1 || matrix.nrows() < SMALL {
-            return matrix.cholesky().map(Self::Dense);
-        }
-        let split = number * size;
+        let all = matrix.nrows();
+        let is_whole = blocks.number <= 1 || all < SMALL;
+        let blocks = if is_whole { Blocks { number: 0, size: 1, rest: all } } else { blocks };
+        let (split, rest) = (blocks.number * blocks.size, blocks.rest);
         let of_blocks = OfBlocks::new(&matrix, blocks)?;
         let cross = matrix.view((0, split), (split, rest));
         let mut solved = cross.into_owned();
         of_blocks.solve(&mut solved);
         let corner = matrix.view((split, split), (rest, rest)) - cross.tr_mul(&solved);
-        Some(Self::Arrow(Arrow { of_blocks, solved, corner: corner.cholesky()? }))
+        Some(Self { of_blocks, solved, corner: corner.cholesky()? })
     }
 
     /// Returns the solution of a system of equations.
     pub fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
-        match self {
-            Self::Dense(factor) => factor.solve(right),
-            Self::Arrow(Arrow { of_blocks, solved, corner }) => {
-                let (split, rest) = solved.shape();
-                let below = corner.solve(&(right.rows(split, rest) - solved.tr_mul(&right.rows(0, split))));
-                let mut above = DMatrix::from_column_slice(split, 1, &right.as_slice()[..split]);
-                of_blocks.solve(&mut above);
-                above -= solved * &below;
-                DVector::from_iterator(split + rest, above.iter().chain(below.iter()).copied())
-            }
-        }
+        let Self { of_blocks, solved, corner } = self;
+        let (split, rest) = solved.shape();
+        let below = corner.solve(&(right.rows(split, rest) - solved.tr_mul(&right.rows(0, split))));
+        let mut above = DMatrix::from_column_slice(split, 1, &right.as_slice()[..split]);
+        of_blocks.solve(&mut above);
+        above -= solved * &below;
+        DVector::from_iterator(split + rest, above.iter().chain(below.iter()).copied())
     }
 
     /// Returns the logarithm of the determinant.
     pub fn log_determinant(&self) -> f64 {
         let of =
             |factor: &Cholesky<f64, Dyn>| 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
-        match self {
-            Self::Dense(factor) => of(factor),
-            Self::Arrow(Arrow { of_blocks, corner, .. }) => {
-                of(corner)
-                    + match of_blocks {
-                        OfBlocks::Diagonal(inverse) => -inverse.iter().map(|inverse| inverse.ln()).sum::<f64>(),
-                        OfBlocks::Square(factors) => factors.iter().map(of).sum::<f64>(),
-                    }
+        of(&self.corner)
+            + match &self.of_blocks {
+                OfBlocks::Diagonal(inverse) => -inverse.iter().map(|inverse| inverse.ln()).sum::<f64>(),
+                OfBlocks::Square(factors) => factors.iter().map(of).sum::<f64>(),
             }
-        }
     }
 
     /// Returns the inverse.
     pub fn inverse(&self) -> DMatrix<f64> {
-        match self {
-            Self::Dense(factor) => factor.inverse(),
-            Self::Arrow(Arrow { of_blocks, solved, corner }) => {
-                let (split, rest) = solved.shape();
-                let corner = corner.inverse();
-                let cross = solved * &corner;
-                let mut all = DMatrix::zeros(split + rest, split + rest);
-                all.view_mut((0, 0), (split, split)).gemm(1.0, &cross, &solved.transpose(), 0.0);
-                match of_blocks {
-                    OfBlocks::Diagonal(inverse) => (0..split).for_each(|i| all[(i, i)] += inverse[i]),
-                    OfBlocks::Square(factors) => {
-                        for (i, factor) in factors.iter().enumerate() {
-                            let size = split / factors.len();
-                            let mut view = all.view_mut((i * size, i * size), (size, size));
-                            view += factor.inverse();
-                        }
-                    }
+        let Self { of_blocks, solved, corner } = self;
+        let (split, rest) = solved.shape();
+        let corner = corner.inverse();
+        let cross = solved * &corner;
+        let mut all = DMatrix::zeros(split + rest, split + rest);
+        all.view_mut((0, 0), (split, split)).gemm(1.0, &cross, &solved.transpose(), 0.0);
+        match of_blocks {
+            OfBlocks::Diagonal(inverse) => (0..split).for_each(|i| all[(i, i)] += inverse[i]),
+            OfBlocks::Square(factors) => {
+                for (i, factor) in factors.iter().enumerate() {
+                    let size = split / factors.len();
+                    let mut view = all.view_mut((i * size, i * size), (size, size));
+                    view += factor.inverse();
                 }
-                all.view_mut((split, 0), (rest, split)).tr_copy_from(&-&cross);
-                all.view_mut((0, split), (split, rest)).copy_from(&-cross);
-                all.view_mut((split, split), (rest, rest)).copy_from(&corner);
-                all
             }
         }
+        all.view_mut((split, 0), (rest, split)).tr_copy_from(&-&cross);
+        all.view_mut((0, split), (split, rest)).copy_from(&-cross);
+        all.view_mut((split, split), (rest, rest)).copy_from(&corner);
+        all
     }
 }

@@ -215,7 +215,7 @@ fn generator(seed: u64, purpose: u8, study: u32, subject: u32) -> ChaCha8Rng {
 }
 
 /// Returns the index of the factor with this name, which a slope or an effect gave.
-fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, PlanError> {
+pub(super) fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, PlanError> {
     (protocol.factors.iter().position(|factor| factor.name == name)).ok_or_else(|| PlanError::UnknownFactor {
         is_slope,
         name: name.to_owned(),
@@ -224,7 +224,7 @@ fn factor_of(protocol: &Protocol, is_slope: bool, name: &str) -> Result<usize, P
 }
 
 /// Returns the indices of a shift's factor and level, and its logits.
-fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
+pub(super) fn resolve(protocol: &Protocol, shift: &Shift) -> Result<(usize, usize, f64), PlanError> {
     let factor = factor_of(protocol, false, &shift.factor)?;
     let names: Vec<String> = protocol.factors[factor].levels.iter().map(ToString::to_string).collect();
     let number = levels::number_of(&shift.level);

@@ -11,7 +11,10 @@ use rand_distr::{Distribution as _, StandardNormal};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Sampling, Shift, Slope};
+use super::{
+    Sampling, Shift, Slope,
+    scenario::{PlanError, factor_of, resolve},
+};
 use crate::{
     analysis::tasks::{
         means::Mean,
@@ -130,24 +133,31 @@ pub struct ThresholdPlan {
     adaptive: Adaptive,
     model: Model,
     observer: ThresholdObserver,
-    shifts: Vec<Shift>,
-    slopes: Vec<Slope>,
+    /// The factor, the level and the size of each shift.
+    shifts: Vec<(usize, usize, f64)>,
+    /// The factor and the standard deviation of each slope.
+    slopes: Vec<(usize, f64)>,
 }
 
 /// An estimate of one study: the estimated value, half the width of its interval, and the true value.
 type Estimated = Option<(f64, Option<Interval>, f64)>;
 
 impl ThresholdPlan {
-    /// Plans a study; `None` if its task has no method that varies a level. The names of shifts and slopes must be those
-    /// of factors and levels.
+    /// Plans a study; `None` if its task has no method that varies a level.
+    ///
+    /// # Errors
+    /// A shift or a slope names a factor or a level that is not in the definition.
     pub fn new(
         protocol: &Protocol,
         observer: ThresholdObserver,
-        shifts: Vec<Shift>,
-        slopes: Vec<Slope>,
-    ) -> Option<Self> {
-        let (adaptive, model) = (protocol.adaptive.clone()?, Model::of(protocol)?);
-        Some(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes })
+        shifts: &[Shift],
+        slopes: &[Slope],
+    ) -> Result<Option<Self>, PlanError> {
+        let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<_, _>>()?;
+        let slope = |slope: &Slope| Ok((factor_of(protocol, true, &slope.factor)?, slope.sd));
+        let slopes = slopes.iter().map(slope).collect::<Result<_, PlanError>>()?;
+        let (Some(adaptive), Some(model)) = (protocol.adaptive.clone(), Model::of(protocol)) else { return Ok(None) };
+        Ok(Some(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes }))
     }
 
     /// Returns the quantities that are estimated: a difference for each level of a factor but the first.
@@ -163,10 +173,8 @@ impl ThresholdPlan {
     }
 
     fn shift(&self, factor: usize, level: usize) -> f64 {
-        let of = &self.protocol.factors[factor];
-        let level = of.levels[level].to_string();
-        let own = self.shifts.iter().filter(|shift| shift.factor == of.name && shift.level == level);
-        own.map(|shift| shift.logits).sum()
+        let own = self.shifts.iter().filter(|shift| (shift.0, shift.1) == (factor, level));
+        own.map(|(_, _, size)| size).sum()
     }
 
     /// Returns the true mean threshold of a condition.
@@ -263,10 +271,7 @@ impl ThresholdPlan {
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let common = &self.adaptive.common;
         let deviations: Vec<(usize, Vec<f64>)> = (self.slopes.iter())
-            .filter_map(|slope| {
-                let factor = self.protocol.factors.iter().position(|factor| factor.name == slope.factor)?;
-                Some((factor, self.protocol.factors[factor].levels.iter().map(|_| slope.sd * normal()).collect()))
-            })
+            .map(|&(factor, sd)| (factor, self.protocol.factors[factor].levels.iter().map(|_| sd * normal()).collect()))
             .collect();
         let conditions = self.protocol.conditions();
         let own = self.observer.subject_sd * normal();
