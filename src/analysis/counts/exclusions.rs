@@ -76,65 +76,62 @@ impl Counts {
 }
 
 impl Measured {
+    /// Returns the ratings that are kept; the others are recorded as excluded.
+    fn keeping(&self, what: Part, subject: impl Fn(u32) -> bool, levels: impl Fn(&[Option<u32>]) -> bool) -> Self {
+        let counts = &self.counts;
+        let is_out = |row: &&CountRow| !subject(row.subject) || !levels(&counts.conditions[row.condition as usize]);
+        let out: Vec<&CountRow> = counts.rows.iter().filter(is_out).collect();
+        let participants = out.iter().map(|row| row.subject).collect::<BTreeSet<_>>().len() as u64;
+        let excluded = Excluded { what, ratings: out.iter().map(|row| row.count).sum(), participants };
+        let mut left = self.filtered(subject, levels);
+        left.excluded.push(excluded);
+        left
+    }
+
     /// Returns the ratings that have values of these factors, given by index, unless none would be left. The others are
     /// recorded as excluded.
     #[must_use]
     pub(in crate::analysis) fn complete(mut self, factors: &[usize]) -> Self {
         for &factor in factors {
-            let is_missing = |row: &&CountRow| self.counts.conditions[row.condition as usize][factor].is_none();
-            let missing: Vec<&CountRow> = self.counts.rows.iter().filter(is_missing).collect();
-            if missing.is_empty() || missing.len() == self.counts.rows.len() {
-                continue;
+            let has = |row: &&CountRow| self.counts.conditions[row.condition as usize][factor].is_some();
+            let kept = self.counts.rows.iter().filter(has).count();
+            if kept > 0 && kept < self.counts.rows.len() {
+                let what = Part::Missing(self.counts.factors[factor].name.clone());
+                self = self.keeping(what, |_| true, |levels| levels[factor].is_some());
             }
-            let excluded = Excluded {
-                what: Part::Missing(self.counts.factors[factor].name.clone()),
-                ratings: missing.iter().map(|row| row.count).sum(),
-                participants: missing.iter().map(|row| row.subject).collect::<BTreeSet<_>>().len() as u64,
-            };
-            self = self.filtered(|_| true, |levels| levels[factor].is_some());
-            self.excluded.push(excluded);
         }
         self
     }
 
-    /// Returns the ratings without what is to be excluded.
+    /// Returns the ratings without what is to be excluded. Each rating is counted once: for its participant, or else for the
+    /// first factor that excludes it.
     ///
     /// # Errors
     /// A name is not known, or no ratings are left.
-    pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
-        let counts = &self.counts;
-        let people = people(counts, &exclusions.exclude)?;
-        let only: Vec<(usize, &[String])> =
-            exclusions.only.iter().map(|(name, kept)| levels(counts, name, kept)).collect::<Result<_, _>>()?;
-        let level_of = |levels: &[Option<u32>], factor: usize| {
-            levels[factor].map_or(MISSING, |level| counts.factors[factor].levels[level as usize].as_str())
-        };
-        let is_kept = |levels: &[Option<u32>], (factor, kept): &(usize, &[String])| {
-            kept.iter().any(|name| name == level_of(levels, *factor))
-        };
-        // Each rating is counted once: for its participant, or else for the first factor that excludes it.
-        let participants = people.iter().map(|&index| Part::Participant(counts.subjects[index as usize].clone()));
-        let levels = only.iter().map(|&(factor, kept)| {
-            let factor = counts.factors[factor].name.clone();
-            Part::Levels { factor, kept: kept.to_vec() }
-        });
-        let parts = participants.chain(levels);
-        let mut excluded: Vec<_> = parts.map(|what| Excluded { what, ratings: 0, participants: 0 }).collect();
-        let mut seen = BTreeSet::new();
-        for row in &counts.rows {
-            let levels = &counts.conditions[row.condition as usize];
-            let reason = (people.iter().position(|person| *person == row.subject))
-                .or_else(|| only.iter().position(|one| !is_kept(levels, one)).map(|index| people.len() + index));
-            let Some(reason) = reason else { continue };
-            excluded[reason].ratings += row.count;
-            excluded[reason].participants += u64::from(seen.insert((reason, row.subject)));
+    pub fn narrowed(&self, Exclusions { exclude, only }: &Exclusions) -> Result<Self, ExclusionError> {
+        let known = &self.counts.subjects;
+        if let Some(id) = exclude.iter().find(|id| !known.contains(id)) {
+            return Err(ExclusionError::Participant { id: id.clone(), known: known.clone() });
         }
-        let left =
-            self.filtered(|subject| !people.contains(&subject), |levels| only.iter().all(|one| is_kept(levels, one)));
-        if left.counts.total() == 0 && counts.total() > 0 {
+        only.iter().try_for_each(|(name, kept)| levels(&self.counts, name, kept))?;
+        let mut left = self.clone();
+        for id in exclude {
+            // Someone who is named twice is already left out.
+            if let Some(index) = left.counts.subjects.iter().position(|own| own == id) {
+                left = left.keeping(Part::Participant(id.clone()), |subject| subject as usize != index, |_| true);
+            }
+        }
+        for (name, kept) in only {
+            let Some((index, factor)) = left.counts.factor(name) else { continue };
+            let level_of = |level: u32| factor.levels[level as usize].as_str();
+            let is_kept =
+                |levels: &[Option<u32>]| kept.iter().any(|own| own == levels[index].map_or(MISSING, level_of));
+            left = left.keeping(Part::Levels { factor: name.clone(), kept: kept.clone() }, |_| true, is_kept);
+        }
+        if left.counts.total() == 0 && self.counts.total() > 0 {
             return Err(ExclusionError::Nothing);
         }
-        Ok(Self { excluded: [left.excluded, excluded].concat(), ..left })
+        Ok(left)
     }
 }
 
@@ -151,29 +148,13 @@ impl Counts {
             // A number names a level however it is written: 2.0 is 2.
             let is_number = |level: &&String| number_of(level).is_some_and(|number| numbers.contains(&number));
             let texts: Vec<String> = own.iter().filter(|level| !is_number(level)).cloned().collect();
-            levels(self, name, &texts).map(drop)
+            levels(self, name, &texts)
         })
     }
 }
 
-/// Returns the indices of participants, each once.
-fn people(counts: &Counts, ids: &[String]) -> Result<Vec<u32>, ExclusionError> {
-    let mut people = Vec::new();
-    for id in ids {
-        let index = counts
-            .subjects
-            .iter()
-            .position(|known| known == id)
-            .ok_or_else(|| ExclusionError::Participant { id: id.clone(), known: counts.subjects.clone() })?;
-        if !people.contains(&(index as u32)) {
-            people.push(index as u32);
-        }
-    }
-    Ok(people)
-}
-
-/// Returns the index of a factor, and checks its levels.
-fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize, &'a [String]), ExclusionError> {
+/// Checks the name of a factor and of its levels.
+fn levels(counts: &Counts, name: &str, kept: &[String]) -> Result<(), ExclusionError> {
     let (index, _) = counts.factor(name).ok_or_else(|| ExclusionError::Factor {
         name: name.to_owned(),
         known: counts.factors.iter().map(|factor| factor.name.clone()).collect(),
@@ -181,6 +162,6 @@ fn levels<'a>(counts: &Counts, name: &str, kept: &'a [String]) -> Result<(usize,
     let known = counts.selectable_levels(index);
     match kept.iter().find(|level| !known.contains(level)) {
         Some(level) => Err(ExclusionError::Level { factor: name.to_owned(), level: level.clone(), known }),
-        None => Ok((index, kept)),
+        None => Ok(()),
     }
 }

@@ -52,11 +52,11 @@ pub(super) struct How<'a> {
 }
 
 /// Fits a model. If the first baseline allows no finite estimates, another is used; an interaction that adds nothing
-/// is left out. The standard errors of a mixed
-/// model take as long as its estimates and are computed only if `errors` is true.
+/// is left out. The standard errors of a mixed model take as long as its estimates and are computed only if `errors` is
+/// true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     let mut spec = spec.clone();
-    let (frame, mut notes) = Frame::new(counts, &spec)?;
+    let (mut frame, mut notes) = Frame::new(counts, &spec)?;
     check_size(&frame, &spec.terms, spec.max_coefficients)?;
     if spec.random == Random::Subject && frame.subjects.len() < 2 {
         notes.push(Note::OneSubject);
@@ -76,12 +76,9 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
             return Err(ModelError::Items { items, expected });
         }
     }
+    notes.extend(spec.terms.iter().filter_map(|term| with_other_baseline(&mut frame, term)));
     let how = How { errors, ..How::default() };
     let mut fitted = fit_terms(frame, spec, notes.clone(), how)?;
-    if let Some((frame, note)) = with_other_baseline(&fitted) {
-        notes.push(note);
-        fitted = fit_terms(frame, fitted.spec.clone(), notes.clone(), how)?;
-    }
     let (used, unused) = fitted.x.used_terms();
     if !unused.is_empty() {
         notes.extend(unused.iter().map(|term| Note::AliasedTerm { term: term.to_string() }));
@@ -440,34 +437,19 @@ impl Fitted<'_> {
     }
 }
 
-/// If a threshold diverges because all ratings at a factor's first level are in the same extreme category, returns the
-/// frame with another baseline, and a note.
-fn with_other_baseline<'a>(fitted: &Fitted<'a>) -> Option<(Frame<'a>, Note)> {
-    if !fitted.has_infinite_threshold() {
-        return None;
-    }
-    let frame = &fitted.frame;
-    let mut rebased = frame.clone();
-    for variable in fitted.spec.terms.iter().flat_map(|term| &term.variables) {
-        let Variable::Factor(name) = variable else { continue };
-        let (factor, description) = frame.counts.factor(name)?;
-        let levels = frame.levels(factor);
-        let extreme = |level: u32| extreme_category(frame, factor, level);
-        let (Some(first), Some(category)) = (levels.first(), levels.first().and_then(|first| extreme(*first))) else {
-            continue;
-        };
-        if let Some(&level) = levels.iter().find(|level| extreme(**level).is_none()) {
-            rebased.set_baseline(factor, level);
-            let note = Note::Rebased {
-                factor: name.clone(),
-                baseline: description.levels[level as usize].clone(),
-                separated: description.levels[*first as usize].clone(),
-                category: frame.categories[category].clone(),
-            };
-            return Some((rebased, note));
-        }
-    }
-    None
+/// Gives the factor of a main effect another baseline, with a note, if all ratings at its first level are in the same extreme
+/// category, because the thresholds and its other coefficients would then diverge.
+fn with_other_baseline(frame: &mut Frame, term: &Term) -> Option<Note> {
+    let [Variable::Factor(name)] = &term.variables[..] else { return None };
+    let (factor, description) = frame.counts.factor(name)?;
+    let levels = frame.levels(factor);
+    let category = extreme_category(frame, factor, levels[0])?;
+    let level = *levels.iter().find(|level| extreme_category(frame, factor, **level).is_none())?;
+    let [baseline, separated] = [level, levels[0]].map(|level| description.levels[level as usize].clone());
+    let note =
+        Note::Rebased { factor: name.clone(), baseline, separated, category: frame.categories[category].clone() };
+    frame.set_baseline(factor, level);
+    Some(note)
 }
 
 /// Returns the lowest or the highest category if it contains all ratings at a level.

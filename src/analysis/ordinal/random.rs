@@ -158,9 +158,6 @@ impl RandomPart {
             _ if variables.any(|variable| variable.name() == items) => error("a column that no term uses"),
             _ if self.correlated => error("independent random slopes"),
             (_, 0 | 1) => error("at least two items"),
-            (own, items) if own > 1 && people + items <= MAX_CROSSED && own * people + items > MAX_CROSSED => error(
-                "at most 1000 random effects of participants and items together; without random slopes, there are fewer",
-            ),
             (own, items) if own * people + items > MAX_CROSSED => {
                 error("at most 1000 random effects of participants and items together")
             }
