@@ -243,7 +243,7 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
     let covariates = covariates(&measured.counts, options);
     // The model needs them, and describes the same ratings as the rest.
     let measured = measured.complete(&covariates);
-    let (mut spec, nested) = model_spec(&measured.counts, &covariates, options);
+    let (spec, nested) = model_spec(&measured.counts, &covariates, options);
     let items = options.items.as_ref().and_then(|items| measured.counts.factor(items)).map(|(items, _)| items);
     // Agreement is about items, if there are any.
     let agreed = items.map(|_| measured.without_factors(&covariates));
@@ -294,13 +294,6 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         },
         || (by_cell(counts), ordinal_alpha(&agreed.counts)),
     );
-    // What the model does not have is not a term of it. The largest terms come last.
-    for note in model.iter().flat_map(|report| &report.model.notes).rev() {
-        let is_dropped = |own: &&Term| own.variables.len() > 1 && *note == Note::AliasedTerm { term: own.to_string() };
-        if let Some(own) = spec.terms.iter().find(is_dropped).filter(|own| !spec.terms.is_marginal(own)) {
-            spec.terms = spec.terms.without(own);
-        }
-    }
     let subjects: Vec<SubjectResults> = (by_subject(counts).into_iter())
         .zip(agreed.retests())
         .zip(measured.times_by(people, |row| Some(row.subject as usize)))

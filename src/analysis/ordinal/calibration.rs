@@ -326,7 +326,8 @@ fn contrasts(full: &Fitted, comparisons: &[Comparison], wanted: &[Pair]) -> Vec<
         let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
         // If a column was dropped, a level without a coefficient is not necessarily the baseline.
         let is_whole = full.x.dropped.iter().all(|column| column.term != term);
-        let is_own = |c: &&Comparison| (&c.factor, &c.level, &c.other) == (factor, level, other) && c.is_everywhere();
+        let is_own =
+            |c: &&Comparison| (&c.factor, &c.level, &c.other) == (factor, level, other) && c.at.is_none() && !c.average;
         comparisons.iter().find(is_own).filter(|own| is_whole && !own.estimate.is_nan()).cloned()
     };
     wanted.iter().filter_map(of_pair).collect()

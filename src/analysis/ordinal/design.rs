@@ -58,18 +58,6 @@ impl Design {
         Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
     }
 
-    /// Returns the terms, and the interactions that add nothing to them and are not part of one that does. A main effect that
-    /// adds nothing stays, because it adds to the model without another term (as in R's `drop1`).
-    pub fn used_terms(&self) -> (Terms, Terms) {
-        let has_columns = |term: &Term| self.columns.iter().any(|c| self.terms.iter().nth(c.term) == Some(term));
-        let is_used = |term: &Term| {
-            let mut larger = self.terms.iter().filter(|larger| larger.contains(term));
-            term.variables.len() == 1 || larger.any(has_columns)
-        };
-        let (used, unused): (Vec<Term>, Vec<Term>) = self.terms.iter().cloned().partition(is_used);
-        (Terms::new(used), Terms::new(unused))
-    }
-
     /// Returns the matrix with one row for each of these conditions.
     pub fn matrix(&self, conditions: &[u32]) -> DMatrix<f64> {
         DMatrix::from_fn(conditions.len(), self.columns.len(), |row, column| {
@@ -112,22 +100,14 @@ impl Design {
         held
     }
 
-    /// Returns the design with sum contrasts, in which the columns of a main effect stand for the mean effect over the levels of
-    /// the other factors. The columns have other names, because their coefficients mean something else.
-    pub fn with_sum_contrasts(&self, frame: &Frame) -> Result<Self, ModelError> {
+    /// Returns the design with other values: with `sums`, those of sum contrasts, in which the columns of a main effect stand for
+    /// the mean effect over the levels of the other factors; these have other names, because their coefficients mean something
+    /// else. The numbers of the factors in `at_means`, given by index, are their means over the ratings.
+    pub fn revalued(&self, frame: &Frame, sums: bool, at_means: &[usize]) -> Result<Self, ModelError> {
         let mut design = self.clone();
         for column in &mut design.columns {
-            column.values = products(frame, &column.parts, true, &[])?;
-            column.name.push('~');
-        }
-        Ok(design)
-    }
-
-    /// Returns the design with the numbers of some factors, given by index, at their means over the ratings.
-    pub fn at_means(&self, frame: &Frame, factors: &[usize]) -> Result<Self, ModelError> {
-        let mut design = self.clone();
-        for column in &mut design.columns {
-            column.values = products(frame, &column.parts, false, factors)?;
+            column.values = products(frame, &column.parts, sums, at_means)?;
+            column.name.extend(sums.then_some('~'));
         }
         Ok(design)
     }

@@ -51,9 +51,8 @@ pub(super) struct How<'a> {
     pub held: Option<(usize, f64)>,
 }
 
-/// Fits a model. If the first baseline allows no finite estimates, another is used; an interaction that adds nothing
-/// is left out. The standard errors of a mixed model take as long as its estimates and are computed only if `errors` is
-/// true.
+/// Fits a model. If the first baseline allows no finite estimates, another is used. The standard errors of a mixed model take
+/// as long as its estimates and are computed only if `errors` is true.
 pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool) -> Result<Fitted<'a>, ModelError> {
     let mut spec = spec.clone();
     let (mut frame, mut notes) = Frame::new(counts, &spec)?;
@@ -77,15 +76,7 @@ pub(crate) fn fit_counts<'a>(counts: &'a Counts, spec: &ModelSpec, errors: bool)
         }
     }
     notes.extend(spec.terms.iter().filter_map(|term| with_other_baseline(&mut frame, term)));
-    let how = How { errors, ..How::default() };
-    let mut fitted = fit_terms(frame, spec, notes.clone(), how)?;
-    let (used, unused) = fitted.x.used_terms();
-    if !unused.is_empty() {
-        notes.extend(unused.iter().map(|term| Note::AliasedTerm { term: term.to_string() }));
-        let spec = ModelSpec { terms: used, ..fitted.spec.clone() };
-        fitted = fit_terms(fitted.frame.clone(), spec, notes, how)?;
-    }
-    Ok(fitted)
+    fit_terms(frame, spec, notes, How { errors, ..How::default() })
 }
 
 /// Fits the terms of a specification to a frame. `notes` are the notes of the frame.

@@ -158,7 +158,7 @@ pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitte
     if !is_mean_effect(full, term) {
         return Ok(None);
     }
-    let x = full.x.with_sum_contrasts(&full.frame)?;
+    let x = full.x.revalued(&full.frame, true, &[])?;
     let how = How { near: Some(full), x: Some(&x), ..How::default() };
     fit_terms(full.frame.clone(), full.spec.clone(), Vec::new(), how).map(Some)
 }
@@ -169,7 +169,7 @@ pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let mut how = How { near: Some(full), informed: Some(full), ..How::default() };
     let x;
     if let Some(index) = full.spec.terms.iter().position(|own| own == term).filter(|_| is_mean_effect(full, term)) {
-        x = full.x.with_sum_contrasts(&full.frame)?.without_columns(index);
+        x = full.x.revalued(&full.frame, true, &[])?.without_columns(index);
         how.x = Some(&x);
     } else {
         spec.terms = full.spec.terms.without(term);

@@ -89,7 +89,7 @@ fn cells(fitted: &Fitted, factors: &[usize]) -> Option<Cells> {
     let counts: &Counts = fitted.frame.counts;
     // The model is the same for all items, and a covariate has one value.
     let left_out = fitted.left_out();
-    let x = fitted.x.at_means(&fitted.frame, &left_out).ok()?;
+    let x = fitted.x.revalued(&fitted.frame, false, &left_out).ok()?;
     let is_other = |factor: &usize| !factors.contains(factor) && !left_out.contains(factor);
     let others: Vec<usize> = self::factors(fitted).into_iter().filter(is_other).collect();
     let mut by_cell: BTreeMap<Vec<Option<u32>>, BTreeMap<Vec<u32>, u32>> = BTreeMap::new();
@@ -354,11 +354,6 @@ impl Comparison {
         let [own, other] = self.expected?;
         let of = [(&self.level, own), (&self.other, other)].into_iter().find(|(name, _)| *name == level);
         of.map(|(_, rating)| rating)
-    }
-
-    /// Returns whether the difference is the same everywhere, whatever the levels of the other factors are.
-    pub(super) fn is_everywhere(&self) -> bool {
-        self.at.is_none() && !self.average
     }
 
     /// Creates a comparison of two levels, at a level of another factor, from the difference and its standard error.

@@ -21,7 +21,7 @@ pub struct Point {
     /// The level, on the scale of the curve: its base-10 logarithm on a logarithmic axis; infinite in catch trials
     /// ([`Model::unseen`]).
     pub x: f64,
-    /// Number of correct answers, or of yes answers.
+    /// Number of correct answers, or of yes answers; at most that of trials.
     pub correct: u32,
     /// Number of trials.
     pub total: u32,
@@ -96,21 +96,9 @@ pub struct Model {
 /// Why a function cannot be fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FitError {
-    /// A level is infinite or not a number.
-    #[error("a level is not a finite number")]
-    Level,
-    /// There are more correct answers than trials.
-    #[error("a level has more correct answers than trials")]
-    Count,
     /// All trials are at one level, or there are none.
     #[error("expected trials at two or more levels")]
     Levels,
-    /// The range is empty or not finite.
-    #[error("the range of levels must be two finite numbers in ascending order")]
-    Range,
-    /// γ is not a probability below 1.
-    #[error("the probability of a correct guess must be at least 0 and below 1")]
-    Guess,
     /// There are too few people, or one has no trials.
     #[error("expected two or more people, each with trials")]
     People,
@@ -212,7 +200,6 @@ pub(super) struct Priors {
 impl Priors {
     /// Returns the priors for these data.
     pub fn new(points: &[Point], model: &Model) -> Result<Self, FitError> {
-        check(points, model)?;
         let mut levels: Vec<f64> =
             points.iter().filter(|point| point.total > 0 && point.is_target()).map(|point| point.x).collect();
         levels.sort_by(f64::total_cmp);
@@ -260,21 +247,5 @@ impl Priors {
         let guess = if self.has_free_guess { MAX_LAPSE } else { 0.0 };
         let width = [self.least_width.ln(), (3.0 * span).ln()];
         [[low - span / 2.0, high + span / 2.0], width, [0.0, self.max_lapse], [0.0, guess], [0.0, 1.0]]
-    }
-}
-
-fn check(points: &[Point], model: &Model) -> Result<(), FitError> {
-    if points.iter().any(|point| !point.is_target() && point.x != model.unseen()) {
-        return Err(FitError::Level);
-    }
-    if points.iter().any(|point| point.correct > point.total) {
-        return Err(FitError::Count);
-    }
-    if model.range.is_some_and(|[low, high]| !(low < high && (high - low).is_finite())) {
-        return Err(FitError::Range);
-    }
-    match model.guess {
-        Guess::Fixed(guess) if !(0.0..1.0).contains(&guess) => Err(FitError::Guess),
-        _ => Ok(()),
     }
 }

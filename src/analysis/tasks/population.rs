@@ -68,8 +68,7 @@ pub struct Person {
 ///
 /// # Errors
 ///
-/// There are fewer than two people, one has no trials, all trials are at one level, or a level, a count, the range or γ is
-/// impossible.
+/// There are fewer than two people, one has no trials, or all trials are at one level.
 pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError> {
     let has_trials = |points: &Vec<Point>| points.iter().any(|point| point.total > 0);
     if people.len() < 2 || !people.iter().all(has_trials) {

@@ -51,7 +51,7 @@ pub struct GoodnessOfFit {
 ///
 /// # Errors
 ///
-/// A level, a count, the range or γ is impossible, or there are trials at fewer than two levels.
+/// There are trials at fewer than two levels.
 pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, FitError> {
     Ok(Posterior::new(points, model)?.most_probable())
 }
@@ -116,16 +116,13 @@ pub fn goodness_of_fit(
     let best = posterior.search(&[threshold, width, lapse, guess, 0.0]);
     let observed = deviance(&posterior.points, model, &posterior.at(&best));
     let function = model.parameters(&posterior.at(&best));
-    let answers = |point: &Point| {
-        let chance = model.curve.probability(point.x, &function).clamp(0.0, 1.0);
-        Binomial::new(point.total.into(), chance).map_err(|_| FitError::Count)
-    };
-    let answers = posterior.points.iter().map(answers).collect::<Result<Vec<_>, _>>()?;
+    let chance = |point: &Point| model.curve.probability(point.x, &function).clamp(0.0, 1.0);
+    let chances: Vec<f64> = posterior.points.iter().map(chance).collect();
     let mut larger = 0;
     for _ in 0..simulations {
         checkpoint();
-        for (point, answers) in posterior.points.iter_mut().zip(&answers) {
-            point.correct = answers.sample(rng) as u32;
+        for (point, chance) in posterior.points.iter_mut().zip(&chances) {
+            point.correct = Binomial::new(point.total.into(), *chance).map_or(0, |answers| answers.sample(rng) as u32);
         }
         let again = posterior.at(&posterior.search(&best));
         larger += usize::from(deviance(&posterior.points, model, &again) >= observed - 1e-9);
