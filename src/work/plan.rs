@@ -226,7 +226,7 @@ pub(super) fn refused(error: PlanError) -> RequestError {
         PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => RequestError::value("effects", &error),
         PlanError::Untestable { .. } => RequestError::value("terms", &error),
         PlanError::TooLarge(_) => RequestError::whole(&error).unless("large"),
-        PlanError::Condition(_) | PlanError::NothingVaries => RequestError::whole(&error),
+        PlanError::NothingVaries => RequestError::whole(&error),
     }
 }
 

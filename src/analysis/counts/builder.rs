@@ -2,10 +2,10 @@
 
 use std::{
     cmp::Ordering,
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap},
 };
 
-use super::table::{CountError, CountRow, Counts, Factor, Measured, Trial};
+use super::table::{CountError, CountRow, Counts, Factor, Measured, Trial, summed};
 use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials, which can come in any order, into [`Measured`].
@@ -214,7 +214,7 @@ impl MeasuredBuilder {
             }
         };
         let category = |rating: usize| category_of[rating].unwrap_or_default() as u8;
-        let mut counts: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
+        let mut rows = Vec::new();
         let mut sessions: Vec<(&Box<str>, u32)> = self.sessions.iter().map(|(name, number)| (name, *number)).collect();
         sessions.sort_by(|l, r| levels::compare_mixed(l.0, r.0));
         let mut session_of = vec![0; sessions.len().max(1)];
@@ -225,20 +225,13 @@ impl MeasuredBuilder {
         {
             let subject = subject.unwrap_or_default();
             let condition = conditions.partition_point(|known| known < levels) as u32;
-            for (rating, &count) in cell.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-                *counts.entry((subject, condition, category(rating))).or_insert(0) += count;
-            }
+            let given = cell.counts.iter().enumerate().filter(|(_, count)| **count > 0);
+            rows.extend(given.map(|(rating, &count)| CountRow { subject, condition, rating: category(rating), count }));
             trials.extend(cell.trials.into_iter().map(|trial| {
                 let (rating, session) = (category(trial.rating.into()), session_of[trial.session as usize]);
                 Trial { subject, condition, rating, session, ..trial }
             }));
         }
-        let rows = (counts.into_iter()).map(|((subject, condition, rating), count)| CountRow {
-            subject,
-            condition,
-            rating,
-            count,
-        });
         // Not in the order in which they were added.
         trials.sort_unstable_by(|l: &Trial, r| {
             let cell = |trial: &Trial| (trial.subject, trial.condition, trial.rating);
@@ -249,7 +242,7 @@ impl MeasuredBuilder {
         Measured {
             trials,
             excluded: Vec::new(),
-            counts: Counts { subjects, factors, conditions, categories, rows: rows.collect() },
+            counts: Counts { subjects, factors, conditions, categories, rows: summed(rows) },
         }
     }
 }

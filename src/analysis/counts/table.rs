@@ -2,7 +2,7 @@
 
 use std::{
     cmp::Ordering,
-    collections::{BTreeMap, BTreeSet, HashMap},
+    collections::{BTreeSet, HashMap},
 };
 
 use serde::Serialize;
@@ -227,14 +227,11 @@ impl Counts {
     /// Returns the rows with the indices of participants and conditions that `moved` returns, without those for which it
     /// returns none.
     fn moved(&self, moved: impl Fn(u32, u32) -> Option<(u32, u32)>) -> Vec<CountRow> {
-        let mut sums: BTreeMap<(u32, u32, u8), u64> = BTreeMap::new();
-        for row in &self.rows {
-            if let Some((subject, condition)) = moved(row.subject, row.condition) {
-                *sums.entry((subject, condition, row.rating)).or_default() += row.count;
-            }
-        }
-        let row = |((subject, condition, rating), count)| CountRow { subject, condition, rating, count };
-        sums.into_iter().map(row).collect()
+        let row = |row: &CountRow| {
+            let (subject, condition) = moved(row.subject, row.condition)?;
+            Some(CountRow { subject, condition, ..*row })
+        };
+        summed(self.rows.iter().filter_map(row).collect())
     }
 
     /// True if the order of the categories is known: they were declared, or they are numbers. Words in the order of their
@@ -292,6 +289,17 @@ impl Counts {
         found.dedup();
         found.into_iter().map(|code| (self.categories[code].as_str(), n[code])).filter(|(_, n)| *n > 0).collect()
     }
+}
+
+/// Returns rows in order, one for each participant, condition and rating.
+pub(super) fn summed(mut rows: Vec<CountRow>) -> Vec<CountRow> {
+    rows.sort_unstable();
+    rows.dedup_by(|next, own| {
+        let is_same = (next.subject, next.condition, next.rating) == (own.subject, own.condition, own.rating);
+        own.count += if is_same { next.count } else { 0 };
+        is_same
+    });
+    rows
 }
 
 /// With fewer different numbers, they may be groups.

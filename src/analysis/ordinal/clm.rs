@@ -181,17 +181,18 @@ impl ClmData {
         sum
     }
 
+    /// Returns by how much a step moves the bounds of a row.
+    fn moves(&self, step: &DVector<f64>, row: usize) -> Vec<f64> {
+        let mut moves = vec![0.0; self.thresholds()];
+        self.bounds(step, row, &mut moves);
+        moves.iter_mut().for_each(|bound| *bound += self.offset[row]);
+        moves
+    }
+
     /// Returns the largest change that a step makes in the bounds.
     fn reach(&self, step: &DVector<f64>) -> f64 {
-        let mut gradient = DVector::zeros(self.parameters());
-        let mut most: f64 = 0.0;
-        for row in 0..self.counts.nrows() {
-            for j in 0..self.thresholds() {
-                self.bound_gradient(row, j, &mut gradient);
-                most = most.max(gradient.dot(step).abs());
-            }
-        }
-        most
+        let moves = (0..self.counts.nrows()).flat_map(|row| self.moves(step, row));
+        moves.fold(0.0, |most, bound| most.max(bound.abs()))
     }
 
     /// If the likelihood keeps rising along a step, without a maximum, returns its direction, with ±1 as its largest element:
@@ -200,15 +201,13 @@ impl ClmData {
     fn recession(&self, step: &DVector<f64>) -> Option<DVector<f64>> {
         const SLACK: f64 = 1e-3;
         let direction = (step / step.amax()).map(|element| if element.abs() < 1e-2 { 0.0 } else { element });
-        let mut gradient = DVector::zeros(self.parameters());
         let (mut least, mut most): (f64, f64) = (0.0, 0.0);
         for row in 0..self.counts.nrows() {
+            let moves = self.moves(&direction, row);
             for k in (0..self.categories()).filter(|k| self.counts[(row, *k)] > 0.0) {
                 for (j, sign) in [(k.wrapping_sub(1), -1.0), (k, 1.0)] {
-                    if j < self.thresholds() {
-                        self.bound_gradient(row, j, &mut gradient);
-                        let moved = sign * gradient.dot(&direction);
-                        (least, most) = (least.min(moved), most.max(moved));
+                    if let Some(bound) = moves.get(j) {
+                        (least, most) = (least.min(sign * bound), most.max(sign * bound));
                     }
                 }
             }

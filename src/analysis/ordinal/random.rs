@@ -317,14 +317,12 @@ impl Loadings {
         let is_first = |place: usize| place == largest && !part.is_crossed() && !part.correlated;
         // Where the effects of each component begin.
         let mut firsts = vec![0; components.len()];
+        let mut order: Vec<usize> = (0..components.len()).filter(|&place| !components[place].shared).collect();
+        order.sort_by_key(|&place| !is_first(place));
         let mut next = 0;
-        for first in [true, false] {
-            for (place, component) in components.iter().enumerate() {
-                if is_first(place) == first && !component.shared {
-                    firsts[place] = next;
-                    next += component.number_of_groups;
-                }
-            }
+        for place in order {
+            firsts[place] = next;
+            next += components[place].number_of_groups;
         }
         for (person, condition) in rows.iter().map(|(person, condition)| (*person, *condition as usize)) {
             for (place, component) in components.iter().enumerate() {

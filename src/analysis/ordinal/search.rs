@@ -307,8 +307,8 @@ impl<'a> Search<'a> {
     /// single threshold is known a thousand times more precisely than all thresholds together with the participants'
     /// mean, so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
-        let factor = positive_definite(&self.inverse)?.unpack();
         let size = self.free.len();
+        let factor = positive_definite(&self.inverse).filter(|_| self.inverse.nrows() == size)?.unpack();
         let change = |index: usize| {
             let direction = factor.column(index).clone_owned();
             self.change(&direction, 3e-4).or_else(|| self.change(&direction, 1e-6))

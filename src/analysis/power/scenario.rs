@@ -11,7 +11,6 @@ use crate::{
         levels,
     },
     experiment::{self, Condition, OrderedLogit, Protocol},
-    stimulus::ParameterError,
     text::names::expected_one_of,
 };
 
@@ -21,9 +20,6 @@ pub enum PlanError {
     /// A term is not valid.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// A condition of the definition is not valid.
-    #[error(transparent)]
-    Condition(#[from] ParameterError),
     /// An effect or a slope was given for a factor that is not in the definition.
     #[error("{name}: no such factor; {}", expected_one_of(name, known))]
     UnknownFactor {
