@@ -269,13 +269,21 @@ fn fit_mixed(fitted: &Fitted, how: How<'_>) -> Option<MixedFit> {
 }
 
 impl Fitted<'_> {
-    /// Returns the information of the mixed model on some parameters, given by their indices here in `places`.
+    /// Returns the information of the mixed model on some parameters, given by their indices here in `places`. About a deviation
+    /// that is 0 here, little is known. `None` if another parameter is not among those here.
     fn information_on(&self, free: &[usize], places: &[Option<usize>]) -> Option<DMatrix<f64>> {
-        let mixed = self.mixed.as_ref()?;
-        let rows = free.iter().map(|&index| mixed.free.iter().position(|known| Some(*known) == places[index]));
-        let rows: Vec<usize> = rows.collect::<Option<_>>()?;
-        (mixed.information.nrows() == mixed.free.len())
-            .then(|| mixed.information.select_rows(&rows).select_columns(&rows))
+        let mixed = self.mixed.as_ref().filter(|mixed| mixed.information.nrows() == mixed.free.len())?;
+        let row = |&index: &usize| mixed.free.iter().position(|known| Some(*known) == places[index]);
+        let rows: Vec<Option<usize>> = free.iter().map(row).collect();
+        let is_zero = |index: &usize| places[*index].is_some_and(|place| mixed.parameters[place] == 0.0);
+        let people = self.frame.subjects.len() as f64;
+        let element = |i: usize, j: usize| match (rows[i], rows[j]) {
+            (Some(row), Some(column)) => mixed.information[(row, column)],
+            _ if i == j => people,
+            _ => 0.0,
+        };
+        let is_known = free.iter().zip(&rows).all(|(index, row)| row.is_some() || is_zero(index));
+        is_known.then(|| DMatrix::from_fn(free.len(), free.len(), element))
     }
 
     /// Returns the mixed model, if there is one and it did not diverge.

@@ -84,13 +84,13 @@ pub(super) struct Task<'a> {
 pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let tolerance = task.tolerance;
     let mut search = Search::begin(data, task)?;
-    let (mut iterations, mut end) = search.climb(task, task.information);
+    let (mut iterations, mut end) = search.climb(task);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters() {
         if !search.hold_zeros(task.free, task.rough) {
             break;
         }
-        let more = search.climb(task, None);
+        let more = search.climb(task);
         (iterations, end) = (iterations + more.0, more.1);
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
@@ -102,9 +102,6 @@ pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
         return Some(search.finish(iterations, end, DMatrix::zeros(0, 0)));
     }
     search.make_deviations_positive();
-    if search.inverse.nrows() != search.free.len() {
-        search.climb(task, None);
-    }
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
     Some(search.finish(iterations, end, information))
@@ -139,7 +136,10 @@ impl<'a> Search<'a> {
                 best = Some(Self { data, free: task.free.to_vec(), modes, at, value, inverse: DMatrix::zeros(0, 0) });
             }
         }
-        best
+        let mut best = best?;
+        let similar = task.information.and_then(positive_definite);
+        best.inverse = similar.or_else(|| positive_definite(&best.first_information(task.plain)))?.inverse();
+        Some(best)
     }
 
     /// Holds the deviations that are close to 0 at 0, and moves those away again at which another value is better.
@@ -161,7 +161,10 @@ impl<'a> Search<'a> {
             if !self.move_to(to) {
                 return false;
             }
-            self.free.retain(|other| *other != index);
+            if let Ok(place) = self.free.binary_search(&index) {
+                self.free.remove(place);
+                self.inverse = self.inverse.clone().remove_row(place).remove_column(place);
+            }
         }
         let zeros: Vec<usize> =
             indices.into_iter().filter(|&i| !rough && self.at[i] == 0.0 && free.contains(&i)).collect();
@@ -174,9 +177,10 @@ impl<'a> Search<'a> {
                 to[index] = sigma;
                 if self.move_to(to) && self.value.loglik > before + 1e-7 {
                     moved = true;
-                    if !self.free.contains(&index) {
-                        self.free.push(index);
-                        self.free.sort_unstable();
+                    if let Err(place) = self.free.binary_search(&index) {
+                        self.free.insert(place, index);
+                        self.inverse = self.inverse.clone().insert_row(place, 0.0).insert_column(place, 0.0);
+                        self.inverse[(place, place)] = self.effects().recip();
                     }
                     break;
                 }
@@ -230,12 +234,16 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Returns the information with which a search begins: that of the model without random effects and, for each ψ, the mean
-    /// number of effects of a component.
-    fn first_information(&self, plain: &ClmFit) -> DMatrix<f64> {
+    /// Returns the mean number of effects of a component: about the information on its standard deviation.
+    fn effects(&self) -> f64 {
         let loadings = &self.data.loadings;
-        let effects = (loadings.effects() * self.data.subjects.len()) as f64 / loadings.deviations.len() as f64;
-        let first_psi = self.data.first_psi();
+        (loadings.effects() * self.data.subjects.len()) as f64 / loadings.deviations.len() as f64
+    }
+
+    /// Returns the information with which a search begins: that of the model without random effects and, for each ψ, the
+    /// number of effects.
+    fn first_information(&self, plain: &ClmFit) -> DMatrix<f64> {
+        let (effects, first_psi) = (self.effects(), self.data.first_psi());
         DMatrix::from_fn(self.free.len(), self.free.len(), |row, column| match (self.free[row], self.free[column]) {
             (i, j) if i.max(j) < first_psi => plain.information[(i, j)],
             (i, j) if i == j => effects,
@@ -243,17 +251,11 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno), starting from the information of a similar fit, if there
-    /// is one.
-    fn climb(&mut self, task: Task<'_>, similar: Option<&DMatrix<f64>>) -> (usize, MixedFitEnd) {
+    /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno).
+    fn climb(&mut self, task: Task<'_>) -> (usize, MixedFitEnd) {
         const MAX_ITERATIONS: usize = 300;
         /// Twice the distance of the log-likelihood from its maximum that is as good as none.
         const SMALL: f64 = 1e-9;
-        let similar = similar.and_then(positive_definite);
-        let Some(factor) = similar.or_else(|| positive_definite(&self.first_information(task.plain))) else {
-            return (0, MixedFitEnd::Stalled);
-        };
-        self.inverse = factor.inverse();
         for iteration in 0..MAX_ITERATIONS {
             checkpoint();
             // Newton's method takes over near the maximum.
@@ -308,7 +310,7 @@ impl<'a> Search<'a> {
     /// mean, so no single step size would suit both.
     fn information(&self) -> Option<DMatrix<f64>> {
         let size = self.free.len();
-        let factor = positive_definite(&self.inverse).filter(|_| self.inverse.nrows() == size)?.unpack();
+        let factor = positive_definite(&self.inverse)?.unpack();
         let change = |index: usize| {
             let direction = factor.column(index).clone_owned();
             self.change(&direction, 3e-4).or_else(|| self.change(&direction, 1e-6))
