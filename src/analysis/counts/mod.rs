@@ -3,11 +3,9 @@
 
 mod builder;
 mod exclusions;
-mod size;
 mod table;
 
 pub use builder::MeasuredBuilder;
 pub use exclusions::{ExclusionError, Exclusions, MISSING};
-pub(super) use size::MAX_LEVELS;
-pub(super) use table::{Combinations, crossing};
+pub(super) use table::{Combinations, MAX_LEVELS, crossing};
 pub use table::{CountError, CountRow, Counts, Excluded, Factor, Measured, Part, Quartiles, Role, Trial};

@@ -416,18 +416,24 @@ impl Fitted<'_> {
     /// Returns the number of effects of a component of the random part, and how many of them are free, given that the means
     /// over participants or items and the coefficients of terms that vary only between them are estimated.
     pub fn degrees(&self, component: usize) -> (f64, f64) {
-        let columns = |is_between: &dyn Fn(&Term) -> bool| {
-            let between: Vec<bool> = self.spec.terms.iter().map(is_between).collect();
-            self.x.columns.iter().filter(|column| between.get(column.term) == Some(&true)).count()
+        let own = &self.random.components[component];
+        let columns = |of: &dyn Fn(&Term) -> bool| {
+            let has: Vec<bool> = self.spec.terms.iter().map(of).collect();
+            self.x.columns.iter().filter(|column| has.get(column.term) == Some(&true)).count() as f64
         };
-        let between = [columns(&|term| self.is_between(term)), columns(&|term| self.is_between_items(term))];
+        let (people, groups) = (self.frame.subjects.len() as f64, own.number_of_groups as f64);
+        if own.shared {
+            return (groups, groups - 1.0 - columns(&|term| self.is_between_items(term)));
+        }
+        if component == 0 {
+            return (people, people - 1.0 - columns(&|term| self.is_between(term)));
+        }
         // An effect within participants that depends on their group has a mean in each group.
-        let own = &self.random.components[component].term;
-        let is_own = |term: &&Term| within_part(&self.frame, term).is_ok_and(|part| part.same(own));
-        let of = |term: &Term| columns(&|other| other == term) as f64;
-        let mut same = self.spec.terms.iter().filter(is_own).map(of);
+        let is_own = |term: &&Term| within_part(&self.frame, term).is_ok_and(|part| part.same(&own.term));
+        let mut same = self.spec.terms.iter().filter(is_own).map(|term| columns(&|other| other == term));
         let means = same.next().map_or(1.0, |first| 1.0 + same.sum::<f64>() / first.max(1.0));
-        self.random.degrees(component, self.frame.subjects.len(), between, means)
+        let effects = (groups - 1.0).max(1.0);
+        (people * effects, (people - means) * effects)
     }
 
     /// Returns the number of coefficients that can be estimated.

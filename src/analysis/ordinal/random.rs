@@ -37,7 +37,7 @@ pub(super) struct Component {
     pub term: Term,
     /// The group of each condition of the table.
     groups: Vec<usize>,
-    number_of_groups: usize,
+    pub number_of_groups: usize,
     /// The weight of the effect in each condition, divided by `unit`.
     values: Vec<f64>,
     /// Size of the values on the scale of the data.
@@ -194,22 +194,6 @@ impl RandomPart {
         let (size, correlated) = (self.components.len(), self.correlated);
         let rows = move |column| column..if correlated { size } else { column + 1 };
         (0..size).flat_map(move |column| rows(column).map(move |row| (row, column)))
-    }
-
-    /// Returns the number of effects of a component among `people` participants, and how many of them are free, given
-    /// that `between` coefficients of terms that vary only between participants, or only between items, and the means over
-    /// participants or items are estimated; for a slope, `means` of each effect.
-    pub fn degrees(&self, component: usize, people: usize, between: [usize; 2], means: f64) -> (f64, f64) {
-        let [groups, people, between, between_items] =
-            [self.components[component].number_of_groups, people, between[0], between[1]].map(|n| n as f64);
-        match component {
-            _ if self.components[component].shared => (groups, groups - 1.0 - between_items),
-            0 => (people, people - 1.0 - between),
-            _ => {
-                let effects = (groups - 1.0).max(1.0);
-                (people * effects, (people - means) * effects)
-            }
-        }
     }
 
     /// Returns a key that is equal for conditions with the same effects.

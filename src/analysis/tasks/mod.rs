@@ -1,7 +1,6 @@
 //! Analyses of tasks with right and wrong answers: psychometric functions of one person and of many. All are functions
 //! of numbers, and randomness is an argument.
 
-mod likelihood;
 pub mod means;
 mod model;
 mod numeric;

@@ -18,8 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    likelihood::ln_binomial,
-    model::{Estimate, FitError, Model, Point, Priors},
+    model::{Estimate, FitError, Model, Point, Priors, ln_binomial},
     numeric::{curvature, highest},
     posterior::Posterior,
 };

@@ -3,8 +3,7 @@
 use std::array::from_fn;
 
 use super::{
-    likelihood::{ln_likelihood, ln_total, step_of},
-    model::{Estimate, FitError, Model, Point, Priors},
+    model::{Estimate, FitError, Model, Point, Priors, ln_likelihood, ln_total, step_of},
     numeric::{highest, legendre},
 };
 use crate::statistics::Interval;
