@@ -1,6 +1,8 @@
 //! Agreement between participants (Krippendorff's ordinal α) and within a participant (weighted κ between first and
 //! second ratings).
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -30,11 +32,8 @@ const MAX_GROUPS: usize = 100;
 /// Smallest number of pairs for κ: that of a single pair is 0 whatever its ratings, and that of a few is far too low.
 pub const LEAST_PAIRS: usize = 5;
 
-/// One participant's ratings of one condition: the categories used, and how often each was used.
-struct Share {
-    subject: usize,
-    tally: Vec<(usize, f64)>,
-}
+/// Each participant's ratings of one condition: the categories used, and how often each was used.
+type Unit = BTreeMap<usize, Vec<(usize, f64)>>;
 
 /// Returns Krippendorff's ordinal α (Hayes & Krippendorff 2007) with conditions as units and participants as coders.
 /// Returns `None` if fewer than two conditions were rated by two participants, because a single one is 0 by construction,
@@ -43,17 +42,10 @@ struct Share {
 /// With one rating per participant and condition, this is the published coefficient. Repeated ratings by a participant
 /// are all used, but they are compared only with ratings by other participants.
 pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
-    let mut units: Vec<Vec<Share>> = counts.conditions.iter().map(|_| Vec::new()).collect();
+    let mut units: Vec<Unit> = vec![Unit::new(); counts.conditions.len()];
     for row in counts.rows.iter().filter(|row| counts.is_complete(row.condition)) {
-        let unit = &mut units[row.condition as usize];
-        let subject = row.subject as usize;
-        if unit.last().is_none_or(|share| share.subject != subject) {
-            unit.push(Share { subject, tally: Vec::new() });
-        }
-        if let Some(share) = unit.last_mut() {
-            // The rows of a table are unique, so this category is new.
-            share.tally.push((row.rating as usize, row.count as f64));
-        }
+        let tally = units[row.condition as usize].entry(row.subject as usize).or_default();
+        tally.push((row.rating.into(), row.count as f64));
     }
     units.retain(|shares| shares.len() > 1);
     if units.len() < 2 {
@@ -72,20 +64,20 @@ pub fn ordinal_alpha(counts: &Counts) -> Option<Alpha> {
     };
     let pseudo_values: Option<Vec<f64>> = (0..groups).into_par_iter().map(without).collect();
     let interval = pseudo_values.filter(|_| enough).and_then(|values| Interval::of_mean(&values));
-    let ratings: f64 = units.iter().flatten().flat_map(|share| &share.tally).map(|(_, n)| n).sum();
+    let ratings: f64 = units.iter().flat_map(Unit::values).flatten().map(|(_, n)| n).sum();
     Some(Alpha { alpha, units: units.len(), ratings: ratings as u64, interval: interval.map(at_most_one) })
 }
 
 /// Returns α with each participant counted as many times as its weight. The ordinal metric between two categories is the
 /// difference of their mean ranks, so the sums over pairs of categories follow from sums over categories.
-fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64> {
-    let weight = |share: &Share| f64::from(weights[share.subject]);
-    let ratings = |share: &Share| share.tally.iter().map(|(_, n)| n).sum::<f64>();
+fn alpha(units: &[Unit], weights: &[u8], categories: usize) -> Option<f64> {
+    let weight = |subject: &usize| f64::from(weights[*subject]);
+    let ratings = |tally: &[(usize, f64)]| tally.iter().map(|(_, n)| n).sum::<f64>();
     // Number of ratings in a unit, divided by the number of pairs of ratings by different participants.
     let factors: Vec<(f64, f64)> = units
         .iter()
         .map(|shares| {
-            let own = shares.iter().map(|share| weight(share) * ratings(share));
+            let own = shares.iter().map(|(subject, tally)| weight(subject) * ratings(tally));
             let (size, own_pairs) = own.fold((0.0, 0.0), |(size, pairs), n| (size + n, pairs + n * n));
             let pairs = size * size - own_pairs;
             (size, if pairs > 0.0 { size / pairs } else { 0.0 })
@@ -93,9 +85,9 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
         .collect();
     let mut marginals = vec![0.0; categories];
     for (shares, (size, factor)) in units.iter().zip(&factors) {
-        for share in shares {
-            let others = factor * weight(share) * (size - weight(share) * ratings(share));
-            share.tally.iter().for_each(|&(c, n)| marginals[c] += others * n);
+        for (subject, tally) in shares {
+            let others = factor * weight(subject) * (size - weight(subject) * ratings(tally));
+            tally.iter().for_each(|&(c, n)| marginals[c] += others * n);
         }
     }
     let mut below = 0.0;
@@ -114,8 +106,8 @@ fn alpha(units: &[Vec<Share>], weights: &[u8], categories: usize) -> Option<f64>
     let mut observed = 0.0;
     for (shares, (_, factor)) in units.iter().zip(&factors) {
         let (mut all, mut own) = ([0.0; 3], 0.0);
-        for share in shares {
-            let sums = sums(&share.tally).map(|sum| weight(share) * sum);
+        for (subject, tally) in shares {
+            let sums = sums(tally).map(|sum| weight(subject) * sum);
             all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
             own += spread(sums);
         }

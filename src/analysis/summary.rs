@@ -1,6 +1,8 @@
 //! Descriptive statistics: the number, mean, median and proportions of the ratings in each cell, at each factor level
 //! and by each participant.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -54,7 +56,7 @@ pub fn by_cell(counts: &Counts) -> Vec<Group> {
 pub fn by_levels(counts: &Counts, factors: &[usize]) -> Vec<Group> {
     let Combinations { all, of } = counts.combinations(factors);
     let name = |group: usize| counts.names(factors, &all[group]).into_iter().map(str::to_owned).collect();
-    groups(counts, all.len(), |row| Some(of[row.condition as usize]), name, true)
+    groups(counts, all.len(), |row| of[row.condition as usize], name, true)
 }
 
 /// Summarizes every level of a factor. Ratings without a level are left out.
@@ -65,7 +67,7 @@ pub fn by_factor(counts: &Counts, factor: usize) -> Vec<Group> {
 /// Summarizes every participant, without intervals.
 pub fn by_subject(counts: &Counts) -> Vec<Group> {
     let name = |group: usize| vec![counts.subjects[group].clone()];
-    groups(counts, counts.subjects.len(), |row| Some(row.subject as usize), name, false)
+    groups(counts, counts.subjects.len(), |row| row.subject as usize, name, false)
 }
 
 /// Computes each participant's mean rating in some groups of the rows; `None` without ratings.
@@ -86,50 +88,37 @@ pub fn means_by_subject(
     sums.into_iter().map(|groups| groups.into_iter().map(mean).collect()).collect()
 }
 
-/// One participant's ratings in one group: the number of conditions and the sum of the means in them.
-#[derive(Clone, Copy)]
-struct Share {
-    subject: u32,
-    conditions: f64,
-    sum: f64,
-}
-
 fn groups(
     counts: &Counts,
     number: usize,
-    group_of: impl Fn(&CountRow) -> Option<usize>,
+    group_of: impl Fn(&CountRow) -> usize,
     name: impl Fn(usize) -> Vec<String> + Sync,
     intervals: bool,
 ) -> Vec<Group> {
     let values = category_values(counts);
     let mut tallies = vec![vec![0_u64; values.len()]; number];
-    let mut shares: Vec<Vec<Share>> = vec![Vec::new(); number];
+    // The number of conditions of each participant, and the sum of the means in them.
+    let mut shares: Vec<BTreeMap<u32, (f64, f64)>> = vec![BTreeMap::new(); number];
     // Rows are sorted by participant and condition.
     for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
-        let Some(group) = group_of(&cell[0]) else { continue };
+        let group = group_of(&cell[0]);
         let (mut n, mut sum) = (0.0, 0.0);
         for row in cell {
             tallies[group][row.rating as usize] += row.count;
             n += row.count as f64;
             sum += row.count as f64 * values[row.rating as usize];
         }
-        let subject = cell[0].subject;
-        if n == 0.0 {
-            continue;
-        }
-        if shares[group].last().is_none_or(|share| share.subject != subject) {
-            shares[group].push(Share { subject, conditions: 0.0, sum: 0.0 });
-        }
-        if let Some(share) = shares[group].last_mut() {
-            share.conditions += 1.0;
-            share.sum += sum / n;
+        if n > 0.0 {
+            let (conditions, means) = shares[group].entry(cell[0].subject).or_default();
+            *conditions += 1.0;
+            *means += sum / n;
         }
     }
     let single = counts.subjects.len() == 1;
     (tallies.par_iter().zip(&shares).enumerate())
         .filter(|(_, (tally, _))| tally.iter().any(|count| *count > 0))
         .map(|(group, (tally, shares))| {
-            let means: Vec<f64> = shares.iter().map(|share| share.sum / share.conditions).collect();
+            let means: Vec<f64> = shares.values().map(|(conditions, sum)| sum / conditions).collect();
             Group { names: name(group), summary: summarize(tally, &values, &means, intervals, single) }
         })
         .collect()
