@@ -44,14 +44,9 @@ pub(super) fn sort<S: AsRef<str>>(levels: &mut [S]) {
     }
 }
 
-/// Returns the distinct levels of some strings, sorted, and the index of each string's level. A missing value stays
-/// `None`.
-pub(super) fn rank(texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
-    rank_from(&[], texts)
-}
-
-/// Does what [`rank`] does; levels in `declared` come first, in that order.
-pub(super) fn rank_from(declared: &[String], texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
+/// Returns the distinct levels of some strings, sorted, and the index of each string's level. A missing value stays `None`.
+/// Levels in `declared` come first, in that order.
+pub(super) fn rank(declared: &[String], texts: &[Option<&str>]) -> (Vec<String>, Vec<Option<u32>>) {
     let mut present: Vec<&str> = texts.iter().flatten().copied().collect();
     present.sort_unstable();
     present.dedup();

@@ -29,7 +29,7 @@ pub(crate) fn factor(known: Known, factor: &str) -> String {
 
 /// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
 pub(crate) fn term(known: Known, text: &str) -> String {
-    let terms = Terms::parse(text).unwrap_or_default();
+    let terms = text.parse::<Terms>().unwrap_or_default();
     let variables = terms.iter().flat_map(|term| &term.variables).map(|variable| factor(known, variable.name()));
     variables.collect::<Vec<_>>().join(" × ")
 }

@@ -9,7 +9,6 @@ use crate::{
         fit,
         rank_tests::ranks,
         summary::{category_values, means_by_subject},
-        terms::Terms,
     },
     experiment::{Condition, Protocol, judged},
     stimulus::{ViewingConditions, Visible},
@@ -238,7 +237,7 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, Predi
         let (subject, rating) = (&counts.subjects[row.subject as usize], &counts.categories[row.rating as usize]);
         builder.add_counts(subject, &[log], rating, row.count).map_err(|error| fail(&error))?;
     }
-    let terms = Terms::parse("num:times").map_err(|error| fail(&error))?;
+    let terms = "num:times".parse().map_err(|error| fail(&error))?;
     let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
     let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
     if !(slope.is_finite() && slope > 0.0) {

@@ -44,7 +44,7 @@ fn spec(record: &Record) -> ModelSpec {
         random: if independent && !record.contains_key("slopes") { Random::None } else { Random::Subject },
         items: record.get("items").filter(|items| !items.is_empty()).cloned(),
         slopes: record.get("slopes").map_or(Slopes::None, |slopes| slopes.parse().unwrap()),
-        ..ModelSpec::new(Terms::parse(&record["terms"]).unwrap())
+        ..ModelSpec::new(record["terms"].parse().unwrap())
     }
 }
 
@@ -208,7 +208,7 @@ fn predictions_reproduce_the_observed_proportions() {
         let error = half / 1.959_963_984_540_054 * moment(1) * (3.0 - moment(1)) / 3.0;
         assert!((error - ((moment(2) - moment(1).powi(2)) / 42.0).sqrt()).abs() < 1e-9, "{error}");
     }
-    let width = Terms::parse("width").unwrap();
+    let width: Terms = "width".parse().unwrap();
     let found = predictions(&ModelSpec::new(width));
     assert_eq!(found.iter().map(|p| p.names[0].as_str()).collect::<Vec<_>>(), ["0.1", "0.4", "0.8"]);
     assert!(found.is_sorted_by(|l, r| l.mean < r.mean));

@@ -6,7 +6,6 @@ use machband::analysis::{
     fit, fit_with_tests,
     rank_tests::{PERMUTATIONS, PMethod, SubjectMeans, friedman},
     summary::by_factor,
-    terms::Terms,
 };
 use machband::report::study::summary;
 use proptest::prelude::*;
@@ -45,7 +44,7 @@ fn quick() -> Options {
 }
 
 fn slopes(slopes: Slopes) -> ModelSpec {
-    ModelSpec { random: Random::Subject, slopes, ..ModelSpec::new(Terms::parse("level").unwrap()) }
+    ModelSpec { random: Random::Subject, slopes, ..ModelSpec::new("level".parse().unwrap()) }
 }
 
 /// Complete enumerations by another program: tests/golden/ordinal/exact.csv.
@@ -357,7 +356,7 @@ fn interactions_have_simple_effects() {
             }
         }
     }
-    let options = Options { terms: Some(Terms::parse("level*side").unwrap()), ..quick() };
+    let options = Options { terms: Some("level*side".parse().unwrap()), ..quick() };
     let results = analyze(builder.finish(), &options);
     let comparisons = &results.model.as_ref().unwrap().comparisons;
     let at = |side: &str| {
@@ -406,7 +405,7 @@ proptest! {
             }
         }
         let counts = builder.finish().counts;
-        let Ok(report) = fit_with_tests(&counts, &ModelSpec::new(Terms::parse("level").unwrap())) else { return Ok(()) };
+        let Ok(report) = fit_with_tests(&counts, &ModelSpec::new("level".parse().unwrap())) else { return Ok(()) };
         let saturated: f64 = tallies.iter().flat_map(|tally| {
             let n: u64 = tally.iter().sum();
             tally.iter().filter(|count| **count > 0).map(move |&count| count as f64 * (count as f64 / n as f64).ln())

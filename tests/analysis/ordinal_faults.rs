@@ -5,7 +5,6 @@ use machband::analysis::{
     Link, Model, ModelError, ModelSpec, Note, Random,
     counts::{Counts, MeasuredBuilder},
     fit, fit_with_tests,
-    terms::Terms,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -45,7 +44,7 @@ fn counts(rows: &[Row]) -> Counts {
 }
 
 fn spec(terms: &str, random: Random) -> ModelSpec {
-    ModelSpec { random, ..ModelSpec::new(Terms::parse(terms).unwrap()) }
+    ModelSpec { random, ..ModelSpec::new(terms.parse().unwrap()) }
 }
 
 fn close(found: f64, expected: f64) {

@@ -7,7 +7,6 @@ use machband::{
     analysis::{
         Link, Options, Random, Resampling, Results, analyze,
         counts::{Exclusions, Measured, MeasuredBuilder},
-        terms::Terms,
     },
     experiment::{Definition, OrderedLogit, Protocol, RatingRow},
     report::{
@@ -325,7 +324,7 @@ fn participants_with_unusual_answers_are_named() {
             }
         }
     }
-    let numbers = Options { terms: Some(Terms::parse("num:width").unwrap()), ..options() };
+    let numbers = Options { terms: Some("num:width".parse().unwrap()), ..options() };
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00 (95\u{a0}% interval below .40).\n";
@@ -353,7 +352,7 @@ fn the_limits_of_a_model_are_stated() {
     );
     assert_parts(finding(&independent, "with width"), &["(exact Friedman test: χ²(2)"]);
     assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 59 simulated studies: χ²"]);
-    let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
+    let crossed = with(&Options { terms: Some("width*depth".parse().unwrap()), ..options() });
     finding(&crossed, "effects of width and depth depend on each other");
     assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
     let probit = with(&Options { link: Link::Probit, ..options() });

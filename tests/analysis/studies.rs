@@ -5,7 +5,6 @@ use machband::{
     analysis::{
         Comparison, Options, Resampling, Results, Slopes, Withheld, analyze,
         counts::{Measured, MeasuredBuilder},
-        terms::Terms,
     },
     experiment::RatingRow,
     report::study::{Summary, summary},
@@ -44,7 +43,7 @@ fn study<'a>(
 }
 
 fn options(terms: Option<&str>) -> Options {
-    let terms = terms.map(|terms| Terms::parse(terms).unwrap());
+    let terms = terms.map(|terms| terms.parse().unwrap());
     Options { terms, resampling: Resampling { draws: 99, seed: 1 }, ..Options::default() }
 }
 
@@ -818,7 +817,7 @@ fn items_are_a_sample_too() {
     assert!(findings[0].contains("a and b depend on each other") && !findings[0].contains("Friedman"), "{findings:?}");
     // Two items of a style say nothing about styles.
     let few = study(&["style", "item"], &rows[..4], (12, 8, 9), |_, row| Some(own[row]));
-    let results = analyze(few, &Options { terms: Some(Terms::parse("style").unwrap()), ..options });
+    let results = analyze(few, &Options { terms: Some("style".parse().unwrap()), ..options });
     let finding = &said(&results).findings[0];
     assert!(finding.contains("could not be tested: a level has fewer than three items"), "{finding}");
 }

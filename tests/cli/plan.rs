@@ -27,7 +27,7 @@ fn oblique(oblique: f64) -> OrderedLogit {
 }
 
 fn plan(protocol: &Protocol, observer: &OrderedLogit, shifts: &[Shift], terms: Option<&str>) -> Plan {
-    let terms = terms.map(|terms| Terms::parse(terms).unwrap());
+    let terms = terms.map(|terms| terms.parse::<Terms>().unwrap());
     Plan::new(protocol, observer, shifts, &[], &Options { terms, ..Options::default() }).unwrap()
 }
 

@@ -6,7 +6,6 @@ use std::{collections::BTreeMap, error::Error, path::Path, time::Instant};
 use machband::analysis::{
     Options, Resampling, Results, analyze,
     counts::{Measured, MeasuredBuilder},
-    terms::Terms,
 };
 use machband::{experiment::RatingRow, statistics::Interval};
 use rayon::prelude::*;
@@ -128,7 +127,7 @@ fn study(measured: Measured, truth: &Value, draws: u32) -> Tally {
         true => format!("num:{}", factor.name),
         false => factor.name.clone(),
     });
-    let terms = Terms::parse(&names.collect::<Vec<_>>().join(",")).ok();
+    let terms = names.collect::<Vec<_>>().join(",").parse().ok();
     let resampling = Resampling { draws, ..Resampling::default() };
     let results = analyze(measured, &Options { terms, items, resampling, checks: false, ..Options::default() });
     tally(&results, truth)

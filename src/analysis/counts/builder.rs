@@ -180,7 +180,7 @@ impl MeasuredBuilder {
         // The index is no longer needed, and there may be many cells.
         self.index = HashMap::new();
         let (subjects, values): (Vec<&str>, Vec<Vec<&str>>) = self.cells.iter().map(Cell::parts).unzip();
-        let (subjects, subject_of) = levels::rank(&subjects.into_iter().map(Some).collect::<Vec<_>>());
+        let (subjects, subject_of) = levels::rank(&[], &subjects.into_iter().map(Some).collect::<Vec<_>>());
         let mut conditions: Vec<Vec<Option<u32>>> = vec![Vec::new(); self.cells.len()];
         let mut factors = Vec::new();
         for (index, name) in self.factors.iter().enumerate() {
@@ -188,7 +188,7 @@ impl MeasuredBuilder {
             let texts: Vec<Option<&str>> =
                 values.iter().map(|values| Some(values[index]).filter(|text| !text.is_empty())).collect();
             let declared = self.levels.iter().find(|(factor, _)| factor == name).map_or(&[][..], |(_, levels)| levels);
-            let (levels, level_of) = levels::rank_from(declared, &texts);
+            let (levels, level_of) = levels::rank(declared, &texts);
             if self.only_varied && level_of.windows(2).all(|pair| pair[0] == pair[1]) {
                 continue;
             }
@@ -205,7 +205,7 @@ impl MeasuredBuilder {
             Some(declared) => (declared.clone(), (0..declared.len() as u32).map(Some).collect()),
             None => {
                 // Which form of a number came first must not matter.
-                let (names, category_of) = levels::rank(&ratings);
+                let (names, category_of) = levels::rank(&[], &ratings);
                 let plain = levels::numbers_of(&names);
                 (
                     plain.map_or(names, |numbers| numbers.iter().map(|number| (number + 0.0).to_string()).collect()),

@@ -19,7 +19,7 @@ pub(crate) struct Column {
     pub name: String,
     /// What the name consists of, one part for each variable of the term.
     pub parts: Vec<TermPart>,
-    /// Index of the term in [`Design::terms`].
+    /// Index of the term among those of the model.
     pub term: usize,
     /// The value for each condition of the table; 0 for conditions that are not in the frame.
     values: Vec<f64>,
@@ -28,7 +28,6 @@ pub(crate) struct Column {
 /// The design columns of a list of terms.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Design {
-    pub terms: Terms,
     pub columns: Vec<Column>,
     /// Columns that were dropped because they are combinations of others.
     pub dropped: Vec<Column>,
@@ -55,7 +54,7 @@ impl Design {
                 columns.push(Column { name, values: products(frame, &parts, false, &[])?, parts, term: index });
             }
         }
-        Ok(Self { terms: terms.clone(), columns, dropped: Vec::new(), offset: None })
+        Ok(Self { columns, dropped: Vec::new(), offset: None })
     }
 
     /// Returns the matrix with one row for each of these conditions.
@@ -134,7 +133,7 @@ impl Design {
         theirs.column_iter().for_each(|column| _ = span.add(column));
         let mut kept = ours.column_iter().map(|column| span.add(column));
         let (columns, dropped) = self.columns.iter().cloned().partition(|_| kept.next() == Some(true));
-        Self { terms: self.terms.clone(), columns, dropped, offset: self.offset.clone() }
+        Self { columns, dropped, offset: self.offset.clone() }
     }
 }
 

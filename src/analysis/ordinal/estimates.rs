@@ -239,7 +239,7 @@ pub(crate) fn dot_ignoring_zero_weights<'a>(
 
 fn note_design(fitted: &Fitted, notes: &mut Vec<Note>) {
     let design = &fitted.x;
-    for (index, term) in design.terms.iter().enumerate() {
+    for (index, term) in fitted.spec.terms.iter().enumerate() {
         if !design.columns.iter().any(|column| column.term == index) {
             notes.push(Note::AliasedTerm { term: term.to_string() });
         } else {

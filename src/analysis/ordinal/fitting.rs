@@ -321,7 +321,7 @@ impl Fitted<'_> {
 
     /// Returns the name of the term to which a column belongs.
     pub fn term_name(&self, column: usize) -> String {
-        self.x.terms.iter().nth(self.x.columns[column].term).map(ToString::to_string).unwrap_or_default()
+        self.spec.terms.iter().nth(self.x.columns[column].term).map(ToString::to_string).unwrap_or_default()
     }
 
     /// Returns the log-likelihood that the tests compare.

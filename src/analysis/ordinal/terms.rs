@@ -79,8 +79,16 @@ impl fmt::Display for Terms {
 impl std::str::FromStr for Terms {
     type Err = TermError;
 
+    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means a model without terms.
     fn from_str(text: &str) -> Result<Self, TermError> {
-        Self::parse(text)
+        if text.trim().is_empty() {
+            return Ok(Self::default());
+        }
+        let mut terms = Vec::new();
+        for item in unquoted(text, ',') {
+            terms.extend(expand(item).ok_or_else(|| TermError(text.to_owned()))?);
+        }
+        Ok(Self::new(terms))
     }
 }
 
@@ -111,21 +119,6 @@ impl Term {
 }
 
 impl Terms {
-    /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means a model without terms.
-    ///
-    /// # Errors
-    /// Returns a [`TermError`] if a name is empty.
-    pub fn parse(text: &str) -> Result<Self, TermError> {
-        if text.trim().is_empty() {
-            return Ok(Self::default());
-        }
-        let mut terms = Vec::new();
-        for item in unquoted(text, ',') {
-            terms.extend(expand(item).ok_or_else(|| TermError(text.to_owned()))?);
-        }
-        Ok(Self::new(terms))
-    }
-
     /// Creates a list of these terms, each once and main effects first. The variables in a term are in the order of
     /// their first appearance.
     pub fn new(terms: impl IntoIterator<Item = Term>) -> Self {

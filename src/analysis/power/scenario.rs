@@ -105,7 +105,7 @@ impl Scenario {
         // The levels of each factor in order, and the place of each level of the definition among them.
         let ranked = |factor: &experiment::Factor| {
             let texts: Vec<String> = factor.levels.iter().map(|level| level.to_string().trim().to_owned()).collect();
-            levels::rank(&texts.iter().map(|text| Some(text.as_str())).collect::<Vec<_>>())
+            levels::rank(&[], &texts.iter().map(|text| Some(text.as_str())).collect::<Vec<_>>())
         };
         let (names, places): (Vec<_>, Vec<_>) = protocol.factors.iter().map(ranked).unzip();
         let placed = |condition: &Condition| -> (Vec<Option<u32>>, f64) {

@@ -225,7 +225,7 @@ impl ModelControls {
         if self.typed.trim().is_empty() {
             return Ok(None);
         }
-        let terms = Terms::parse(&self.typed).map_err(|error| error.to_string())?;
+        let terms = self.typed.parse::<Terms>().map_err(|error| error.to_string())?;
         match filters.check(&terms, counts, is_column) {
             Ok(()) => Ok(Some(terms)),
             Err(ModelError::UnknownFactor { name, known }) => {
