@@ -117,7 +117,6 @@ impl App {
 
     fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
-        ui::blit::install(cc);
         Self { view, ..Self::default() }
     }
 

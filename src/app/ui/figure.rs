@@ -8,7 +8,7 @@ use eframe::egui::{
 
 use super::{
     fields::Field,
-    pixels::{Canvas, draw_centered},
+    pixels::{draw_centered, load},
     saving::Saving,
     text::{describe, hint, name, paragraph, show_error},
     theme,
@@ -31,7 +31,6 @@ pub struct FigureView {
     figure: Figure,
     /// By the width in pixels, and whether the theme is dark.
     drawn: Latest<(u32, bool), Arc<ColorImage>>,
-    canvas: Canvas,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<(u32, bool)>, TextureHandle)>,
     /// The path to save it to, and the outcome.
@@ -42,7 +41,7 @@ impl FigureView {
     /// Creates a figure that has not been drawn yet.
     pub fn new(figure: Figure) -> Self {
         let saving = (format!("{}.svg", figure.name), Saving::default());
-        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving }
+        Self { figure, drawn: Latest::default(), shown: None, saving }
     }
 
     /// Shows the image of the previous figure until this one is drawn.
@@ -50,7 +49,6 @@ impl FigureView {
         if earlier.figure.name != self.figure.name {
             return Some(earlier);
         }
-        self.canvas = earlier.canvas;
         self.saving = earlier.saving;
         self.shown = earlier.shown.map(|(_, texture)| (None, texture));
         None
@@ -129,7 +127,7 @@ impl FigureView {
         });
         match self.drawn.get(&key) {
             Some(Ok(image)) if self.shown.as_ref().is_none_or(|(made, _)| *made != Some(key)) => {
-                let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
+                let texture = load(ui.ctx(), self.figure.name, image.clone());
                 self.shown = Some((Some(key), texture));
             }
             Some(Err(error)) => show_error(ui, error),

@@ -14,11 +14,10 @@
 //! | [`figure`] | figures of the report |
 //! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
-//! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
+//! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
 //! | [`work`] | long computations on separate threads |
 
-pub mod blit;
 pub mod dialog;
 pub mod fields;
 pub mod figure;

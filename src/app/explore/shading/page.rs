@@ -17,7 +17,6 @@ use super::{
 use crate::{
     app::ui::{
         Bench, Dialog, Field, FileKind, History, escaped, folded, hint,
-        pixels::Canvas,
         say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
@@ -47,8 +46,6 @@ pub struct ShadingPage {
     settings: ViewSettings,
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
-    /// Textures for the left and the right picture.
-    canvases: [Canvas; 2],
     pictures: Option<Pictures>,
     creases: Measurement,
     visible: Measurement,
@@ -326,7 +323,7 @@ impl ShadingPage {
             self.load(ctx, self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
-        let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
+        let pictures = Pictures::updated(ctx, self.pictures.take(), surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures, measures::creases);
             self.visible.want(ctx, &pictures, measures::visible);

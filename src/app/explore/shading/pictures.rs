@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
 
 use super::comparison::Comparison;
 use crate::{
-    app::ui::pixels::{self, Canvas},
+    app::ui::pixels,
     light::{CodeImage, Samples},
     shading::{Encoder, Frame, Prepared, Surface},
     stimulus::Shot,
@@ -21,7 +21,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
+    fn draw(ctx: &egui::Context, shot: &Shot<'_>) -> Picture {
         let started = Instant::now();
         let mut pixels =
             ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
@@ -30,7 +30,7 @@ impl Picture {
         prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
         let ms = ms_since(started);
         let pixels = Arc::new(pixels);
-        let texture = canvas.put(ctx, "shading", pixels.clone());
+        let texture = pixels::load(ctx, "shading", pixels.clone());
         Picture { pixels, texture, ms }
     }
 
@@ -68,7 +68,6 @@ impl Pictures {
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
-        canvases: &mut [Canvas; 2],
         surface: &Arc<Surface>,
         compared: &Comparison,
         size: [u32; 2],
@@ -83,8 +82,7 @@ impl Pictures {
         let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(started);
-        let draw =
-            |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
+        let draw = |which: usize| Picture::draw(ctx, &compared.shot(&compared.sides[which], &frame));
         let sides = [0, 1].map(draw);
         Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
     }
