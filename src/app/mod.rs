@@ -89,8 +89,6 @@ pub struct App {
     shading: Option<Box<explore::shading::ShadingPage>>,
     display: Option<Box<display::Display>>,
     analysis: Option<Box<analysis::Analysis>>,
-    /// The last page of a session, to which the analysis of its results leads back.
-    behind: Option<Box<Runner>>,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
     dialog: Option<SideDialog>,
@@ -106,7 +104,7 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
-        Self { direct, memory: Memory::open(launch.settings), ..Self::at(cc, view) }
+        Self { direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::at(cc, view) }
     }
 
     /// Creates the window of `machband timing`, which only measures frames.
@@ -131,10 +129,8 @@ impl App {
             Step::Stay => return,
             Step::Next(data_set) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
-                self.place = Place::Analyze;
-                if let View::Session(session) = std::mem::replace(&mut self.view, View::Places) {
-                    self.behind = Some(session);
-                }
+                // From here, one can go anywhere.
+                (self.view, self.place, self.direct) = (View::Places, Place::Analyze, false);
             }
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
@@ -142,10 +138,8 @@ impl App {
                 let completed = finish.is_some_and(|finish| finish.complete);
                 if let Some(finish) = finish {
                     let how = if completed { "finished" } else { "interrupted" };
-                    // It may have been rescued, and is then not in the grid.
-                    let is_there = finish.path.starts_with(self.studies.results());
-                    let place = if is_there { String::new() } else { format!(" in {}", finish.path.display()) };
-                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved{place}."));
+                    let path = finish.path.display();
+                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved in {path}."));
                 }
                 self.view = View::Places;
                 self.go(Place::Studies, completed);
@@ -175,7 +169,6 @@ impl App {
         let step = match self.place {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => {
-                self.memory.show_problem(ui);
                 self.monitors = Monitor::all(frame);
                 self.studies.show(ui, monitor, &self.monitors, &mut self.memory.settings)
             }
@@ -239,10 +232,7 @@ impl App {
                 self.place = Place::Analyze;
             }
             Step::Next(Destination::Place(place)) => self.go(place, false),
-            Step::Back => match self.behind.take().filter(|_| self.place == Place::Analyze) {
-                Some(session) => self.view = View::Session(session),
-                None => self.go(Place::Studies, false),
-            },
+            Step::Back => self.go(Place::Studies, false),
         }
         ui.ctx().request_repaint();
     }
@@ -262,10 +252,7 @@ impl App {
                 (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
             }
         };
-        // A message of one study is not shown with another.
-        let study = if self.place == Place::Studies { self.studies.chosen() } else { "" };
-        let page = format!("{:?} {study}", self.place);
-        ui::status_line(ui, &page, (!about.is_empty()).then_some((icon, &about)));
+        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {
@@ -286,7 +273,6 @@ impl App {
     /// Goes to a place. `completed`: the last session is complete, so that the next participant is entered.
     fn go(&mut self, place: Place, completed: bool) {
         self.place = place;
-        self.behind = None;
         match place {
             Place::Studies => self.studies.refresh(completed, &self.memory.settings),
             Place::Analyze => {

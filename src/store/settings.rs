@@ -37,8 +37,6 @@ pub struct Settings {
     pub theme: ThemeChoice,
     /// Factor by which text and controls are enlarged, 0.2…5.
     pub zoom: f32,
-    /// Whether the start page explains what a Mach band is.
-    pub greeting: bool,
     /// Whether sessions fill the screen.
     pub full_screen: bool,
     /// The results folder.
@@ -80,7 +78,6 @@ impl Default for Settings {
         Self {
             theme: ThemeChoice::default(),
             zoom: 1.0,
-            greeting: true,
             full_screen: true,
             results: "results".to_owned(),
             study: String::new(),

@@ -401,7 +401,7 @@ fn the_empty_page_and_errors_in_files() {
     click(&mut window, "Other data…");
     assert!(has(&window, "Open files…"));
     leave(&mut window);
-    wait_for(&mut window, "Do you see a bright line?");
+    wait_for(&mut window, "New session");
     session_form(&mut window);
     type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
     click(&mut window, "Cancel");

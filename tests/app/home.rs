@@ -622,5 +622,5 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading phong");
     leave(&mut harness);
-    wait_for(&mut harness, "Do you see a bright line?");
+    wait_for(&mut harness, "New session");
 }

@@ -29,7 +29,7 @@ fn opened(folder: &Path, text: &str) -> Window {
     }
     let settings = folder.join("settings.toml");
     let written = format!(
-        "schema = 1\ngreeting = false\nresults = {:?}\n[recent]\nexperiments = [{:?}]\n",
+        "schema = 1\nresults = {:?}\n[recent]\nexperiments = [{:?}]\n",
         folder.join("results").display().to_string(),
         path.display().to_string()
     );

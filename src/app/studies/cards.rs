@@ -1,4 +1,4 @@
-//! The greeting, the cards beside the grid, and the selected session below it.
+//! The cards beside the grid, and the selected session below it.
 
 use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
@@ -9,55 +9,19 @@ use super::{
 };
 use crate::{
     app::ui::{
-        self, Place, action, pixels,
+        self, action,
         theme::{self, Icon, KEY, LARGE_GAP, SECTION, ink},
     },
     experiment::{Factor, Protocol},
-    light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
-    stimulus::{MachBand, ParameterValue, Stimulus},
+    stimulus::ParameterValue,
     store::{definition, session::overview::SessionState},
 };
 
-/// Side of the example image, physical pixels.
-const PICTURE_PX: u32 = 88;
 /// In a card at least this wide, in points, a session and its buttons need one line; an empty one has one more button.
 const ONE_LINE: [f32; 2] = [700.0, 800.0];
 
 impl Studies {
-    /// Shows a newcomer what a Mach band is.
-    pub(super) fn greeting(&mut self, ui: &mut Ui, shown: &mut bool) -> Option<Destination> {
-        let mut next = None;
-        let frame = theme::card(ui).outer_margin(egui::Margin { bottom: LARGE_GAP as i8, ..Default::default() });
-        Panel::top("greeting").resizable(false).show_separator_line(false).frame(frame).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                let texture = self.picture.get_or_insert_with(|| {
-                    let stimulus = Stimulus::MachBand(MachBand::default());
-                    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                    pixels::texture(ui.ctx(), "example", &stimulus.codes(PICTURE_PX, &quantizer))
-                });
-                pixels::picture(ui, texture, "A dark area and a bright area with a linear ramp between them");
-                ui.vertical(|ui| {
-                    ui.label(RichText::new("Do you see a bright line?").strong().size(SECTION));
-                    ui::paragraph(
-                        ui,
-                        "It is where the ramp meets the bright area, but it is not in the image: it is a Mach band. \
-                            In a session, participants rate how visible it is.",
-                    );
-                    ui.horizontal(|ui| {
-                        if ui.button("See more stimuli").clicked() {
-                            next = Some(Destination::Place(Place::Stimuli));
-                        }
-                        if ui.button("Hide").on_hover_text("Hides this permanently.").clicked() {
-                            *shown = false;
-                        }
-                    });
-                });
-            });
-        });
-        next
-    }
-
     /// Draws the card of the selected session at the lower edge.
     pub(super) fn detail(&mut self, ui: &mut Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
         let session = self.recorded(cell);

@@ -6,9 +6,7 @@ use std::{
     rc::Rc,
 };
 
-use eframe::egui::{
-    self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, TextureHandle, Ui, UiBuilder,
-};
+use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::{
     form::{Checked, SessionField, SessionForm},
@@ -39,8 +37,6 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
-/// In a page lower than this, in points, there is no greeting.
-const ROOM_FOR_GREETING: f32 = 600.0;
 /// Minimum height of the grid, points. A page with less room for it scrolls.
 const GRID: f32 = 128.0;
 
@@ -94,7 +90,6 @@ pub struct Studies {
     pub(super) experiment: Dialog,
     pub(super) profile: Dialog,
     pub(super) results: Dialog,
-    pub(super) picture: Option<TextureHandle>,
     pub(super) monitor_choice: Option<usize>,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
@@ -127,11 +122,6 @@ impl Studies {
     /// Returns the results folder.
     pub fn results(&self) -> PathBuf {
         self.form.results()
-    }
-
-    /// Returns the chosen study, as it was named.
-    pub fn chosen(&self) -> &str {
-        &self.form.experiment
     }
 
     /// Returns the folder of the chosen study.
@@ -189,12 +179,7 @@ impl Studies {
         let room = ui.available_height() - 2.0 * MARGIN;
         let height = room.max(self.height);
         let mut now = Now { checked, monitor, here, monitors, settings };
-        let content = |ui: &mut Ui| {
-            if now.settings.greeting && room > ROOM_FOR_GREETING {
-                next = self.greeting(ui, &mut now.settings.greeting).or(next.take());
-            }
-            next = self.place(ui, CARDS[wide], &mut now).or(next.take());
-        };
+        let content = |ui: &mut Ui| next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
                 let size = egui::vec2(ui.available_width().min(theme::CONTENT), height);

@@ -16,8 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, escaped, folded, hint,
-        say, secondary, text,
+        Bench, Dialog, Field, FileKind, History, escaped, folded, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
