@@ -231,7 +231,6 @@ impl App {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
                 self.place = Place::Analyze;
             }
-            Step::Next(Destination::Place(place)) => self.go(place, false),
             Step::Back => self.go(Place::Studies, false),
         }
         ui.ctx().request_repaint();

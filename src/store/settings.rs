@@ -43,21 +43,21 @@ pub struct Settings {
     pub results: String,
     /// The study chosen last: its name if it is built in, or the path of its definition; empty for the first one.
     pub study: String,
-    pub screen: ScreenSettings,
+    pub screen: ScreenFields,
     pub recent: Recent,
     /// The settings of each page, by its name.
     pub pages: ::toml::Table,
 }
 
-/// The remembered screen.
+/// The screen, as typed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ScreenSettings {
-    /// Name and size of the monitor. The width is used only on the same monitor.
+pub struct ScreenFields {
+    /// Name and size of the monitor. The width is remembered only for the same monitor.
     pub monitor: String,
-    /// Width of the visible screen, cm, as typed; empty if it is not known.
-    pub width_cm: String,
-    /// Viewing distance, cm, as typed; empty to use the distance that a definition plans.
+    /// Width of the visible screen, cm; empty to assume what the system does.
+    pub screen_width_cm: String,
+    /// Viewing distance, cm; empty to use the distance that a definition plans.
     pub distance_cm: String,
     /// Path of the display profile; empty for sRGB.
     pub profile: String,
@@ -81,7 +81,7 @@ impl Default for Settings {
             full_screen: true,
             results: "results".to_owned(),
             study: String::new(),
-            screen: ScreenSettings::default(),
+            screen: ScreenFields::default(),
             recent: Recent::default(),
             pages: ::toml::Table::new(),
         }

@@ -527,7 +527,7 @@ fn another_window_takes_a_participant() {
     second.run_steps(3);
     assert_eq!(value(&second, "Participant"), "P002");
     click(&mut third, "Start");
-    third.get_by_label_contains("Another window has just begun session 1 of P001.");
+    third.get_by_label_contains("Another window or program has just changed this study.");
     assert_eq!(value(&third, "Participant"), "P002");
     // A folder that cannot be listed may have any participant.
     let data = folder.path().join("results/quick/data");

@@ -406,7 +406,7 @@ fn a_definition_that_was_just_changed_is_not_begun() {
     let path = folder.path().join("five.toml");
     fs::write(&path, DEFINITION.replace("0.8", "0.7")).unwrap();
     press(&mut window, Key::Enter);
-    window.get_by_label_contains("Another program changed the definition.");
+    window.get_by_label_contains("Another window or program has just changed this study.");
     assert!(!folder.path().join("results").exists());
     // Without a definition, nobody can be suggested, which is no error of the field.
     fs::remove_file(&path).unwrap();

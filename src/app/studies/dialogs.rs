@@ -74,17 +74,12 @@ impl Studies {
             ui.heading("Open a definition");
             ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
             ui.add_space(GAP);
-            let browsed = Field::new("Definition").column(96.0).show(ui, |ui, label| {
-                ui.horizontal_wrapped(|ui| {
-                    let field = egui::TextEdit::singleline(&mut path).hint_text("path of a .toml file");
-                    let field = ui.add(field.desired_width(300.0)).labelled_by(label);
-                    if std::mem::take(&mut self.opening) {
-                        field.request_focus();
-                    }
-                    self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut path)
-                })
-                .inner
-            });
+            let field = Field::new("Definition").column(96.0).hint("path of a .toml file");
+            let browse = (FileKind::Toml, "Choose a definition…");
+            let (field, browsed) = field.path(ui, &mut path, &mut self.experiment, browse);
+            if std::mem::take(&mut self.opening) {
+                field.request_focus();
+            }
             ui.add_space(GAP);
             ui.horizontal(|ui| {
                 let ready = !path.trim().is_empty();

@@ -3,11 +3,11 @@
 use std::{path::Path, rc::Rc};
 
 use super::{
-    form::{Checked, SessionField, SessionForm},
+    form::{Checked, SessionForm},
     page::Studies,
 };
 use crate::{
-    app::ui::{self, Monitor},
+    app::ui::{self, Monitor, ScreenFields},
     store::{
         definition,
         settings::{Settings, remember},
@@ -17,38 +17,27 @@ use crate::{
 impl Studies {
     /// Fills the form with the remembered values.
     pub(super) fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
-        let screen = &settings.screen;
         // A relative path would lead to other sessions when the program starts in another folder.
         self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
         if !settings.study.is_empty() {
             self.choose_experiment(settings.study.clone());
         }
-        self.form.screen.profile.clone_from(&screen.profile);
-        self.form.screen.distance_cm.clone_from(&screen.distance_cm);
-        if screen.monitor == monitor.title() && !screen.width_cm.is_empty() {
-            self.form.screen.screen_width_cm.clone_from(&screen.width_cm);
-            self.width_origin = Some((screen.width_cm.clone(), "Remembered for this screen"));
+        self.form.screen = settings.screen.clone();
+        if settings.screen.monitor != monitor.title() {
+            self.form.screen.screen_width_cm.clear();
         }
-        self.suggest(monitor);
+        self.suggest();
     }
 
     /// Updates the remembered values. What the program suggests is not remembered.
     pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
         let SessionForm { screen, results, experiment, .. } = &self.form;
         let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
-        if !checked.is_wrong(SessionField::Results) {
-            settings.results = absolute(results);
-        }
-        if !checked.is_wrong(SessionField::Profile) {
-            settings.screen.profile = absolute(&screen.profile);
-        }
-        if !checked.is_wrong(SessionField::ScreenWidth) && !screen.width_is_assumed(monitor) {
-            settings.screen.monitor = monitor.title();
-            settings.screen.width_cm.clone_from(&screen.screen_width_cm);
-        }
-        if !checked.is_wrong(SessionField::Distance) {
-            let is_planned = screen.distance_cm == self.planned_cm;
-            settings.screen.distance_cm = if is_planned { String::new() } else { screen.distance_cm.clone() };
+        settings.results = absolute(results);
+        settings.screen =
+            ScreenFields { monitor: monitor.title(), profile: absolute(&screen.profile), ..screen.clone() };
+        if screen.distance_cm == self.planned_cm {
+            settings.screen.distance_cm.clear();
         }
         if checked.protocol.is_none() {
             return;
@@ -62,13 +51,13 @@ impl Studies {
     }
 
     /// Fills empty fields, and replaces a participant that the program suggested for other results.
-    pub(super) fn suggest(&mut self, monitor: &Monitor) {
+    fn suggest(&mut self) {
         let subject = &mut self.form.cell.subject;
         let is_typed = !subject.is_empty() && *subject != self.suggested;
         if !is_typed {
             subject.clear();
         }
-        self.suggested = self.form.suggest(monitor);
+        self.suggested = self.form.suggest();
     }
 
     /// Checks the form if something in it has changed.
@@ -83,15 +72,13 @@ impl Studies {
         let moved =
             before.is_none_or(|form| form.experiment != self.form.experiment || form.results != self.form.results);
         if moved || self.form.screen.distance_cm.is_empty() {
-            self.suggest(monitor);
+            self.suggest();
         }
         let mut checked = self.form.check(monitor);
         let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
-        if let Some(width) = known
-            && self.form.screen.width_is_assumed(monitor)
-        {
+        if let Some(width) = known.filter(|_| self.form.screen.width_is_assumed()) {
             // A profile that knows the screen's width is better than an assumption.
-            self.set_width(width, "From the display profile");
+            self.form.screen.screen_width_cm = width.to_string();
             checked = self.form.check(monitor);
         }
         if let Some(protocol) = &checked.protocol {
@@ -100,10 +87,5 @@ impl Studies {
         let checked = Rc::new(checked);
         self.checked = Some((self.form.clone(), monitor.clone(), checked.clone()));
         checked
-    }
-
-    pub(super) fn set_width(&mut self, width_cm: f64, origin: &'static str) {
-        self.form.screen.screen_width_cm = width_cm.to_string();
-        self.width_origin = Some((width_cm.to_string(), origin));
     }
 }

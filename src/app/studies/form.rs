@@ -122,10 +122,7 @@ impl Default for SessionForm {
 
 impl SessionForm {
     /// Fills empty fields with values from the definition; returns the next participant of the study.
-    pub fn suggest(&mut self, monitor: &Monitor) -> String {
-        if self.screen.screen_width_cm.is_empty() {
-            self.screen.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
-        }
+    pub fn suggest(&mut self) -> String {
         let Ok(protocol) = self.protocol() else { return String::new() };
         if self.screen.distance_cm.is_empty() {
             self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
@@ -196,7 +193,7 @@ impl SessionForm {
         let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
         let request = match (&protocol, &display, identity) {
             (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
-                Some(self.request(monitor, protocol, identity, display, resume))
+                Some(self.request(protocol, identity, display, resume))
             }
             _ => None,
         };
@@ -204,14 +201,7 @@ impl SessionForm {
     }
 
     /// Returns the request for a session with the screen and the results folder of this form.
-    pub fn request(
-        &self,
-        monitor: &Monitor,
-        protocol: &Protocol,
-        identity: Identity,
-        display: &DisplayProfile,
-        resume: bool,
-    ) -> Request {
+    pub fn request(&self, protocol: &Protocol, identity: Identity, display: &DisplayProfile, resume: bool) -> Request {
         Request {
             protocol: protocol.clone(),
             identity,
@@ -219,7 +209,7 @@ impl SessionForm {
             results: self.results(),
             display: display.clone(),
             distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
-            screen_width_cm: number(&self.screen.screen_width_cm).filter(|_| !self.screen.width_is_assumed(monitor)),
+            screen_width_cm: number(&self.screen.screen_width_cm),
             resume,
             changes: Changes::Refuse,
             windowed: false,
@@ -237,12 +227,12 @@ impl SessionForm {
 
     /// Returns the viewing geometry, or adds the errors in its fields.
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<SessionField, String>) -> Option<Viewing> {
-        let cm =
-            |text: &str, example: &str| number(text).ok_or(format!("Enter a number of centimeters, e.g. {example}."));
-        let width = cm(&self.screen.screen_width_cm, "53.1")
+        let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
+        let width = cm(self.screen.width_cm(monitor), "53.1")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
             .map_err(|error| errors.insert(SessionField::ScreenWidth, error));
-        let distance = cm(&self.screen.distance_cm, "57").map_err(|error| errors.insert(SessionField::Distance, error));
+        let distance =
+            cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(SessionField::Distance, error));
         Viewing::new(width.ok()?, distance.ok()?)
             .map_err(|error| errors.insert(SessionField::Distance, error.to_string()))
             .ok()

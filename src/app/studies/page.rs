@@ -21,7 +21,7 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, Monitor, Place, ScreenFields, Step, quiet,
+            self, Dialog, Monitor, ScreenFields, Step, quiet,
             theme::{self, GAP, Icon, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE},
         },
     },
@@ -37,8 +37,8 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
-/// Minimum height of the grid, points. A page with less room for it scrolls.
-const GRID: f32 = 128.0;
+/// Minimum height of the place of a study, points. A page with less room for it scrolls.
+const LEAST: f32 = 480.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -48,7 +48,6 @@ pub enum Destination {
     Editor(String, Option<usize>),
     /// The analysis of a data set.
     Analysis(PathBuf),
-    Place(Place),
 }
 
 /// A dialog of the page.
@@ -84,8 +83,6 @@ pub struct Studies {
     pub(super) suggested: String,
     /// The distance that the definition plans, as text.
     pub(super) planned_cm: String,
-    /// The screen width that the program filled in, and its source.
-    pub(super) width_origin: Option<(String, &'static str)>,
     pub(super) card: Option<CardHelper>,
     pub(super) experiment: Dialog,
     pub(super) profile: Dialog,
@@ -102,8 +99,6 @@ pub struct Studies {
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
-    /// The height that the page needs, points.
-    pub(super) height: f32,
     /// Whether the dialog of a session or of a definition was just opened, so that its first field gets the focus.
     pub(super) opening: bool,
 }
@@ -176,8 +171,7 @@ impl Studies {
             let panel = Panel::left("studies").resizable(false).exact_size(LIST[wide]).frame(frame);
             panel.show(ui, |ui| self.studies(ui));
         }
-        let room = ui.available_height() - 2.0 * MARGIN;
-        let height = room.max(self.height);
+        let height = (ui.available_height() - 2.0 * MARGIN).max(LEAST);
         let mut now = Now { checked, monitor, here, monitors, settings };
         let content = |ui: &mut Ui| next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
@@ -189,7 +183,7 @@ impl Studies {
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
         if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
-            self.set_width(width, "Measured with a card");
+            self.form.screen.screen_width_cm = width.to_string();
         }
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
@@ -265,11 +259,6 @@ impl Studies {
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
-        let needed = (ui.max_rect().height() - ui.available_height() + GRID).round();
-        if needed != std::mem::replace(&mut self.height, needed) {
-            ui.ctx().request_discard("the page needs another height");
-            ui.ctx().request_repaint();
-        }
         let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
         let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
 
 use super::{
-    form::{Checked, SessionField, SessionForm, labels},
+    form::{SessionField, SessionForm, labels},
     grid::Cell,
     page::{Destination, Now, Studies},
 };
@@ -12,7 +12,7 @@ use crate::{
         display::CardHelper,
         session::Request,
         ui::{
-            self, Field, FileKind, Monitor, Place, number,
+            self, Field, FileKind, Monitor, number,
             theme::{GAP, LARGE_GAP, ink},
             today,
         },
@@ -27,10 +27,6 @@ use crate::{
 const WIDTH: f32 = 880.0;
 /// Width of the plan of the screen, points.
 const PLAN: f32 = 184.0;
-/// Minimum width of a text field with buttons after it, points.
-const MIN_FIELD: f32 = 120.0;
-/// Padding of a text field, points.
-const PADDING: f32 = 12.0;
 
 impl Studies {
     /// Draws the dialog; returns where it leads.
@@ -44,22 +40,20 @@ impl Studies {
                 ui::hint(ui, format!("{} · {}", protocol.title, ui::extent(protocol)));
             }
             ui.add_space(GAP);
-            let mut measure = false;
             let room = height - 168.0;
             ScrollArea::vertical().id_salt("form").max_height(room).auto_shrink([false, true]).show(ui, |ui| {
                 let beside = ui.available_width() >= WIDTH - 2.0 * GAP;
                 ui.horizontal_top(|ui| {
                     ui.vertical(|ui| {
                         ui.set_width(ui.available_width() - if beside { PLAN + LARGE_GAP } else { 0.0 });
-                        measure = self.fields(ui, now);
+                        self.fields(ui, now);
                     });
                     if let Some((side_px, _)) = checked.stimulus_px.filter(|_| beside) {
                         plan(ui, now.monitor, side_px);
                     }
                 });
             });
-            let (start, cancel) = self.start(ui, now, entered && self.card.is_none());
-            (start.or(measure.then_some(Destination::Place(Place::Display))), cancel)
+            self.start(ui, now, entered && self.card.is_none())
         });
         let (next, cancelled) = next;
         if cancelled || closed && self.card.is_none() || next.is_some() {
@@ -68,8 +62,7 @@ impl Studies {
         next
     }
 
-    /// Draws the fields; returns whether the user wants to measure the screen.
-    fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> bool {
+    fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let checked = &now.checked;
         if checked.is_wrong(SessionField::Experiment) {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
@@ -85,17 +78,22 @@ impl Studies {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, now);
-        let measure = self.profile_field(ui, checked);
-        checked.field(ui, SessionField::Results).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let results = &mut self.form.results;
-                let field = ui.add(TextEdit::singleline(results).desired_width(room(ui, 1))).labelled_by(label);
-                field.on_hover_text(results.as_str());
-                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", results);
+        let browse = (FileKind::Toml, "Choose a display profile…");
+        let field = checked.field(ui, SessionField::Profile).hint("sRGB");
+        field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
+        if let Some(display) = &checked.display {
+            // If the profile is assumed, its description already says so.
+            let warning = display.warning(today()).filter(|_| display.measured.is_some());
+            Field::new("").column(labels(ui)).show(ui, |ui, _| {
+                ui::hint(ui, display.sentence());
+                warning.into_iter().for_each(|warning| ui::note(ui, warning));
             });
-        });
+        }
+        let browse = (FileKind::Folder, "Choose the results folder…");
+        let field = checked.field(ui, SessionField::Results);
+        let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
+        field.on_hover_text(self.form.results.as_str());
         self.monitor_field(ui, now);
-        measure
     }
 
     fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
@@ -103,7 +101,8 @@ impl Studies {
         checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
-                ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
+                let assumed = format!("{:.1}", monitor.assumed_width_cm());
+                ui.add(TextEdit::singleline(width).desired_width(90.0).hint_text(assumed)).labelled_by(label);
                 let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
                 if measure.on_disabled_hover_text("First move this window to that screen.").clicked() {
                     let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
@@ -114,37 +113,10 @@ impl Studies {
             else {
                 return;
             };
-            let screen = &self.form.screen;
-            let origin = match &self.width_origin {
-                Some((width, origin)) if *width == screen.screen_width_cm => (*origin).to_owned(),
-                _ if screen.width_is_assumed(monitor) => monitor.assumption(),
-                _ => "As typed".to_owned(),
-            };
-            let text = format!("{origin}. {per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.");
-            ui::hint(ui, text);
+            let is_assumed = self.form.screen.width_is_assumed();
+            let origin = if is_assumed { monitor.assumption() + ". " } else { String::new() };
+            ui::hint(ui, format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide."));
         });
-    }
-
-    /// Draws the field for the profile; returns whether the user wants to measure the screen.
-    fn profile_field(&mut self, ui: &mut Ui, checked: &Checked) -> bool {
-        checked.field(ui, SessionField::Profile).show(ui, |ui, label| {
-            let path = &mut self.form.screen.profile;
-            let mut measure = false;
-            ui.horizontal_wrapped(|ui| {
-                let field = TextEdit::singleline(path).desired_width(room(ui, 2)).hint_text("sRGB");
-                ui.add(field).labelled_by(label);
-                self.profile.browse(ui, FileKind::Toml, "Choose a display profile…", path);
-                measure = ui.button("Measure…").on_hover_text("Luminance, size, and timing of the screen.").clicked();
-            });
-            if let Some(display) = &checked.display {
-                ui::hint(ui, display.sentence());
-                // If the profile is assumed, its description already says so.
-                if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
-                    ui::note(ui, warning);
-                }
-            }
-            measure
-        })
     }
 
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
@@ -205,22 +177,10 @@ impl Studies {
     pub(super) fn begin_checked(&mut self, ui: &Ui, now: &mut Now<'_>) -> Option<Destination> {
         // What was typed in this frame was not checked before the fields were drawn.
         let request = self.check(now.monitor).request.clone()?;
-        let again = self.form.check(now.monitor);
-        let is_changed = again.request.as_ref().is_some_and(|again| again.protocol != request.protocol);
-        if is_changed || again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
-            let (subject, session) = (request.identity.subject(), request.identity.session());
-            let is_taken =
-                (again.resume || again.is_wrong(SessionField::Session)) && !again.is_wrong(SessionField::Results);
+        let again = self.form.check(now.monitor).request;
+        if again.is_none_or(|again| again.resume != request.resume || again.protocol != request.protocol) {
             self.refresh(false, now.settings);
-            self.error = match (is_changed, is_taken) {
-                (true, _) => {
-                    Some("Another program changed the definition. Look at the study before it begins.".to_owned())
-                }
-                (_, true) => {
-                    Some(format!("Another window has just begun session {session} of {subject}. Check both fields."))
-                }
-                _ => None,
-            };
+            self.error = Some("Another window or program has just changed this study. Check the fields.".to_owned());
             return None;
         }
         self.begin(ui, request, now.settings)
@@ -238,7 +198,7 @@ impl Studies {
         };
         let found = session.to_resume().and_then(|(protocol, distance_cm)| {
             SessionStore::is_finished(&self.results(), &protocol, identity, None, Changes::Refuse)?;
-            let request = self.form.request(now.monitor, &protocol, identity.clone(), display, true);
+            let request = self.form.request(&protocol, identity.clone(), display, true);
             Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
         });
         match found {
@@ -286,12 +246,4 @@ fn plan(ui: &mut Ui, monitor: &Monitor, side_px: u32) {
         ui.painter().rect_filled(egui::Rect::from_center_size(rect.center(), side).intersect(rect), 0.0, ink.dim);
         ui::hint(ui, caption);
     });
-}
-
-/// Returns the width for a text field that a number of buttons follow, on the same line if there is room.
-fn room(ui: &Ui, buttons: usize) -> f32 {
-    let Vec2 { x: padding, .. } = ui.spacing().button_padding;
-    let button = 76.0 + 2.0 * padding + ui.spacing().item_spacing.x;
-    let room = ui.available_width() - buttons as f32 * button - 2.0 * PADDING;
-    if room < MIN_FIELD { ui.available_width() - 2.0 * PADDING } else { room }
 }

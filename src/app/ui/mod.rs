@@ -38,7 +38,7 @@ pub mod text;
 pub mod theme;
 pub mod work;
 
-pub use crate::{display::Monitor, work::today};
+pub use crate::{display::Monitor, store::settings::ScreenFields, work::today};
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, entry, number};
 pub use history::History;
@@ -49,7 +49,7 @@ pub use page::{
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, full, open, saved};
-pub use screen::{ScreenFields, window_px};
+pub use screen::window_px;
 pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

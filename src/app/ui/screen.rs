@@ -7,7 +7,7 @@ use eframe::egui;
 use super::fields::number;
 use crate::{
     display::{DisplayProfile, GeometryError, Monitor, Screen, Viewing},
-    store::profile,
+    store::{profile, settings::ScreenFields},
 };
 
 /// Converts the window system's description of a monitor. This is a macro, because the type belongs to the window
@@ -48,17 +48,6 @@ pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     (size.x.round() as u32, size.y.round() as u32)
 }
 
-/// The settings of the screen, as typed; the start page and the Display pages share them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ScreenFields {
-    /// Path of the display profile; empty for sRGB.
-    pub profile: String,
-    /// Width of the visible screen, cm.
-    pub screen_width_cm: String,
-    /// Viewing distance, cm.
-    pub distance_cm: String,
-}
-
 impl ScreenFields {
     /// Reads the display profile; sRGB if no path is given.
     ///
@@ -76,13 +65,18 @@ impl ScreenFields {
     /// # Errors
     /// A length is impossible, or is not a number.
     pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, GeometryError> {
-        let cm = |text: &str| number(text).unwrap_or(f64::NAN);
-        let screen = Screen::new(monitor.width_px, monitor.height_px, cm(&self.screen_width_cm))?;
-        Viewing::new(screen, cm(&self.distance_cm))
+        let width_cm = self.width_cm(monitor).unwrap_or(f64::NAN);
+        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm)?;
+        Viewing::new(screen, number(&self.distance_cm).unwrap_or(f64::NAN))
     }
 
     /// Returns whether the screen's width is assumed rather than measured or typed.
-    pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
-        self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
+    pub fn width_is_assumed(&self) -> bool {
+        self.screen_width_cm.trim().is_empty()
+    }
+
+    /// Returns the screen's width; `None` if what was typed is not a number.
+    pub fn width_cm(&self, monitor: &Monitor) -> Option<f64> {
+        if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) }
     }
 }
