@@ -203,7 +203,7 @@ impl Studies {
         let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
-            Job::pilot(ctx, request, protocol.clone()).leaving(free.clone())
+            Job::pilot(ctx, request, protocol.clone())
         })
     }
 

@@ -18,8 +18,8 @@ use crate::{
     store::{definition, session::overview::SessionState},
 };
 
-/// In a card at least this wide, in points, a session and its buttons need one line; an empty one has one more button.
-const ONE_LINE: [f32; 2] = [700.0, 800.0];
+/// In a card at least this wide, in points, a session and its buttons need one line.
+const ONE_LINE: f32 = 800.0;
 
 impl Studies {
     /// Draws the card of the selected session at the lower edge.
@@ -37,7 +37,6 @@ impl Studies {
                 ui::show_error(ui, error);
             }
             let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-            let has_empty = self.sessions.of(name).any(SessionState::is_empty);
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
             } else if self.sessions.errors().is_empty() {
@@ -47,19 +46,13 @@ impl Studies {
             theme::card(ui).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
                 // A session that needs a second line must not move what is above.
-                let one_line = ONE_LINE[usize::from(has_empty)];
-                let lines = if ui.available_width() < one_line { 2.0 } else { 1.0 };
+                let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
                 ui.set_min_height(lines * (theme::CONTROL + theme::SMALL_GAP) - theme::SMALL_GAP);
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
-                        let enter = match (cell.has_keys(ui), self.form.cell == *cell) {
-                            (false, _) => "",
-                            (true, true) => " Enter begins it.",
-                            (true, false) => " Enter opens New session for it.",
-                        };
-                        ui::hint(ui, format!("Not begun.{enter}"));
+                        ui::hint(ui, "Not begun.");
                         return;
                     };
                     let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));

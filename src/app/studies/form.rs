@@ -121,20 +121,6 @@ impl Default for SessionForm {
 }
 
 impl SessionForm {
-    /// Fills empty fields with values from the definition; returns the next participant of the study.
-    pub fn suggest(&mut self) -> String {
-        let Ok(protocol) = self.protocol() else { return String::new() };
-        if self.screen.distance_cm.is_empty() {
-            self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
-        }
-        // If the folder cannot be read, the check says so.
-        let free = free_participant(&self.results(), &protocol).unwrap_or_default();
-        if self.cell.subject.is_empty() {
-            self.cell.subject.clone_from(&free);
-        }
-        free
-    }
-
     /// Returns the full path of the results folder; empty if none is given.
     pub fn results(&self) -> PathBuf {
         full(Path::new(self.results.trim()))
@@ -217,7 +203,7 @@ impl SessionForm {
     }
 
     /// Reads the definition; converts it to gray if requested and if it has a color.
-    fn protocol(&self) -> Result<Protocol, String> {
+    pub fn protocol(&self) -> Result<Protocol, String> {
         let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
         Ok(match protocol.in_gray() {
             Some(gray) if self.gray => gray,

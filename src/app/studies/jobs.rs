@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, OnceLock, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -97,8 +97,6 @@ pub struct Checked {
 struct State {
     steps: Steps,
     stopped: AtomicBool,
-    /// The folder in which a stopped job leaves what it has made.
-    folder: OnceLock<PathBuf>,
     /// What the user should know about a result.
     warnings: Mutex<Vec<String>>,
 }
@@ -130,6 +128,8 @@ pub struct Job {
     work: BackgroundTask<Result<Made, String>>,
     /// Whether it writes files, so that it must come to its end.
     writes: bool,
+    /// The folder in which it leaves what it has made if it is stopped.
+    folder: Option<PathBuf>,
 }
 
 impl Job {
@@ -143,7 +143,7 @@ impl Job {
         let watcher = state.clone();
         let compute = move || run(&*watcher).map_err(|error| error.to_string());
         let work = if writes { BackgroundTask::start(ctx, compute) } else { BackgroundTask::stoppable(ctx, compute) };
-        Self { what, state, work, writes }
+        Self { what, state, work, writes, folder: None }
     }
 
     /// Checks the files of a study.
@@ -163,9 +163,9 @@ impl Job {
 
     /// Simulates a study in a folder of its own.
     pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
-        Self::start(ctx, "Simulating", true, move |watcher| {
-            Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder))
-        })
+        let folder = Some(request.results.clone());
+        let simulate = move |watcher: &dyn Watcher| Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder));
+        Self { folder, ..Self::start(ctx, "Simulating", true, simulate) }
     }
 
     /// Exports a study.
@@ -176,18 +176,12 @@ impl Job {
         })
     }
 
-    /// Says in which folder the job leaves what it has made if it is stopped.
-    pub fn leaving(self, folder: PathBuf) -> Self {
-        let _ = self.state.folder.set(folder);
-        self
-    }
-
     /// Returns what the job made, once it is done.
     pub fn poll(&self) -> Option<Result<Made, String>> {
         let is_left = !self.writes && self.state.stopped.load(Ordering::Relaxed);
         let made = if is_left { Ok(Err(STOPPED.to_owned())) } else { self.work.poll()? };
         let made = made.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned()));
-        let kept = self.state.folder.get().map(|folder| format!(" What was made is in {}.", folder.display()));
+        let kept = self.folder.as_ref().map(|folder| format!(" What was made is in {}.", folder.display()));
         Some(match made {
             Err(error) if error == STOPPED => {
                 Ok(Made::Stopped(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))

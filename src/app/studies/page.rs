@@ -259,8 +259,7 @@ impl Studies {
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
-        let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
-        let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
+        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());
         if let Some((cell, action)) = chosen {
             match action {

@@ -1,9 +1,11 @@
-//! The dialog that begins a session: who takes part, and on which screen.
+//! The dialog that begins a session: who takes part, and on which screen; what its fields remember and suggest.
+
+use std::{path::Path, rc::Rc};
 
 use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
 
 use super::{
-    form::{SessionField, SessionForm, labels},
+    form::{Checked, SessionField, SessionForm, labels},
     grid::Cell,
     page::{Destination, Now, Studies},
 };
@@ -12,14 +14,16 @@ use crate::{
         display::CardHelper,
         session::Request,
         ui::{
-            self, Field, FileKind, Monitor, number,
+            self, Field, FileKind, Monitor, ScreenFields, number,
             theme::{GAP, LARGE_GAP, ink},
             today,
         },
     },
     store::{
+        dataset::free_participant,
+        definition,
         session::{Changes, SessionStore, overview::SessionState},
-        settings::Settings,
+        settings::{Settings, remember},
     },
 };
 
@@ -29,6 +33,85 @@ const WIDTH: f32 = 880.0;
 const PLAN: f32 = 184.0;
 
 impl Studies {
+    /// Fills the form with the remembered values.
+    pub(super) fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
+        // A relative path would lead to other sessions when the program starts in another folder.
+        self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
+        if !settings.study.is_empty() {
+            self.choose_experiment(settings.study.clone());
+        }
+        self.form.screen = settings.screen.clone();
+        if settings.screen.monitor != monitor.title() {
+            self.form.screen.screen_width_cm.clear();
+        }
+        self.suggest();
+    }
+
+    /// Updates the remembered values. What the program suggests is not remembered.
+    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        let SessionForm { screen, results, experiment, .. } = &self.form;
+        let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
+        settings.results = absolute(results);
+        settings.screen =
+            ScreenFields { monitor: monitor.title(), profile: absolute(&screen.profile), ..screen.clone() };
+        if screen.distance_cm == self.planned_cm {
+            settings.screen.distance_cm.clear();
+        }
+        if checked.protocol.is_none() {
+            return;
+        }
+        let is_file = definition::built_in(Path::new(experiment)).is_none();
+        settings.study.clone_from(experiment);
+        // The order of the studies stays while the user chooses among them.
+        if is_file && !settings.recent.experiments.contains(&settings.study) {
+            remember(&mut settings.recent.experiments, &settings.study);
+        }
+    }
+
+    /// Fills empty fields with values from the definition, and replaces a participant that the program suggested for
+    /// other results.
+    fn suggest(&mut self) {
+        if self.form.cell.subject == self.suggested {
+            self.form.cell.subject.clear();
+        }
+        self.suggested.clear();
+        let Ok(protocol) = self.form.protocol() else { return };
+        self.planned_cm = protocol.viewing.distance_cm.to_string();
+        // If the folder cannot be read, the check says so.
+        self.suggested = free_participant(&self.form.results(), &protocol).unwrap_or_default();
+        let fields =
+            [(&mut self.form.screen.distance_cm, &self.planned_cm), (&mut self.form.cell.subject, &self.suggested)];
+        for (field, value) in fields.into_iter().filter(|(field, _)| field.is_empty()) {
+            field.clone_from(value);
+        }
+    }
+
+    /// Checks the form if something in it has changed.
+    pub(super) fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
+        if let Some((form, seen, checked)) = &self.checked
+            && *form == self.form
+            && seen == monitor
+        {
+            return checked.clone();
+        }
+        let before = self.checked.as_ref().map(|(form, ..)| form);
+        let moved =
+            before.is_none_or(|form| form.experiment != self.form.experiment || form.results != self.form.results);
+        if moved || self.form.screen.distance_cm.is_empty() {
+            self.suggest();
+        }
+        let mut checked = self.form.check(monitor);
+        let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+        if let Some(width) = known.filter(|_| self.form.screen.width_is_assumed()) {
+            // A profile that knows the screen's width is better than an assumption.
+            self.form.screen.screen_width_cm = width.to_string();
+            checked = self.form.check(monitor);
+        }
+        let checked = Rc::new(checked);
+        self.checked = Some((self.form.clone(), monitor.clone(), checked.clone()));
+        checked
+    }
+
     /// Draws the dialog; returns where it leads.
     pub(super) fn session_dialog(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> Option<Destination> {
         let checked = now.checked.clone();

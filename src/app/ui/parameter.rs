@@ -80,10 +80,9 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
                         .on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
                     let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(PICKER);
                     let list = list.show_ui(ui, |ui| {
-                        let of_model = color_in_models(parameter, text);
-                        for level in parameter.levels_hint.iter().map(|level| (*level).to_owned()).chain(of_model) {
-                            if entry(ui, *text == level, &level).clicked() {
-                                *text = level;
+                        for level in parameter.levels_hint {
+                            if entry(ui, text == level, *level).clicked() {
+                                (*level).clone_into(text);
                             }
                         }
                     });
@@ -130,9 +129,4 @@ fn pick_color(ui: &mut Ui, name: &str, text: &mut String) {
 pub fn swatch_edge(ui: &Ui, swatch: &egui::Response) {
     let edge = egui::Stroke::new(1.0, ink(ui).edge);
     ui.painter().rect_stroke(swatch.rect, 4.0, edge, egui::StrokeKind::Inside);
-}
-
-/// Returns the color in `text`, written in every color model; empty if the parameter is not a color.
-fn color_in_models(parameter: &Parameter, text: &str) -> Vec<String> {
-    text.parse::<StimulusColor>().ok().filter(|_| is_color(parameter)).map_or_else(Vec::new, StimulusColor::in_models)
 }
