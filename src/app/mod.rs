@@ -93,7 +93,6 @@ pub struct App {
     direct: bool,
     dialog: Option<SideDialog>,
     quit: Quit,
-    monitors: Vec<Monitor>,
     memory: Memory,
     /// Keys and clicks with their arrival times.
     input: Input,
@@ -123,7 +122,7 @@ impl App {
         let step = match &mut self.view {
             View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
             View::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
-            View::Places => return self.draw_places(ui, frame, &monitor),
+            View::Places => return self.draw_places(ui, &monitor),
         };
         match step {
             Step::Stay => return,
@@ -149,9 +148,9 @@ impl App {
     }
 
     /// Draws the current place and, below it, the status line, which Tab reaches last.
-    fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
+    fn draw_places(&mut self, ui: &mut egui::Ui, monitor: &Monitor) {
         if self.measured().is_some() {
-            return self.draw_place(ui, frame, monitor);
+            return self.draw_place(ui, monitor);
         }
         let (page, line) = ui.max_rect().split_top_bottom_at_y(ui.max_rect().bottom() - ui::theme::ROW);
         ui.scope_builder(egui::UiBuilder::new().max_rect(page), |ui| {
@@ -160,18 +159,15 @@ impl App {
             {
                 self.go(place, false);
             }
-            self.draw_place(ui, frame, monitor);
+            self.draw_place(ui, monitor);
         });
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| self.draw_status(ui));
     }
 
-    fn draw_place(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
+    fn draw_place(&mut self, ui: &mut egui::Ui, monitor: &Monitor) {
         let step = match self.place {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
-            Place::Studies => {
-                self.monitors = Monitor::all(frame);
-                self.studies.show(ui, monitor, &self.monitors, &mut self.memory.settings)
-            }
+            Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli => {
                 let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();

@@ -34,11 +34,7 @@ impl Studies {
                 let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
                     ui.heading("Plan");
                     ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
-                        if !planned.rows.is_empty() {
-                            let heads = ["participants", "trials", "estimate", "± (95 %)", "power"];
-                            ui::table(ui, "planned", heads, planned.rows.clone());
-                        }
-                        planned.sentences.iter().for_each(|sentence| ui::paragraph(ui, sentence));
+                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
                     });
                     ui.add_space(GAP);
                     ui.button("Close").clicked()

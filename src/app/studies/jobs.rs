@@ -20,6 +20,7 @@ use crate::{
         work::{BackgroundTask, Lost, Steps},
     },
     experiment::Protocol,
+    report::document::numbers::count,
     work::{
         Export, Watcher,
         plan::Plan,
@@ -45,38 +46,29 @@ pub enum Made {
     Exported(String),
     /// The user stopped it.
     Stopped(String),
-    Planned(Planned),
+    /// What a plan found, in sentences.
+    Planned(Vec<String>),
 }
 
-/// What a plan found.
-#[derive(Clone, Debug)]
-pub struct Planned {
-    pub sentences: Vec<String>,
-    /// Of thresholds: the numbers of participants and of trials, what is estimated, half its interval, and the power.
-    pub rows: Vec<[String; 5]>,
-}
-
-impl Planned {
-    fn of(found: &Found) -> Self {
-        let planned = match found {
-            Found::Ratings(planned) => {
-                let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
-                let sentences = planned.sentences(fields.each_ref().map(String::as_str));
-                return Self { sentences, rows: Vec::new() };
-            }
-            Found::Thresholds(planned) => planned,
-        };
-        let row = |one: &Precision| {
-            // One participant has no interval, and thus no test.
-            let is_tested = one.half_width.is_some() && one.quantity.differs();
-            let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
-            let power = if is_tested { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
-            [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
-        };
-        let unit = format!("Intervals are in {}.", planned.unit());
-        let sentences = planned.sentences().into_iter().chain([unit]).collect();
-        Self { sentences, rows: planned.found.iter().map(row).collect() }
-    }
+/// Returns what a plan found, in sentences.
+fn planned(found: &Found) -> Vec<String> {
+    let planned = match found {
+        Found::Ratings(planned) => {
+            let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
+            return planned.sentences(fields.each_ref().map(String::as_str));
+        }
+        Found::Thresholds(planned) => planned,
+    };
+    let line = |one: &Precision| {
+        let people = count(one.participants as u64, "participant");
+        // One participant has no interval, and thus no test.
+        let half_width = one.half_width.map_or_else(String::new, |half| format!(" ± {half:.3}"));
+        let is_tested = one.half_width.is_some() && one.quantity.differs();
+        let power = if is_tested { format!(", power {:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
+        format!("{people}, {} trials: {}{half_width}{power}", one.trials, planned.told(&one.quantity))
+    };
+    let unit = format!("Half the width of the 95 % interval follows ±, in {}.", planned.unit());
+    planned.found.iter().map(line).chain([unit]).chain(planned.sentences()).collect()
 }
 
 /// What a check found.
@@ -158,7 +150,7 @@ impl Job {
 
     /// Finds how many participants a study needs.
     pub fn plan(ctx: &Context, request: Plan) -> Self {
-        Self::start(ctx, "Planning", false, move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))))
+        Self::start(ctx, "Planning", false, move |watcher| Ok(Made::Planned(planned(&request.plan(watcher)?))))
     }
 
     /// Simulates a study in a folder of its own.

@@ -11,7 +11,7 @@ use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichTe
 use super::{
     form::{Checked, SessionField, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job, Planned},
+    jobs::{Checked as FilesChecked, Job},
     list::StudyList,
     request_form::RequestForm,
 };
@@ -57,7 +57,8 @@ pub(super) enum Open {
     Definition(String),
     /// Asks for the options of a plan, a pilot or an export.
     Request(Box<RequestForm>),
-    Planned(Planned),
+    /// What a plan found, in sentences.
+    Planned(Vec<String>),
     /// Asks whether to remove a session in which nothing was rated.
     Removal(Box<SessionState>),
 }
@@ -66,10 +67,8 @@ pub(super) enum Open {
 pub(super) struct Now<'a> {
     /// What the check of the form found.
     pub checked: Rc<Checked>,
-    /// The monitor that the session will use, and the one that shows this window.
+    /// The monitor that shows this window.
     pub monitor: &'a Monitor,
-    pub here: &'a Monitor,
-    pub monitors: &'a [Monitor],
     /// The remembered values of the fields.
     pub settings: &'a mut Settings,
 }
@@ -87,7 +86,6 @@ pub struct Studies {
     pub(super) experiment: Dialog,
     pub(super) profile: Dialog,
     pub(super) results: Dialog,
-    pub(super) monitor_choice: Option<usize>,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
     pub(super) selected: Option<Cell>,
@@ -137,16 +135,7 @@ impl Studies {
     }
 
     /// Draws the page. `settings` are the remembered values of its fields, which it updates.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        here: &Monitor,
-        monitors: &[Monitor],
-        settings: &mut Settings,
-    ) -> Step<Destination> {
-        // The form is for the monitor that the session will use, which may not be the monitor that shows this window.
-        let chosen = self.monitor_choice.filter(|_| settings.full_screen).and_then(|index| monitors.get(index));
-        let monitor = chosen.unwrap_or(here);
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, settings: &mut Settings) -> Step<Destination> {
         if !self.started {
             self.started = true;
             self.recall(settings, monitor);
@@ -172,7 +161,7 @@ impl Studies {
             panel.show(ui, |ui| self.studies(ui));
         }
         let height = (ui.available_height() - 2.0 * MARGIN).max(LEAST);
-        let mut now = Now { checked, monitor, here, monitors, settings };
+        let mut now = Now { checked, monitor, settings };
         let content = |ui: &mut Ui| next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
@@ -182,7 +171,7 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
+        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
             self.form.screen.screen_width_cm = width.to_string();
         }
         dialog.or(next).map_or(Step::Stay, Step::Next)

@@ -2,7 +2,7 @@
 
 use std::{path::Path, rc::Rc};
 
-use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
+use eframe::egui::{self, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
 
 use super::{
     form::{Checked, SessionField, SessionForm, labels},
@@ -180,14 +180,13 @@ impl Studies {
     }
 
     fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
-        let Now { checked, monitor, here, .. } = now;
+        let Now { checked, monitor, .. } = now;
         checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
                 let assumed = format!("{:.1}", monitor.assumed_width_cm());
                 ui.add(TextEdit::singleline(width).desired_width(90.0).hint_text(assumed)).labelled_by(label);
-                let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
-                if measure.on_disabled_hover_text("First move this window to that screen.").clicked() {
+                if ui.button("Measure with a card…").clicked() {
                     let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
@@ -203,30 +202,21 @@ impl Studies {
     }
 
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
-        let Now { checked, monitor, monitors, settings, .. } = now;
+        let Now { checked, monitor, settings } = now;
         let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
-        let mut line = |ui: &mut Ui, label| {
-            if monitors.len() > 1 {
-                let list = ComboBox::from_id_salt("monitor").selected_text(monitor.title()).width(260.0).truncate();
-                let list = list.show_ui(ui, |ui| {
-                    for (i, monitor) in monitors.iter().enumerate() {
-                        ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
-                    }
-                });
-                list.response.labelled_by(label);
-            } else {
-                ui.label(monitor.title());
-            }
-            ui.checkbox(&mut settings.full_screen, "Full screen");
-            if self.form.gray || has_color {
-                let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                gray.on_hover_text(
-                    "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
-                );
-            }
-        };
-        let field = Field::new("Screen").column(labels(ui));
-        field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
+        Field::new("Screen").column(labels(ui)).show(ui, |ui, _| {
+            ui.horizontal_wrapped(|ui| {
+                let title = ui.label(monitor.title());
+                title.on_hover_text("To use another screen, move this window there.");
+                ui.checkbox(&mut settings.full_screen, "Full screen");
+                if self.form.gray || has_color {
+                    let gray = ui.checkbox(&mut self.form.gray, "In gray");
+                    gray.on_hover_text(
+                        "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
+                    );
+                }
+            });
+        });
     }
 
     /// Draws the buttons of the dialog; returns the session to begin, and whether the dialog is closed without one.
@@ -303,11 +293,7 @@ impl Studies {
         request.windowed = !settings.full_screen;
         self.selected = Some(Cell::of(&request.identity));
         if settings.full_screen {
-            // Choosing a monitor makes the window full screen there.
-            ui.ctx().send_viewport_cmd(match self.monitor_choice {
-                Some(index) => ViewportCommand::SetMonitor(index),
-                None => ViewportCommand::Fullscreen(true),
-            });
+            ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
         }
         Some(Destination::Session(Box::new(request)))
     }

@@ -2,13 +2,11 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{
-    self, Color32, ColorImage, Popup, PopupCloseBehavior, Pos2, Rect, RichText, Sense, TextureHandle, Vec2,
-};
+use eframe::egui::{self, ColorImage, Popup, PopupCloseBehavior, Rect, RichText, Sense, TextureHandle, Vec2};
 
 use super::{
     fields::Field,
-    pixels::{draw_centered, load},
+    pixels::{draw_centered, load, paint},
     saving::Saving,
     text::{describe, hint, name, paragraph, show_error},
     theme,
@@ -135,10 +133,7 @@ impl FigureView {
         }
         match &self.shown {
             Some((Some(shown), texture)) if *shown == key => draw_centered(ui, texture, rect),
-            Some((_, texture)) => {
-                let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-                ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
-            }
+            Some((_, texture)) => paint(ui.painter(), texture.id(), rect),
             None => _ = ui.painter().rect_filled(rect, 0.0, theme::ink(ui).card),
         }
     }

@@ -1,18 +1,17 @@
 //! The control of a stimulus parameter.
 
-use eframe::egui::{self, ComboBox, Slider, TextEdit, Ui};
+use eframe::egui::{self, ComboBox, TextEdit, Ui};
 
 use super::{
     fields::{Field, entry},
     text,
-    theme::{focus_ring, ink},
+    theme::ink,
 };
 use crate::stimulus::{Parameter, ParameterValue, StimulusColor};
 
 /// Maximum width of a control, points.
 const CONTROL: f32 = 240.0;
-/// Widths of a slider's number, of the button of a list, and of the button of a color picker, points.
-const NUMBER: f32 = 60.0;
+/// Widths of the button of a list, and of the button of a color picker, points.
 const LIST: f32 = 38.0;
 const PICKER: f32 = 32.0;
 /// Opacity of the swatch of what is not a color, such as `same`.
@@ -49,52 +48,37 @@ pub fn method(name: &str) -> String {
 /// The labels are in a column of this width, points.
 pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String) {
     let name = parameter.label();
-    Field::new(&name).column(column).show(ui, |ui, label| {
-        let room = ui.available_width().min(CONTROL);
-        match (slider_range(parameter.name), text.parse::<f64>()) {
-            (Some((least, most, step)), Ok(mut value)) => {
-                ui.spacing_mut().interact_size.x = NUMBER;
-                ui.spacing_mut().slider_width = room - NUMBER - ui.spacing().item_spacing.x;
-                let slider = Slider::new(&mut value, least..=most)
-                    .clamping(egui::SliderClamping::Never)
-                    .step_by(step)
-                    .max_decimals(if step >= 1.0 { 0 } else { 4 });
-                let slider = ui.add(slider).labelled_by(label).on_hover_text(parameter.description);
-                focus_ring(ui, &slider);
-                if slider.changed() {
-                    *text = ParameterValue::Number(value).to_string();
+    let field = Field::new(&name).column(column);
+    if let (Some((least, most, step)), Ok(mut value)) = (slider_range(parameter.name), text.parse::<f64>()) {
+        let slider = field.width(CONTROL).slider(ui, &mut value, least..=most, step);
+        if slider.on_hover_text(parameter.description).changed() {
+            *text = ParameterValue::Number(value).to_string();
+        }
+        return;
+    }
+    let mut line = |ui: &mut Ui, label| {
+        ui.spacing_mut().interact_size.x = PICKER;
+        let gap = ui.spacing().item_spacing.x;
+        let picker = if is_color(parameter) { PICKER + gap } else { 0.0 };
+        let room = ui.available_width().min(CONTROL) - LIST - gap - picker;
+        let edit = TextEdit::singleline(text).id_salt(("field", parameter.name)).desired_width(room);
+        let about = format!("{}: {}", parameter.description, parameter.expected);
+        ui.add(edit).labelled_by(label).on_hover_text(about);
+        let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(PICKER);
+        let list = list.show_ui(ui, |ui| {
+            for level in parameter.levels_hint {
+                if entry(ui, text == level, *level).clicked() {
+                    (*level).clone_into(text);
                 }
             }
-            _ => {
-                ui.horizontal(|ui| {
-                    ui.spacing_mut().interact_size.x = PICKER;
-                    let gap = ui.spacing().item_spacing.x;
-                    let picker = if is_color(parameter) { PICKER + gap } else { 0.0 };
-                    let field = ui.add(
-                        TextEdit::singleline(text)
-                            .id_salt(("field", parameter.name))
-                            .desired_width(room - LIST - gap - picker),
-                    );
-                    field
-                        .labelled_by(label)
-                        .on_hover_text(format!("{}: {}", parameter.description, parameter.expected));
-                    let list = ComboBox::from_id_salt(parameter.name).selected_text("").width(PICKER);
-                    let list = list.show_ui(ui, |ui| {
-                        for level in parameter.levels_hint {
-                            if entry(ui, text == level, *level).clicked() {
-                                (*level).clone_into(text);
-                            }
-                        }
-                    });
-                    text::name(ui, &list.response, &format!("Values of {}", parameter.words()));
-                    list.response.on_hover_text("Lists values to choose from.");
-                    if is_color(parameter) {
-                        pick_color(ui, &parameter.words(), text);
-                    }
-                });
-            }
+        });
+        text::name(ui, &list.response, &format!("Values of {}", parameter.words()));
+        list.response.on_hover_text("Lists values to choose from.");
+        if is_color(parameter) {
+            pick_color(ui, &parameter.words(), text);
         }
-    });
+    };
+    field.show(ui, |ui, label| ui.horizontal(|ui| line(ui, label)));
 }
 
 fn is_color(parameter: &Parameter) -> bool {

@@ -2,7 +2,7 @@
 //!
 //! A texture that is drawn at physical pixels without filtering or tint reaches the screen byte for byte.
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
 use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureId, TextureOptions, Vec2};
 
@@ -97,20 +97,12 @@ pub fn places(area: Rect, scale: f32, layout: Layout, side: u32) -> Vec<Rect> {
 pub fn draw_centered(ui: &egui::Ui, texture: &TextureHandle, area: Rect) {
     let scale = ui.ctx().pixels_per_point();
     let corner = ((area.min + area.max.to_vec2()).to_vec2() * scale - texture.size_vec2()) / 2.0;
-    let size = texture.size().map(|side| side as u32);
-    draw_columns(ui, texture.id(), size, 0..size[0], (corner.floor() / scale).to_pos2());
+    let place = Rect::from_min_size((corner.floor() / scale).to_pos2(), texture.size_vec2() / scale);
+    paint(ui.painter(), texture.id(), place);
 }
 
-/// Draws the columns `columns` of a texture of `size` physical pixels, pixel for pixel. The texture's upper left corner
-/// is at `min`, which must be on a whole pixel.
-pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: Range<u32>, min: Pos2) {
-    if columns.is_empty() {
-        return;
-    }
-    let scale = ui.ctx().pixels_per_point();
-    let [width, height] = size.map(|side| side as f32);
-    let [from, to] = [columns.start as f32, columns.end as f32];
-    let rect = Rect::from_min_max(min + Vec2::new(from, 0.0) / scale, min + Vec2::new(to, height) / scale);
-    let part = Rect::from_min_max(Pos2::new(from / width, 0.0), Pos2::new(to / width, 1.0));
-    ui.painter().image(texture, rect, part, Color32::WHITE);
+/// Draws a whole texture.
+pub fn paint(painter: &egui::Painter, texture: TextureId, place: Rect) {
+    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+    painter.image(texture, place, whole, Color32::WHITE);
 }

@@ -1,4 +1,4 @@
-//! The monitors of this computer, and the settings that the user types.
+//! The monitor that shows the window, and what the user types about the screen.
 
 use std::path::Path;
 
@@ -10,35 +10,26 @@ use crate::{
     store::{profile, settings::ScreenFields},
 };
 
-/// Converts the window system's description of a monitor. This is a macro, because the type belongs to the window
-/// system's library and is not named anywhere else here.
-macro_rules! described {
-    ($monitor:expr) => {{
-        let size = $monitor.size();
-        Monitor {
-            name: $monitor.name(),
-            width_px: size.width,
-            height_px: size.height,
-            refresh_hz: $monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
-            scale: $monitor.scale_factor(),
-        }
-    }};
-}
-
 impl Monitor {
     /// Returns the monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
-        if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
-            return described!(monitor);
+        let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) else {
+            let (width_px, height_px) = window_px(ctx);
+            return Self {
+                name: None,
+                width_px,
+                height_px,
+                refresh_hz: None,
+                scale: f64::from(ctx.pixels_per_point()),
+            };
+        };
+        Self {
+            name: monitor.name(),
+            width_px: monitor.size().width,
+            height_px: monitor.size().height,
+            refresh_hz: monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
+            scale: monitor.scale_factor(),
         }
-        let (width_px, height_px) = window_px(ctx);
-        Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
-    }
-
-    /// Returns all monitors, in the order that [`egui::ViewportCommand::SetMonitor`] uses.
-    pub fn all(frame: &eframe::Frame) -> Vec<Self> {
-        let Some(window) = frame.winit_window() else { return Vec::new() };
-        window.available_monitors().map(|monitor| described!(monitor)).collect()
     }
 }
 

@@ -58,8 +58,8 @@ pub struct PressTime {
 /// The presses of a frame, with their timestamps.
 #[derive(Debug, Default)]
 pub struct Input {
-    /// Timestamps from the event loop; `None` without our own event loop.
-    stamps: Option<Stamps>,
+    /// Timestamps from the event loop; none without our own event loop.
+    stamps: Stamps,
     /// The clock's time when the window's time was 0.
     zero: Option<Instant>,
     fresh: Vec<Press>,
@@ -68,7 +68,7 @@ pub struct Input {
 impl Input {
     /// Creates input with the timestamps of an event loop.
     pub fn stamped(stamps: Stamps) -> Self {
-        Self { stamps: Some(stamps), ..Self::default() }
+        Self { stamps, ..Self::default() }
     }
 
     /// Begins a frame. `now` is the window's time in seconds, taken a moment before `clock`.
@@ -77,7 +77,7 @@ impl Input {
         if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
             self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
         }
-        self.fresh = self.stamps.as_ref().map(Stamps::take).unwrap_or_default();
+        self.fresh = self.stamps.take();
     }
 
     /// Returns the timestamp of a key that was pressed before this frame, by position. Each is returned once, in order.
