@@ -38,7 +38,7 @@ use crate::{display::DisplayProfile, store::settings::remember};
 pub use display::timing;
 pub use session::Request;
 pub use ui::{Monitor, logo::icon, platform::is_resampled};
-pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
+pub use window::{Input, Pressed, Stamps, WindowError};
 
 /// How the window starts.
 #[derive(Debug, Default)]

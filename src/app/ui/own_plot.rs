@@ -73,7 +73,7 @@ impl OwnPlot {
         let ([low, high], log) = (self.y, self.log);
         let pad = 0.05 * (high - low);
         let last = self.places.len().saturating_sub(1) as f64;
-        let (ink, places) = (theme::ink(ui), self.places.clone());
+        let (dark, places) = (ui.visuals().dark_mode, self.places.clone());
         let titles = [self.x_label.as_str(), self.y_label.as_str()];
         let mut plot = still_plot(ui, "ratings", titles).height(height).include_y(low - pad).include_y(high + pad);
         if (2..=MAX_LEGEND).contains(&self.lines.len()) {
@@ -104,7 +104,7 @@ impl OwnPlot {
         }
         plot.show(ui, |plot| {
             for (i, (name, points)) in self.lines.iter().enumerate() {
-                let (color, marker) = ink.series(i);
+                let (color, marker) = theme::series(dark, i);
                 plot.line(Line::new(name, points.clone()).color(color).width(2.0));
                 plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
             }

@@ -11,8 +11,6 @@ use std::{
 
 use eframe::egui::Key;
 
-use crate::store::sitting::InputSummary;
-
 /// A key or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
@@ -101,43 +99,3 @@ impl Input {
         Some(PressTime { at_s: at.saturating_duration_since(zero).as_secs_f64(), uncertainty: Some(unseen) })
     }
 }
-
-/// Counts how the ratings of a sitting were timestamped, for the sidecar.
-#[derive(Clone, Debug, Default)]
-pub struct InputReport {
-    /// Maximum wait of each rating with a timestamp.
-    waits: Vec<Duration>,
-    /// Number of ratings without a timestamp.
-    unstamped: u32,
-}
-
-impl InputReport {
-    /// Counts a rating.
-    pub fn rated(&mut self, uncertainty: Option<Duration>) {
-        match uncertainty {
-            Some(wait) => self.waits.push(wait),
-            None => self.unstamped += 1,
-        }
-    }
-
-    /// Returns the summary for the sidecar.
-    pub fn summary(&self) -> InputSummary {
-        let mut waits = self.waits.clone();
-        waits.sort_unstable();
-        let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
-        InputSummary {
-            stamp: STAMP.to_owned(),
-            stamped: waits.len(),
-            unstamped: self.unstamped,
-            median_uncertainty_s: seconds(waits.get(waits.len() / 2)),
-            max_uncertainty_s: seconds(waits.last()),
-        }
-    }
-}
-
-/// What a timestamp means, for the sidecar.
-const STAMP: &str = "A rating with a response_uncertainty_s is timestamped when the window system delivers the key or \
-    click, before the frame that responds to it. The event may have waited since the program last read events (it reads \
-    none while it draws), for at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not \
-    included. A rating without one is timestamped at the start of the frame that receives it, and is therefore late by \
-    at most one frame interval.";
