@@ -43,7 +43,7 @@ pub fn method(name: &str) -> String {
 }
 
 /// Draws the control of a parameter: a slider if it has a range, and otherwise a text field with a list of common
-/// values, and a color picker if it is a color. A value outside the range can be typed; the page then shows the error.
+/// values, and a color picker if it is a color.
 ///
 /// The labels are in a column of this width, points.
 pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: &mut String) {
