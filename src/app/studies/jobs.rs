@@ -60,7 +60,7 @@ fn planned(found: &Found) -> Vec<String> {
         Found::Thresholds(planned) => planned,
     };
     let line = |one: &Precision| {
-        let people = count(one.participants as u64, "participant");
+        let people = count(one.participants.into(), "participant");
         // One participant has no interval, and thus no test.
         let half_width = one.half_width.map_or_else(String::new, |half| format!(" ± {half:.3}"));
         let is_tested = one.half_width.is_some() && one.quantity.differs();

@@ -8,7 +8,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
@@ -230,21 +230,18 @@ pub fn quiet(ui: &mut Ui, icon: Icon, text: &str, name: &str) -> egui::Response 
 }
 
 fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) -> egui::Response {
-    let place = egui::IdSalt::new("icon");
-    let mut atoms = egui::Atoms::new(egui::Atom::custom(place, Vec2::splat(ICON)));
-    let color = colors.map_or(ink(ui).text, |[_, color]| color);
+    let [fill, color] = colors.unwrap_or([ink(ui).raised, ink(ui).text]);
+    let mut atoms = egui::Atoms::new(icon.atom(color));
     if !text.is_empty() {
         atoms.push_right(RichText::new(text).color(color));
     }
-    let mut button = egui::Button::new(atoms);
-    if let Some([fill, _]) = colors {
-        button = if fill == Color32::TRANSPARENT { button.frame_when_inactive(false) } else { button.fill(fill) };
-    }
-    let shown = button.atom_ui(ui);
-    if let Some(rect) = shown.rect(place) {
-        icon.paint(ui.painter(), rect, color);
-    }
-    shown.response
+    let button = egui::Button::new(atoms);
+    ui.add(if colors.is_some() { filled_with(button, fill) } else { button })
+}
+
+/// Sets the background of a button; if it is transparent, it appears only under the pointer.
+pub fn filled_with(button: egui::Button<'_>, fill: Color32) -> egui::Button<'_> {
+    if fill == Color32::TRANSPARENT { button.frame_when_inactive(false) } else { button.fill(fill) }
 }
 
 /// Draws what can be folded away, below its header, which shows the keyboard focus.

@@ -13,11 +13,9 @@ use egui_plot::MarkerShape;
 
 use crate::report::figures::palette::{ON_DARK, ON_WHITE, Rgb};
 
-/// The spacing scale, points: between the parts of a line, between controls, between fields, between groups, around a
-/// page, and between parts of a page.
+/// The spacing scale, points: between the parts of a line, between controls, between groups, and around a page.
 pub const SMALL_GAP: f32 = 4.0;
 pub const GAP: f32 = 8.0;
-pub const FIELD_GAP: f32 = 12.0;
 pub const LARGE_GAP: f32 = 16.0;
 pub const MARGIN: f32 = 24.0;
 /// The type scale, points: the one key number of a card, the title of a page, the heading of a section, body text and
@@ -373,6 +371,11 @@ impl Icon {
                 Shape::line(points, stroke)
             });
         }
+    }
+
+    /// Returns the icon as a part of a button.
+    pub fn atom<'a>(self, color: Color32) -> egui::Atom<'a> {
+        egui::Atom::paint(Vec2::splat(ICON), move |ui, args| self.paint(ui.painter(), args.rect, color))
     }
 
     /// Draws the icon in line with text.
