@@ -28,8 +28,6 @@ const ANSWERS: [f32; 2] = [136.0, 208.0];
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.
 const DASH: f32 = 3.0;
-/// Number of participants by which Page Up and Page Down move.
-const PAGE: isize = 10;
 
 /// The sessions in a results folder, which are read on a separate thread.
 #[derive(Default)]
@@ -167,18 +165,15 @@ impl<'a> Grid<'a> {
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
-        let all = self.subjects.len() as isize;
-        let far = [(Key::Home, -all), (Key::End, all), (Key::PageUp, -PAGE), (Key::PageDown, PAGE)];
-        let far: isize = far.into_iter().map(|(key, by)| presses(key) as isize * by).sum();
         // Without participants, as in a folder that cannot be read, there is nowhere to go.
-        if up + down + left + right == 0 && far == 0 || self.subjects.is_empty() {
+        if up + down + left + right == 0 || self.subjects.is_empty() {
             return None;
         }
         let moved = |list: &[String], id: &String, by: isize| {
             let at = list.iter().position(|other| other == id).unwrap_or_default();
             list[at.saturating_add_signed(by).min(list.len() - 1)].clone()
         };
-        let subject = moved(&self.subjects, &selected.subject, down - up + far);
+        let subject = moved(&self.subjects, &selected.subject, down - up);
         let cell = Cell { subject, session: moved(&self.columns, &selected.session, right - left) };
         ui.memory_mut(|memory| {
             memory.request_focus(cell.id());

@@ -88,9 +88,6 @@ impl OwnPlot {
                     [low, (low + high) / 2.0, high].map(|value| GridMark { value, step_size: 1.0 }).to_vec()
                 })
                 .y_axis_formatter(|mark, _| significant(f64::powf(10.0, mark.value)).to_string());
-        } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
-            let marks = low as i64..=high as i64;
-            plot = plot.y_grid_spacer(move |_| marks.clone().map(mark).collect());
         }
         if !places.is_empty() {
             plot = plot
