@@ -32,7 +32,7 @@ pub fn labels(ui: &Ui) -> f32 {
 }
 
 /// The values of the fields, as typed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SessionForm {
     /// Name of a built-in definition, or path of a file.
     pub experiment: String,
@@ -104,18 +104,6 @@ impl Checked {
     /// Returns whether a field has an error.
     pub fn is_wrong(&self, part: SessionField) -> bool {
         self.errors.contains_key(&part)
-    }
-}
-
-impl Default for SessionForm {
-    fn default() -> Self {
-        Self {
-            experiment: definition::BUILT_IN[0].name.to_owned(),
-            cell: Cell::first(""),
-            screen: ScreenFields::default(),
-            gray: false,
-            results: "results".to_owned(),
-        }
     }
 }
 

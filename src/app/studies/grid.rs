@@ -73,7 +73,7 @@ impl Sessions {
 }
 
 /// A participant and a session.
-#[derive(Clone, Debug, Hash, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, Default, Hash, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cell {
     pub subject: String,
     pub session: String,

@@ -21,7 +21,7 @@ use crate::{
     },
     store::{
         dataset::free_participant,
-        definition,
+        definition::{BUILT_IN, built_in},
         session::{Changes, SessionStore, overview::SessionState},
         settings::{Settings, remember},
     },
@@ -37,9 +37,8 @@ impl Studies {
     pub(super) fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
         // A relative path would lead to other sessions when the program starts in another folder.
         self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
-        if !settings.study.is_empty() {
-            self.choose_experiment(settings.study.clone());
-        }
+        let study = if settings.study.is_empty() { BUILT_IN[0].name } else { &settings.study };
+        self.choose_experiment(study.to_owned());
         self.form.screen = settings.screen.clone();
         if settings.screen.monitor != monitor.title() {
             self.form.screen.screen_width_cm.clear();
@@ -60,7 +59,7 @@ impl Studies {
         if checked.protocol.is_none() {
             return;
         }
-        let is_file = definition::built_in(Path::new(experiment)).is_none();
+        let is_file = built_in(Path::new(experiment)).is_none();
         settings.study.clone_from(experiment);
         // The order of the studies stays while the user chooses among them.
         if is_file && !settings.recent.experiments.contains(&settings.study) {
