@@ -129,7 +129,7 @@ fn table_markup(table: &TextTable) -> Markup {
 
 fn figure_markup(figure: &Figure) -> Markup {
     markup! {
-        figure.wide[figure.wide] {
+        figure {
             div.scroll { (PreEscaped(&figure.svg)) }
             figcaption { strong { (figure.title) "." } " " (figure.caption) }
         }

@@ -1,26 +1,23 @@
-//! A chart of the model's coefficients with their intervals, grouped by term.
+//! A chart of the model's coefficients with their intervals.
 
 use super::{
     axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, told},
     figure::Figure,
     labels,
-    palette::{AXIS, Series, Stroke, WHITE},
+    palette::{AXIS, Series, Stroke},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
-use crate::analysis::{
-    Coefficient, Model, Note, Results,
-    terms::{TermPart, Variable},
+use crate::{
+    analysis::{Coefficient, Model, Results, terms::TermPart},
+    statistics::Interval,
 };
-use crate::statistics::Interval;
 
 /// Maximum number of coefficients in a chart.
 const MAX_SHOWN: usize = 60;
 /// Distance between rows.
 const PITCH: f64 = 1.4 * TEXT;
 /// Maximum width of a row's name.
-const MAX_NAME: f64 = 290.0;
-/// Indentation of the names of levels.
-const INDENT: f64 = 18.0;
+const MAX_NAME: f64 = 300.0;
 
 /// Draws `effects`, if there is a model with coefficients.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
@@ -28,11 +25,12 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     if model.coefficients.is_empty() {
         return None;
     }
-    let rows = rows(results, model);
+    let shown = model.coefficients.iter().take(MAX_SHOWN);
+    let rows: Vec<(String, &Coefficient)> =
+        shown.map(|own| (labels::fit(&name(results, own), MAX_NAME, TEXT), own)).collect();
     let (low, high) = range(model);
-    // Headings may extend into the panel because their row is empty there.
-    let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
-    let left = EDGE + names.fold(120.0, f64::max).min(MAX_NAME) + 14.0;
+    let widest = rows.iter().map(|(name, _)| labels::width(name, TEXT)).fold(120.0, f64::max);
+    let left = EDGE + widest.min(MAX_NAME) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
     let share = |value: f64| (value - low) / (high - low);
@@ -43,16 +41,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
         for (index, (name, coefficient)) in rows.iter().enumerate() {
             let y = panel.top + PITCH * (index as f64 + 0.5);
-            let Some(coefficient) = coefficient else {
-                let name = labels::fit(name, WIDTH - 2.0 * EDGE, 1.05 * TEXT);
-                let end = EDGE + labels::width(&name, 1.05 * TEXT);
-                svg.rectangle((EDGE, y - 0.5 * PITCH), (end, y + 0.45 * PITCH), WHITE);
-                svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
-                continue;
-            };
-            let name = labels::fit(name, MAX_NAME - INDENT, TEXT);
-            svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
-            effect(svg, &panel, coefficient, share, y, &name);
+            svg.text(name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
+            effect(svg, &panel, coefficient, share, y, name);
         }
     }))
 }
@@ -60,7 +50,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 fn caption(model: &Model) -> String {
     let mut text = format!(
         "Coefficients of the cumulative-link {}model ({} link), with 95\u{a0}% profile-likelihood intervals. Positive \
-         values mean higher ratings than at the level in parentheses, or with a larger number; {}.",
+         values mean higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         model.link,
         labels::fitted(model)
@@ -75,45 +65,13 @@ fn caption(model: &Model) -> String {
     text
 }
 
-/// Returns the rows of the chart: the names of coefficients with the coefficients, and headings for their terms, which
-/// have no coefficient.
-fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
-    let mut rows = Vec::new();
-    let mut last: Vec<&Variable> = Vec::new();
-    for coefficient in model.coefficients.iter().take(MAX_SHOWN) {
-        let variables: Vec<&Variable> = coefficient.parts.iter().map(|part| &part.variable).collect();
-        let is_number = matches!(variables[..], [Variable::Number(_)]);
-        if !is_number && last != variables {
-            rows.push((heading(results, model, &variables), None));
-        }
-        // The names of factors are in the heading.
-        let part = |part: &TermPart| match &part.level {
-            Some(level) => labels::level(level),
-            None => labels::heading(results, part.variable.name()),
-        };
-        let parts: Vec<String> = coefficient.parts.iter().map(part).collect();
-        rows.push((labels::clean(&parts.join(" × ")), Some(coefficient)));
-        last = variables;
-    }
-    rows
-}
-
-/// Returns the heading of a term, with the baseline level of its factor.
-fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String {
-    let [Variable::Factor(name)] = variables else {
-        return variables
-            .iter()
-            .map(|variable| labels::heading(results, variable.name()))
-            .collect::<Vec<_>>()
-            .join(" × ");
+/// Names a coefficient, such as `width 0.4 × depth ∞`.
+fn name(results: &Results, coefficient: &Coefficient) -> String {
+    let part = |part: &TermPart| {
+        let name = labels::in_sentence(results, part.variable.name());
+        part.level.as_ref().map_or_else(|| name.clone(), |level| format!("{name} {}", labels::level(level)))
     };
-    let rebased = model.notes.iter().find_map(|note| match note {
-        Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
-        _ => None,
-    });
-    let baseline = results.modeled().factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
-    let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
-    format!("{}{against}", labels::heading(results, name))
+    coefficient.parts.iter().map(part).collect::<Vec<_>>().join(" × ")
 }
 
 /// Returns the interval of a coefficient or, if there is none, only the estimate.

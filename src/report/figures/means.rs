@@ -1,16 +1,16 @@
 //! Charts of mean ratings. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with one line for
 //! each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
-//! the means that the vision model predicts. Other charts show the means by orientation and by participant.
+//! the means that the vision model predicts. Other charts show the means by direction and by participant.
 
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, beside, legend, plain, told},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, beside, legend, told},
     choice::{chosen, evenly},
     figure::Figure,
     labels,
     palette::{GRAY, MAX_SERIES, Series, Stroke},
-    svg::{Anchor, Font, Point, Svg, WIDTH},
+    svg::{Point, Svg, WIDTH},
 };
 use crate::analysis::{
     Results,
@@ -167,56 +167,14 @@ fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, 
     }
 }
 
-/// Draws `orientation`, if a factor with several levels is a direction: the means by direction, and by the angle to the
-/// nearest horizontal or vertical.
+/// Draws `orientation`: the means by a direction with several levels that is not in Figure 4.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let index = counts.factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
-    let factor = &counts.factors[index];
-    let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
-    let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.dedup();
-    let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
-    let mut by_distance = counts.clone();
-    by_distance.factors[index] = Factor { numbers: Some(distances.clone()), ..folded };
-    for levels in &mut by_distance.conditions {
-        let distance = levels[index].map(|level| distance_to_axis(angles[level as usize]));
-        levels[index] = distance.and_then(|own| distances.iter().position(|d| *d == own)).map(|place| place as u32);
-    }
-    // The second panel is drawn only if several orientations have the same distance, and there is more than one
-    // distance.
-    let is_folded = (2..angles.len()).contains(&distances.len());
-    let (what, bars) = (labels::rating(results), labels::bars(results));
-    let more = if is_folded { "on the right by the angle to the nearest horizontal or vertical; " } else { "" };
-    let caption = labels::sentence(&format!("{more}{bars}"));
-    let values = Values::ratings(counts);
-    let (left, right) = (values.margin(), WIDTH - EDGE);
-    let middle = if is_folded { left + 0.62 * (right - left) } else { right };
-    let all = [
-        (counts, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(results, &factor.name)),
-        (&by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)".to_owned()),
-    ];
-    let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
-    let height = EDGE + PANEL + super::axes::below(TEXT);
-    let title = format!("{what} by {}", labels::in_sentence(results, &factor.name));
-    Some(Figure::draw("orientation", title, caption, height, |svg| {
-        for (counts, panel, up, across) in parts {
-            let factor = &counts.factors[index];
-            let (levels, means) = (Levels::of(factor), of_groups(by_levels(counts, &[index])));
-            values.draw(svg, &panel, up);
-            levels.draw(svg, &panel, &across);
-            let means = factor.levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
-            let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
-            draw(svg, &panel, &levels, &[line], [&across, ""]);
-        }
-    }))
-}
-
-/// Returns the distance to the nearest multiple of 90° in degrees, without binary rounding noise.
-fn distance_to_axis(angle: f64) -> f64 {
-    let rest = angle.rem_euclid(90.0);
-    (rest.min(90.0 - rest) * 1e6).round() / 1e6
+    let is_direction = |factor: &Factor| factor.role == Role::Direction && factor.levels.len() > 1;
+    let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
+    let means = of_groups(by_levels(counts, &[index]));
+    let name = (0, "orientation");
+    Some(chart(results, &[&counts.factors[index]], &means, name, labels::rating(results), &labels::bars(results)))
 }
 
 /// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.
@@ -236,8 +194,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         sample
     });
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
-    let top = if several { EDGE + 1.5 * TEXT } else { EDGE };
-    let panel = values.panel(values.margin(), WIDTH - EDGE, top, PANEL);
+    let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
     let thin = Stroke {
         opacity: (12.0 / people).clamp(0.25, 0.75),
@@ -254,14 +211,6 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
             let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
             let means = means_by_subject(counts, by.levels.len(), level);
             shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
-            // Above the panel, where there are no ratings.
-            const ONE: &str = "one participant";
-            let (left, y) = (panel.left, EDGE + 0.5 * TEXT);
-            svg.line(&[(left, y), (left + 46.0, y)], Stroke { opacity: 0.8, width: 2.0, ..thin });
-            svg.text(ONE, (left + 56.0, y), Font::new(TEXT, Anchor::Start));
-            let x = left + 56.0 + labels::width(ONE, TEXT) + 30.0;
-            svg.line(&[(x, y), (x + 46.0, y)], thick);
-            svg.legend_entry((x, y), Series::only(), false, "mean", TEXT);
         }
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);

@@ -1,8 +1,7 @@
 //! Charts of a study's results, for print and for the window: SVG drawings, and pixels of the same drawings.
 //!
 //! The colors are the palette of Okabe & Ito (2008), which color-blind readers can also distinguish. Markers, dashes
-//! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide, or 12 cm
-//! wide for `proportions` of two factors.
+//! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide.
 
 mod axes;
 mod choice;
