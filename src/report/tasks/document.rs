@@ -1,11 +1,9 @@
 //! Describes the answers to a task in a document.
 
-use statrs::distribution::{Binomial, DiscreteCDF as _};
-
 use super::{
     asked::{Asked, Levels},
     further,
-    results::{Beyond, Misfit, PersonFunction, TaskResults},
+    results::{Beyond, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
@@ -101,19 +99,18 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
             let says_nothing = fit.range.iter().all(|end| fit.threshold.contains(*end));
-            let what = match (function.side(), function.beyond, function.threshold()) {
-                (Some(place), ..) => format!("was not measured: it lies {}", end(common, place)),
-                (_, Some(place), _) if !says_nothing => {
+            let what = match (function.beyond, function.threshold()) {
+                (Some(place), _) if !says_nothing => {
                     format!("was not measured: the most probable one lies {}", end(common, place))
                 }
-                (.., Some(threshold)) => format!("is {}{interval}", level(threshold)),
-                (.., None) => format!("is not determined by the answers{interval}"),
+                (_, Some(threshold)) => format!("is {}{interval}", level(threshold)),
+                (_, None) => format!("is not determined by the answers{interval}"),
             };
             Some(format!("{who}: the threshold of {name}{of} {what}."))
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
-    misfits(&mut section, study, results);
+    reversed(&mut section, study, results);
     let marginal = results.marginal.iter().map(|marginal| {
         let (asked, factor) = (&study.asked, &study.asked.factors[marginal.factor]);
         let others = asked.factors.iter().filter(|other| other.name != factor.name);
@@ -235,17 +232,11 @@ fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, co
         results.functions.iter().map(|function| (function, function.described())).collect();
     let level = |fit: Option<&Fit>| level(common, fit.map(|fit| fit.threshold));
     let slope = |fit: Option<&Fit>| further::scaled(false, fit.map(|fit| fit.slope_interval));
-    let threshold = |(function, fit): &(&PersonFunction, Option<&Fit>)| match (fit, function.side()) {
-        (None, _) => fixed(None, 0),
-        (Some(_), None) => function.threshold().map_or_else(|| fixed(None, 0), level(*fit)),
-        (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
-        (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
-    };
     TableOf::new("The psychometric function of each participant", &rows)
         .text("Participant", |(function, _)| &study.people[function.person])
         .text("Condition", |(function, _)| study.name(function.condition))
         .number("Trials", |(function, _)| whole(function.trials()))
-        .number("Threshold", threshold)
+        .number("Threshold", |(own, fit)| own.threshold().map_or_else(|| fixed(None, 0), level(*fit)))
         .number("95\u{a0}% interval", |(_, fit)| range(fit.map(|fit| fit.threshold), level(*fit)))
         .number("Slope", |(_, fit)| fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(*fit)))
         .number("95\u{a0}% interval of the slope", |(_, fit)| range(fit.map(|fit| fit.slope_interval), slope(*fit)))
@@ -265,23 +256,15 @@ fn told(study: &TaskStudy, results: &TaskResults, wanted: &dyn Fn(&PersonFunctio
     results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
 }
 
-/// Says which functions mean nothing, and why.
-fn misfits(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    for (misfit, what) in [
-        (
-            Misfit::Reversed,
+/// Says which functions mean nothing.
+fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+    let odd = told(study, results, &|function| function.is_reversed);
+    if !odd.is_empty() {
+        section.warning(format!(
             "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
-             \"low\" in a definition, or --easier low, says that low levels are easier)",
-        ),
-        (
-            Misfit::BelowGuessing,
-            "Fewer answers are correct than guessing would give, so these functions mean nothing and are left out",
-        ),
-    ] {
-        let odd = told(study, results, &|function| function.misfit == Some(misfit));
-        if !odd.is_empty() {
-            section.warning(format!("{what}: {}.", short_list(&odd, 12)));
-        }
+             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
+            short_list(&odd, 12)
+        ));
     }
 }
 
@@ -310,22 +293,10 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
                 study.at(*condition)
             ));
         }
-        let is_beyond = |function: &&PersonFunction| {
-            function.condition == *condition && function.described().is_some() && function.beyond.is_some()
-        };
-        let count = results.functions.iter().filter(is_beyond).count();
-        if count > 0 {
-            section.warning(format!(
-                "The most probable thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
-                 participants includes them.",
-                population.people.len(),
-                study.at(*condition)
-            ));
-        }
     }
     let undetermined = |function: &PersonFunction| {
         let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
-        function.side().is_none() && function.described().is_some_and(is_missing)
+        function.described().is_some_and(is_missing)
     };
     if results.functions.iter().any(undetermined) {
         section.note(
@@ -334,23 +305,15 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         );
     }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
-    let expected = POOR_FIT * results.functions.len() as f64;
-    if at_least(poor.len(), results.functions.len(), POOR_FIT) <= 0.05 {
-        section.warning(format!(
-            "The answers vary more than a psychometric function allows (p below .05): {}. By chance alone, about {} of {} would.",
+    if !poor.is_empty() {
+        section.note(format!(
+            "p of the fit is below .05, as if answers varied more than a psychometric function allows: {}. By chance alone, about {} \
+             of {} would be.",
             short_list(&poor, 12),
-            fixed(expected, 1),
+            fixed(POOR_FIT * results.functions.len() as f64, 1),
             count(results.functions.len() as u64, "function")
         ));
     }
-}
-
-/// Returns the probability of at least `found` of `all` independent events with this probability.
-fn at_least(found: usize, all: usize, probability: f64) -> f64 {
-    let below = found.checked_sub(1).map_or(0.0, |most| {
-        Binomial::new(probability, all as u64).map_or(0.0, |distribution| distribution.cdf(most as u64))
-    });
-    1.0 - below
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {

@@ -109,18 +109,9 @@ impl PersonFunction {
         self.points.iter().filter(|point| point.is_target())
     }
 
-    /// Returns the fitted function, if a function of the assumed kind describes the answers.
+    /// Returns the fitted function, if it means something.
     pub fn described(&self) -> Option<&Fit> {
-        self.fit.as_ref().ok().filter(|_| self.misfit.is_none())
-    }
-
-    /// Returns where beyond the levels the threshold lies, if its whole interval lies there.
-    pub fn side(&self) -> Option<Beyond> {
-        let Interval { low, high } = self.described()?.threshold;
-        self.beyond.filter(|place| match *place {
-            Beyond::Below(lowest) => high <= lowest,
-            Beyond::Above(highest) => low >= highest,
-        })
+        self.fit.as_ref().ok().filter(|_| !self.is_reversed)
     }
 
     /// Returns the most probable threshold, if the answers determine one within the levels.
@@ -153,15 +144,6 @@ impl Beyond {
     }
 }
 
-/// Why no function of the assumed kind describes the answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Misfit {
-    /// There are more answers that count at the end of the levels that is said to be harder.
-    Reversed,
-    /// Fewer answers are right than by guessing.
-    BelowGuessing,
-}
-
 /// The psychometric function of a person in a condition.
 #[derive(Clone, Debug)]
 pub struct PersonFunction {
@@ -177,8 +159,8 @@ pub struct PersonFunction {
     pub goodness: Option<GoodnessOfFit>,
     /// Where the most probable threshold lies, if beyond the levels.
     pub beyond: Option<Beyond>,
-    /// Why the function cannot be what was assumed, if it cannot.
-    pub misfit: Option<Misfit>,
+    /// Whether more answers count at the end of the levels that is said to be harder, so that the function means nothing.
+    pub is_reversed: bool,
 }
 
 /// Number of simulated studies for the goodness of fit.
@@ -330,15 +312,15 @@ fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec
         let fit = psychometric::fit(&points, model);
         let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
         let beyond = fit.as_ref().ok().and_then(|fit| Beyond::of(fit.range, fit.estimate.threshold));
-        let misfit = misfit(&points, model);
-        PersonFunction { person, condition, points, fit, goodness, beyond, misfit }
+        let is_reversed = is_reversed(&points, model);
+        PersonFunction { person, condition, points, fit, goodness, beyond, is_reversed }
     };
     points.into_par_iter().enumerate().map(function).collect()
 }
 
 /// Returns the functions in a condition that mean something.
 fn sound(functions: &[PersonFunction], condition: usize) -> impl Iterator<Item = &PersonFunction> {
-    functions.iter().filter(move |function| function.condition == condition && function.misfit.is_none())
+    functions.iter().filter(move |function| function.condition == condition && !function.is_reversed)
 }
 
 /// Fits the people of each condition in which several have a function that means something.
@@ -358,9 +340,8 @@ fn populations(
 /// Standard errors beyond which answers are not due to chance.
 const CLEAR: f64 = 3.0;
 
-/// Returns why no function of the assumed kind describes the answers: their share falls where it should rise (the test of
-/// Armitage 1955, Biometrics 11, 375), or it is below that of guessing.
-fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
+/// Returns whether the share of the answers falls where it should rise (the test of Armitage 1955, Biometrics 11, 375).
+fn is_reversed(points: &[Point], model: &Model) -> bool {
     let sum = |of: &dyn Fn(&Point) -> f64| points.iter().filter(|point| point.is_target()).map(of).sum::<f64>();
     let n = sum(&|point| point.total.into());
     let [share, middle] =
@@ -369,11 +350,7 @@ fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
     let spread = sum(&|point| f64::from(point.total) * (point.x - middle).powi(2));
     let z = trend / (share * (1.0 - share) * spread).sqrt();
     // If all answers are the same, there is no trend, and rounding must not make one.
-    if share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR {
-        return Some(Misfit::Reversed);
-    }
-    let Guess::Fixed(guess) = model.guess else { return None };
-    ((share - guess) / (guess * (1.0 - guess) / n).sqrt() < -CLEAR).then_some(Misfit::BelowGuessing)
+    share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR
 }
 
 /// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do, with the last
