@@ -172,7 +172,7 @@ fn charts_of_the_model_count_its_ratings() {
         (0..ratings).for_each(|n| builder.add_counts(&format!("S{person}"), &[level], &rating(n), 1).unwrap());
     }
     let all = figures::all(&analyze(builder.finish(), &Options::default()));
-    for (name, sample) in [("effects", 18), ("predictive", 18), ("proportions", 36)] {
+    for (name, sample) in [("effects", 18), ("proportions", 36)] {
         let caption = &named(&all, name).caption;
         assert!(caption.contains(&format!("; 6 participants, {sample} ratings.")), "{caption}");
     }
@@ -182,8 +182,8 @@ fn charts_of_the_model_count_its_ratings() {
 #[test]
 fn a_study_has_every_chart_that_its_data_allow() {
     for (people, expected) in [
-        (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "predictive", "times"][..]),
-        (1, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "predictive", "times"]),
+        (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"][..]),
+        (1, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"]),
     ] {
         let all = figures::all(&bands(people));
         assert_eq!(all.iter().map(|figure| figure.name).collect::<Vec<_>>(), expected);
@@ -311,7 +311,7 @@ fn any_name_is_drawn_and_stays_on_the_sheet() {
         },
     );
     let figures = figures::all(&results);
-    assert_eq!(figures.len(), 7);
+    assert_eq!(figures.len(), 6);
     let texts = check(&figures);
     for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\""] {
         assert!(texts.contains(text), "{text} is not in {texts:?}");
@@ -339,11 +339,11 @@ fn odd_studies_are_drawn() {
         ("no factor", results(&[], 3, 4, &model, rating), 2),
         ("one cell", results(&[("width", &["0.1"])], 1, 1, &model, same), 4),
         ("all the same", results(&[("width", WIDTHS), ("depth", DEPTHS)], 3, 1, &model, same), 5),
-        ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 7),
-        ("200 subjects", results(&[("a", &["x", "y"])], 200, 2, &no_model(), rating), 5),
-        ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 6),
-        ("40 words", results(&[("b", &long), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 6),
-        ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 5),
+        ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 6),
+        ("200 subjects", results(&[("a", &["x", "y"])], 200, 2, &no_model(), rating), 4),
+        ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 5),
+        ("40 words", results(&[("b", &long), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 5),
+        ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 4),
         ("nothing", analyze(MeasuredBuilder::new(&["width"]).finish(), &model), 0),
     ];
     for (what, results, expected) in &studies {

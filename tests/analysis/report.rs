@@ -317,7 +317,7 @@ fn problems_with_the_data_are_reported() {
 #[test]
 fn participants_with_unusual_answers_are_named() {
     let mut builder = MeasuredBuilder::new(&["width"]).with_categories(&SCALE);
-    for (subject, time) in [("ann", 1.0), ("ben", 1.1), ("cyd", 0.2), ("dot", 9.0)] {
+    for (subject, time) in [("ann", 1.0), ("ben", 1.1), ("cyd", 0.2), ("dot", 1.2)] {
         for width in 1..=30 {
             for repetition in 1..=10 {
                 let rating = if subject == "ben" { "2" } else { SCALE[repetition as usize % 4] };
@@ -329,9 +329,8 @@ fn participants_with_unusual_answers_are_named() {
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
     // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
     let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00 (95\u{a0}% interval below .40).\n";
-    let (ben, slow) = ("\nben used only one category: all their ratings are 2.\n", "dot answered unusually slowly");
-    assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2", slow]);
-    assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
+    let ben = "\nben used only one category: all their ratings are 2.\n";
+    assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2"]);
 }
 
 #[test]

@@ -90,9 +90,9 @@ fn other_signs_bring_back_what_the_model_explains() {
     }
 }
 
-/// In the overall mean, people and conditions count equally, and nothing is said about people with one rating.
+/// In the overall mean, people and conditions count equally.
 #[test]
-fn people_count_equally_and_few_ratings_say_nothing() {
+fn people_count_equally() {
     let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2", "3"]);
     for person in 0..6 {
         builder.add_counts(&format!("S{person}"), &["a"], "3", 9).unwrap();
@@ -100,10 +100,6 @@ fn people_count_equally_and_few_ratings_say_nothing() {
     }
     let lead = said(&analyze(builder.finish(), &options(None))).lead;
     assert!(lead.iter().any(|text| text == "Their overall mean is 1.75."), "{lead:?}");
-    let one = |person: usize, row: usize| (person % 2 == row).then_some(row as f64);
-    let results = analyze(study(&["cond"], &[["a"], ["b"]], (24, 1, 2), one), &options(None));
-    let html = page(&source(&["cond"]), &results);
-    assert!(html.contains("No participant gave 10 ratings") && !html.contains("Every participant used"), "{html}");
 }
 
 /// Three of twelve people rate both levels, and two of them rate b far higher; nine rate one level. Without a slope, p is
@@ -172,12 +168,8 @@ fn a_report_says_which_p_is_simulated() {
     let draws: Vec<bool> = results.model.as_ref().unwrap().terms.iter().map(|test| test.draws.is_some()).collect();
     assert_eq!(draws, [true, false]);
     let html = page(&source(&["group", "light"]), &results);
-    for expected in [
-        "The p values of light come from the χ² distribution, the others come from",
-        "so p (that of light from the χ² distribution)",
-    ] {
-        assert!(html.contains(expected), "{expected}: {html}");
-    }
+    let expected = "The p values of light come from the χ² distribution, the others come from";
+    assert!(html.contains(expected), "{html}");
 }
 
 const CROSSED: [[&str; 2]; 4] = [["p", "x"], ["p", "z"], ["q", "x"], ["q", "z"]];

@@ -23,17 +23,17 @@ use crate::statistics::Interval;
 const MAX_LINES: usize = 300;
 
 /// A mean and its interval.
-type Mean = (f64, Option<Interval>);
+pub(super) type Mean = (f64, Option<Interval>);
 
 /// Means, by the levels of the factors shown.
 type Means = HashMap<Vec<String>, Mean>;
 
 /// One line of a chart, with a mean for each level of the factor on the horizontal axis.
-struct Line {
+pub(super) struct Line {
     /// The level of the other factor; empty if there is none.
-    name: String,
-    series: Series,
-    means: Vec<Option<Mean>>,
+    pub name: String,
+    pub series: Series,
+    pub means: Vec<Option<Mean>>,
 }
 
 /// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
@@ -140,7 +140,7 @@ fn chart(
 }
 
 /// Draws lines of means. `names` are those of the factor on the horizontal axis and of the other factor.
-fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, by]: [&str; 2]) {
+pub(super) fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, by]: [&str; 2]) {
     let count = lines.len() as f64;
     // Series are offset so that no interval hides another; with lines, a smaller offset is enough.
     let most = if levels.ordered { 10.0 } else { 26.0 };
@@ -158,10 +158,12 @@ fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, 
                 svg.interval(x(at), panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
             }
         }
-        let other = if line.name.is_empty() { String::new() } else { format!(", {by} {}", line.name) };
+        let named = |factor: &str, level: &str| format!("{factor} {level}").trim().to_owned();
         for ((at, name), mean) in levels.at.iter().zip(&levels.names).zip(&line.means) {
             let Some((mean, interval)) = *mean else { continue };
-            let text = format!("{across} {name}{other}: {}", told(mean, interval));
+            let mut places = vec![named(across, name), named(by, &line.name)];
+            places.retain(|place| !place.is_empty());
+            let text = format!("{}: {}", places.join(", "), told(mean, interval));
             svg.point((x(*at), panel.y(mean)), MARKER, line.series, text);
         }
     }

@@ -11,7 +11,6 @@ mod figure;
 mod labels;
 mod means;
 pub mod palette;
-mod predictive;
 mod proportions;
 mod svg;
 pub(super) mod tasks;
@@ -28,13 +27,12 @@ pub use svg::Plotted;
 
 /// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
-    let kinds: [fn(&Results) -> Vec<Figure>; 7] = [
+    let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,
         |results| proportions::figure(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
         |results| effects::figure(results).into_iter().collect(),
-        |results| predictive::figure(results).into_iter().collect(),
         |results| times::figure(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()

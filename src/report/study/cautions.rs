@@ -1,6 +1,6 @@
 //! Cautions for readers about the data, the model, and how participants answered.
 
-use std::{collections::BTreeSet, path::Path};
+use std::collections::BTreeSet;
 
 use super::{
     findings::{self, ALPHA},
@@ -12,7 +12,7 @@ use crate::{
     analysis::{Note, Results, results::SubjectResults, terms::Term},
     report::document::{count, either, fixed, p_is, percent, short_list, unit, whole},
     statistics::Z_95,
-    store::{FileError, definition::built_in, ratings::Source},
+    store::{FileError, ratings::Source},
 };
 
 /// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
@@ -29,8 +29,6 @@ const NEARLY_ALL: f64 = 0.9;
 pub(super) const FEW_RATINGS: u64 = 10;
 /// A median response time below this, in seconds, is too short to look and decide.
 const HASTY_S: f64 = 0.3;
-/// A participant's median time is unusual if it is this many times longer or shorter than the typical median.
-const ODD_TIMES: f64 = 3.0;
 /// Maximum number of names in one sentence.
 const MAX_NAMES: usize = 6;
 
@@ -38,7 +36,7 @@ const MAX_NAMES: usize = 6;
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
-    cautions.extend(one_participant(source, results));
+    cautions.extend((results.people() == 1).then(|| ONE_PARTICIPANT.to_owned()));
     cautions.extend(problems(&source.errors, "error", source.files.iter().map(|file| file.erroneous).sum()));
     cautions.extend(problems(&source.warnings, "warning", 0));
     cautions.extend(nothing_found(results));
@@ -71,22 +69,8 @@ pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
     })
 }
 
-fn one_participant(source: &Source, results: &Results) -> Option<String> {
-    if results.people() != 1 {
-        return None;
-    }
-    let plan = match &source.protocol {
-        Some(p) if built_in(Path::new(&p.name)).is_some() => {
-            format!("“machband plan {} --participants 4,8,12”", p.name)
-        }
-        Some(_) => "Plan… on the page of the study, or “machband plan” with its definition,".to_owned(),
-        None => "“machband plan”".to_owned(),
-    };
-    Some(format!(
-        "There is only one participant: tests and intervals are about this participant’s repeated trials and say nothing \
-         about other people. {plan} estimates how many participants a statement about people needs."
-    ))
-}
+const ONE_PARTICIPANT: &str = "There is only one participant: tests and intervals are about this participant’s repeated trials and say \
+     nothing about other people. “machband plan” estimates how many participants a statement about people needs.";
 
 fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String> {
     let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
@@ -221,18 +205,17 @@ pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
             unit(FAIR_KAPPA)
         ));
     }
-    let typical = typical_time(subjects).filter(|median| *median > LONG_S);
-    sentences.extend(typical.map(|median| {
-        format!(
-            "The typical response time is {} s: are the times in milliseconds? They are read as seconds.",
-            whole(median as u64)
-        )
-    }));
-    if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
+    let median = |subject: &SubjectResults| Some(subject.times?.median);
+    if let Some((who, least, _)) = odd(subjects, median, |median| median > LONG_S) {
+        sentences.push(format!(
+            "{who} took more than {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
+            fixed((least - 0.5).floor(), 0)
+        ));
+    }
+    if let Some((who, _, most)) = odd(subjects, median, |median| median < HASTY_S) {
         let most = fixed(most, 2);
         sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
     }
-    sentences.extend(odd_times(subjects));
     sentences
 }
 
@@ -242,13 +225,6 @@ fn low_kappa(subject: &SubjectResults) -> Option<f64> {
     let kappa = subject.kappa.filter(|kappa| *kappa <= LOW_KAPPA && subject.retests >= FEW_PAIRS)?;
     let high = (kappa.atanh() + Z_95 / (subject.retests as f64 - 3.0).sqrt()).tanh();
     (high < FAIR_KAPPA).then_some(kappa)
-}
-
-/// Returns the median of the participants' median response times.
-fn typical_time(subjects: &[SubjectResults]) -> Option<f64> {
-    let mut sorted: Vec<f64> = subjects.iter().filter_map(|s| Some(s.times?.median)).collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 /// Names the participants who rated several levels of a factor of which most others rated one.
@@ -271,16 +247,12 @@ fn one_category(results: &Results) -> Vec<String> {
     };
     let of_category = |(index, name): (usize, &String)| {
         let share = |subject: &SubjectResults| Some(most_used(subject).filter(|(category, _)| *category == index)?.1);
-        let (whose, least, most) = odd(&results.subjects, share, |_| true)?;
-        // Not 100 % if some ratings are others.
-        let rounded = |share: f64| if share < 1.0 { ((100.0 * share).round() / 100.0).min(0.99) } else { share };
-        let [some, all] = [least, most].map(|share| percent(rounded(share)));
-        Some(match some == all {
-            _ if least >= 1.0 => format!("{whose} used only one category: all their ratings are {name}."),
-            true => format!("{whose} hardly used more than one category: {some} of their ratings are {name}."),
-            false => {
-                format!("{whose} hardly used more than one category: {some} to {all} of their ratings are {name}.")
-            }
+        let (whose, least, _) = odd(&results.subjects, share, |_| true)?;
+        Some(if least >= 1.0 {
+            format!("{whose} used only one category: all their ratings are {name}.")
+        } else {
+            let some = percent((100.0 * least).floor() / 100.0);
+            format!("{whose} hardly used more than one category: at least {some} of their ratings are {name}.")
         })
     };
     results.measured.counts.categories.iter().enumerate().filter_map(of_category).collect()
@@ -296,20 +268,4 @@ fn odd(
         subjects.iter().filter_map(|s| Some((who(s), value(s).filter(|value| is_odd(*value))?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
     Some((first_word(names::all_of(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
-}
-
-fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
-    let medians: Vec<(String, f64)> = subjects.iter().filter_map(|s| Some((who(s), s.times?.median))).collect();
-    // With two participants, neither is the unusual one.
-    let Some(middle) = typical_time(subjects).filter(|_| medians.len() > 2) else { return Vec::new() };
-    (medians.into_iter())
-        // Hasty answers have already been mentioned.
-        .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))
-        .map(|(who, median)| {
-            let slow = if median > middle { "slowly" } else { "quickly" };
-            let (own, usual) = (fixed(median, 2), fixed(middle, 2));
-            let who = first_word(who);
-            format!("{who} answered unusually {slow}: the median time is {own} s, and {usual} s is typical here.")
-        })
-        .collect()
 }

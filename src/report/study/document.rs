@@ -115,18 +115,10 @@ impl Study {
         let of_files = if source.files.len() > 1 { format!(" of {} files", source.files.len()) } else { String::new() };
         if UNREADABLE * (unreadable + nobodys) > rows {
             let share = 100 / UNREADABLE;
-            let what = match (unreadable, nobodys) {
-                (_, 0) => format!("{unreadable} of {rows} rows{of_files} cannot be read"),
-                (0, _) => {
-                    let merged = if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xlsx")) {
-                        " (merged cells have one value)"
-                    } else {
-                        ""
-                    };
-                    format!("{nobodys} of {rows} rows{of_files} have no participant{merged}")
-                }
-                _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
-            };
+            let parts = [(unreadable, "cannot be read"), (nobodys, "have no participant")];
+            let parts = parts.into_iter().filter(|(number, _)| *number > 0);
+            let parts = parts.map(|(number, what)| format!("{number} of {rows} rows{of_files} {what}"));
+            let what = parts.collect::<Vec<_>>().join(", and ");
             let message = format!("{what}, so nothing is analyzed; expected at most {share}\u{a0}% of such rows");
             let rows = source.files.iter().flat_map(|file| &file.nobodys).copied().collect();
             let error = FileError { rows, ..FileError::whole(file, message) };

@@ -259,19 +259,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         }
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
-            // Mention the highest and the lowest mean if they are not at the first or last level.
-            let (highest, lowest) = factor.extremes();
-            let inside = |index: usize| (1..last).contains(&index);
-            let mut turns: Vec<String> = Vec::new();
-            turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
-            turns.extend(inside(lowest).then(|| format!("lowest {least} at {low}")));
-            // A slope is the same at every level.
-            let turns = if turns.is_empty() || is_slope(results, &factor.name) {
-                String::new()
-            } else {
-                format!(" ({})", turns.join(", "))
-            };
-            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
+            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step")
         }
         None if low == high => format!("{the_mean} is {least}: the same at all levels of {name}"),
         None if factor.levels.len() == 2 => {

@@ -1,28 +1,18 @@
-//! How well the model describes the ratings: simulated studies, and the influence of each participant.
+//! How well the model describes the ratings, by simulated studies.
 
 use super::names;
 use crate::{
-    analysis::{Checks, Contrast, Influence, Model, Proportion, Results},
-    report::{
-        document::{Section, TableOf, count, fixed, list, range, short_list, unit, whole},
-        figures::Figure,
-    },
+    analysis::{Checks, Proportion, Results},
+    report::document::{Section, TableOf, count, fixed, list, range, unit, whole},
 };
 
 /// Says how well the model describes the data.
-pub(super) fn fit_of_model(
-    section: &mut Section,
-    results: &Results,
-    model: &Model,
-    checks: &Checks,
-    figures: &[Figure],
-) {
+pub(super) fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
     section.heading("Does the model describe the ratings?");
     section.text(
         "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
          model does not describe these ratings. Because it was fitted to them, few should lie outside.",
     );
-    section.figures(figures, &["predictive"]);
     let is_outside = |p: &&Proportion| p.is_outside();
     let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
     let far = checks.cells.iter().filter(is_outside).count();
@@ -70,39 +60,5 @@ pub(super) fn fit_of_model(
             range(Some(range_of_spread), |x| fixed(x, 2)),
             if fits { "consistent" } else { "not consistent" }
         ));
-    }
-    influence(section, results, model, checks);
-}
-
-fn influence(section: &mut Section, results: &Results, model: &Model, checks: &Checks) {
-    if checks.influence.is_empty() || model.contrasts.is_empty() {
-        return;
-    }
-    let none = model.contrasts.iter().map(|contrast| Some(contrast.estimate)).collect();
-    let left_out = checks.influence.iter().map(|one| (one.subject.as_str(), one.estimates.clone()));
-    let rows: Vec<(&str, Vec<Option<f64>>)> = std::iter::once(("none", none)).chain(left_out).collect();
-    let caption = "Contrasts on the latent scale with one participant left out";
-    let mut table = TableOf::new(caption, &rows).text("Left out", |(who, _)| *who);
-    for (place, contrast) in model.contrasts.iter().enumerate() {
-        let [level, other] =
-            [&contrast.level, &contrast.other].map(|level| names::level(results, &contrast.factor, level));
-        let heading = format!("{} {level} – {other}", names::factor(results, &contrast.factor));
-        table = table.number(heading, |(_, estimates)| fixed(estimates[place], 2));
-    }
-    table.add_to(section);
-    let changes = |contrast: &Contrast, place: usize| -> Vec<String> {
-        let flips = |one: &&Influence| one.estimates[place].is_some_and(|estimate| estimate * contrast.estimate < 0.0);
-        checks.influence.iter().filter(flips).map(|one| one.subject.clone()).collect()
-    };
-    for (place, contrast) in model.contrasts.iter().enumerate() {
-        let clear = contrast.interval.is_some_and(|interval| interval.low > 0.0 || interval.high < 0.0);
-        let who = changes(contrast, place);
-        if clear && !who.is_empty() {
-            let name = names::factor(results, &contrast.factor);
-            section.text(format!("Without {}, the effect of {name} changes its direction.", short_list(&who, 6)));
-        }
-    }
-    if results.people() > checks.influence.len() {
-        section.note("Participants are left out only in studies with up to 60 of them.");
     }
 }

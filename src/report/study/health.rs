@@ -1,11 +1,8 @@
-//! Data quality: errors, exclusions, sessions, and how participants answered.
+//! Data quality: errors, exclusions, and sessions.
 
 use std::collections::BTreeMap;
 
-use super::{
-    cautions::{FEW_RATINGS, unusual_behavior},
-    exclusions, sittings,
-};
+use super::{exclusions, sittings};
 use crate::{
     analysis::Results,
     report::document::{Section, TableOf, count, fixed, list, whole},
@@ -69,25 +66,6 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     }
     if sittings::all(source, results).next().is_some() {
         screens(&mut section, source, results);
-    }
-    if unusual_behavior(results).is_empty() {
-        section.heading("How participants answered");
-        let mut looked_at = Vec::new();
-        looked_at.extend(results.times.iter().any(Option::is_some).then_some("response times"));
-        looked_at.extend(results.kappa.is_some().then_some("repeated ratings"));
-        let enough = results.subjects.iter().filter(|subject| subject.group.summary.n >= FEW_RATINGS).count();
-        let who = if enough == results.subjects.len() {
-            "Every participant used several categories".to_owned()
-        } else if enough > 0 {
-            format!("Every participant with at least {FEW_RATINGS} ratings used several categories")
-        } else {
-            format!("No participant gave {FEW_RATINGS} ratings, so this report does not say who used only one category")
-        };
-        section.text(if looked_at.is_empty() {
-            format!("{who}. There are no response times, and no repeated ratings in a known order, to check.")
-        } else {
-            format!("{who}. No {} are unusual.", looked_at.join(" or "))
-        });
     }
     section
 }

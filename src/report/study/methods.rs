@@ -163,13 +163,13 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
 }
 
 /// Returns the names of the terms of those tests whose p does not come from simulated studies.
-pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
+fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
     let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
     others.map(|test| names::term(results, &test.term)).collect()
 }
 
 /// Warns of p values that ignore that ratings are related.
-pub(super) fn ignoring(results: &Results) -> &'static str {
+fn ignoring(results: &Results) -> &'static str {
     match results.ignores_people() {
         true => {
             " These p values ignore that ratings by the same participant are related, so they may be far too small."
@@ -192,6 +192,11 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
         let others = not_simulated(results, &report.terms);
+        let error = report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max);
+        let error_is = |error: f64| {
+            let most = if error < 1e-4 { "below 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
+            format!(" The Monte Carlo standard error of p, where it was not extrapolated, is {most}.")
+        };
         let whose = if others.is_empty() {
             "Their p values come".to_owned()
         } else {
@@ -200,14 +205,15 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         text += &format!(
             " {whose} from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
              (ChaCha8, seed {}){}, and their ratios were computed at the coefficients that generated them. p is (k + 1)/(n + 1); \
-             if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.",
+             if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.{}",
             cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
             results.options.resampling.seed,
             if report.model.random.is_some() {
                 ", with variances of the random effects corrected for the estimated means"
             } else {
                 ""
-            }
+            },
+            error.map(error_is).unwrap_or_default()
         );
     }
     text

@@ -69,16 +69,6 @@ pub(super) fn level_of(results: &Results, factor: &FactorResults, group: &Group)
     level(results, &factor.name, group.names.first().map_or("", String::as_str))
 }
 
-/// Lists the levels of a condition, for the factors that vary: `width 0.4, depth ∞`.
-pub(super) fn condition(results: &Results, condition: u32) -> String {
-    let counts = &results.measured.counts;
-    let levels = counts.factors.iter().zip(counts.level_names(condition));
-    let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
-        .map(|(one, name)| format!("{} {}", factor(results, &one.name), level(results, &one.name, name)))
-        .collect();
-    if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
-}
-
 /// Returns the participant's ID.
 pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
@@ -132,18 +122,12 @@ pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     categories.map(name).collect()
 }
 
-/// Returns the lowest and the highest category, with their labels if there is a definition.
-pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
-    let names = match protocol {
+/// Returns the categories, with their labels if there is a definition.
+pub(super) fn scale(counts: &Counts, protocol: Option<&Protocol>) -> Vec<String> {
+    match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
-        _ => counts.categories.iter().map(|category| category_name(category)).collect(),
-    };
-    Some((names.first()?.clone(), names.last()?.clone()))
-}
-
-/// Names a category as in a sentence.
-pub(super) fn category_name(category: &str) -> String {
-    names::level(None, "", category).to_string()
+        _ => counts.categories.iter().map(|category| names::level(None, "", category).to_string()).collect(),
+    }
 }
 
 /// True if the categories are not numbers, so that means are computed from their positions, counted from 0.

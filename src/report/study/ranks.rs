@@ -5,8 +5,7 @@ use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
-        agreement::LEAST_PAIRS,
-        rank_tests::{EXACT_PARTICIPANTS, Friedman, PERMUTATIONS, PMethod},
+        rank_tests::{EXACT_PARTICIPANTS, Friedman, PERMUTATIONS},
         results::FactorResults,
     },
     report::document::{Section, TableOf, count, fixed, list, probability, short_list, unit, whole, with_interval},
@@ -61,18 +60,11 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
         section
             .note(format!("Each participant rated only one level of {}, so there is nothing to rank.", list(&between)));
     }
-    let methods: Vec<PMethod> = factors.iter().filter_map(|factor| factor.friedman).map(|test| test.method).collect();
-    section.note(match (methods.contains(&PMethod::ChiSquared), methods.contains(&PMethod::Permutations)) {
-        (true, _) => format!(
-            "With more than {EXACT_PARTICIPANTS} participants, p comes from the χ² distribution, which is then accurate."
-        ),
-        (false, true) => format!(
-            "The p values are over all orders in which participants could rank the levels or, if there are too many, over up to \
-             {} random orders.",
-            whole(PERMUTATIONS as u64)
-        ),
-        (false, false) => "The p values are exact: over all orders in which participants could rank the levels.".to_owned(),
-    });
+    section.note(format!(
+        "The p values are over all orders in which participants could rank the levels or, if there are too many, over up to {} \
+         random orders; with more than {EXACT_PARTICIPANTS} participants, they come from the χ² distribution, which is then accurate.",
+        whole(PERMUTATIONS as u64)
+    ));
     for (factor, test) in factors.iter().filter_map(|factor| Some((factor, factor.friedman?))) {
         if test.least_p > ALPHA {
             section.note(format!(
@@ -121,23 +113,10 @@ pub(super) fn agreement(results: &Results) -> Section {
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {
-        let pairs = results.subjects.iter().map(|subject| subject.retests).max().unwrap_or(0);
-        section.text(match results.units().repeats_without_order() {
-            _ if pairs >= LEAST_PAIRS as u64 => {
-                "Participants who rated enough conditions twice used only one category in them, so κ is not defined."
-            }
-            _ if pairs > 0 => {
-                "No participant rated at least five conditions twice, which κ needs to measure test–retest agreement."
-            }
-            0 if results.spec.items.is_some() => {
-                "No participant rated an item twice in the same condition, so test–retest agreement cannot be computed."
-            }
-            0 => "No participant rated a condition twice, so test–retest agreement cannot be computed.",
-            _ => {
-                "Conditions were rated repeatedly, but the files do not say which rating came first, so test–retest agreement \
-                 cannot be computed."
-            }
-        });
+        section.text(
+            "Test–retest agreement could not be computed: κ needs a participant who rated at least five conditions twice, in a \
+             known order, and used more than one category in them.",
+        );
         return section;
     };
     section.text(format!(

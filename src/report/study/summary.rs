@@ -69,25 +69,21 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     };
     let who = count(results.people() as u64, "participant");
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
-    if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
+    let scale = names::scale(counts, source.protocol.as_ref());
+    let is_used = |category: &usize| counts.rows.iter().any(|row| usize::from(row.rating) == *category);
+    let used: Vec<usize> = (0..scale.len()).filter(is_used).collect();
+    if let (Some(&first), Some(&last)) = (used.first(), used.last()) {
         let positions =
             if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
-        let used = |category: usize| counts.rows.iter().any(|row| usize::from(row.rating) == category);
-        let name = |category: usize| names::category_name(&counts.categories[category]);
-        let all = 0..counts.categories.len();
-        let (first, last) = (all.clone().find(|c| used(*c)), all.clone().rev().find(|c| used(*c)));
-        let is_one = first.is_some() && first == last;
-        lead.push(match (first, last) {
-            (Some(only), Some(_)) if all.len() == 1 => format!("All ratings are {}.", name(only)),
-            (Some(only), Some(_)) if is_one => {
-                format!("The scale is from {low} to {high}{positions}; all ratings are {}.", name(only))
+        let ratings = match first == last {
+            true => format!("all ratings are {}", scale[first]),
+            false => format!("ratings range from {} to {}", scale[first], scale[last]),
+        };
+        lead.push(match scale.as_slice() {
+            [low, .., high] if (first, last) != (0, scale.len() - 1) => {
+                format!("The scale is from {low} to {high}{positions}; {ratings}.")
             }
-            (Some(first), Some(last)) if first > 0 || last + 1 < all.len() => format!(
-                "The scale is from {low} to {high}{positions}; ratings range from {} to {}.",
-                name(first),
-                name(last)
-            ),
-            _ => format!("Ratings range from {low} to {high}{positions}."),
+            _ => format!("{}{positions}.", names::capitalized(&ratings)),
         });
     }
     if counts.total() > 0 {
