@@ -8,7 +8,8 @@ use super::{
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
 use crate::{
-    analysis::{Coefficient, Model, Results, terms::TermPart},
+    analysis::{Coefficient, Model, Results},
+    report::names,
     statistics::Interval,
 };
 
@@ -25,9 +26,9 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     if model.coefficients.is_empty() {
         return None;
     }
-    let shown = model.coefficients.iter().take(MAX_SHOWN);
+    let (known, shown) = (results.options.parameters, model.coefficients.iter().take(MAX_SHOWN));
     let rows: Vec<(String, &Coefficient)> =
-        shown.map(|own| (labels::fit(&name(results, own), MAX_NAME, TEXT), own)).collect();
+        shown.map(|own| (labels::fit(&names::coefficient(known, &own.parts), MAX_NAME, TEXT), own)).collect();
     let (low, high) = range(model);
     let widest = rows.iter().map(|(name, _)| labels::width(name, TEXT)).fold(120.0, f64::max);
     let left = EDGE + widest.min(MAX_NAME) + 14.0;
@@ -65,15 +66,6 @@ fn caption(model: &Model) -> String {
     text
 }
 
-/// Names a coefficient, such as `width 0.4 × depth ∞`.
-fn name(results: &Results, coefficient: &Coefficient) -> String {
-    let part = |part: &TermPart| {
-        let name = labels::in_sentence(results, part.variable.name());
-        part.level.as_ref().map_or_else(|| name.clone(), |level| format!("{name} {}", labels::level(level)))
-    };
-    coefficient.parts.iter().map(part).collect::<Vec<_>>().join(" × ")
-}
-
 /// Returns the interval of a coefficient or, if there is none, only the estimate.
 fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
     interval.unwrap_or(Interval { low: estimate, high: estimate })
@@ -95,11 +87,6 @@ fn range(model: &Model) -> (f64, f64) {
 /// Draws an estimate with its interval, and an arrow where they extend beyond the panel.
 fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64, name: &str) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
-    if estimate.is_infinite() {
-        let (edge, direction) = if estimate > 0.0 { (panel.right, 1.0) } else { (panel.left, -1.0) };
-        svg.line(&[(edge - direction * 90.0, y), (edge - direction * 16.0, y)], series.bar());
-        return arrow(svg, (edge, y), direction, series);
-    }
     if estimate.is_nan() {
         return;
     }
@@ -107,16 +94,16 @@ fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl F
     let [from, to] = [low, high].map(|end| panel.x(share(end).clamp(0.0, 1.0)));
     if to > from {
         svg.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..series.bar() });
-        for (end, x, direction) in [(share(low), from, -1.0), (share(high), to, 1.0)] {
-            if (0.0..=1.0).contains(&end) {
-                svg.line(&[(x, y - 7.0), (x, y + 7.0)], series.bar());
-            } else {
-                arrow(svg, (x, y), direction, series);
-            }
+    }
+    for (is_beyond, x, direction) in [(share(low) < 0.0, from, -1.0), (share(high) > 1.0, to, 1.0)] {
+        if is_beyond {
+            arrow(svg, (x, y), direction, series);
         }
     }
-    let text = format!("{name}: {}", told(estimate, coefficient.interval));
-    svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
+    if estimate.is_finite() {
+        let text = format!("{name}: {}", told(estimate, coefficient.interval));
+        svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
+    }
 }
 
 /// Draws an arrowhead that points right (1) or left (−1).

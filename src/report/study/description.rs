@@ -1,7 +1,6 @@
 //! Descriptive sections: the design, the ratings by factor, condition and participant, and the response times.
 
 use super::{
-    exclusions,
     names::{self, participant},
     sittings,
 };
@@ -29,7 +28,7 @@ pub(super) fn design(source: &Source, results: &Results) -> Section {
         });
     }
     factors(&mut section, source, results);
-    done(&mut section, source, results);
+    done(&mut section, results);
     section
 }
 
@@ -55,21 +54,9 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         .add_to(section);
 }
 
-/// Describes the planned and the completed trials.
-fn done(section: &mut Section, source: &Source, results: &Results) {
+/// Describes the conditions, and how many ratings there are.
+fn done(section: &mut Section, results: &Results) {
     let counts = &results.measured.counts;
-    let sessions = exclusions::sessions(source, results);
-    let planned: u64 = sessions.clone().filter_map(|session| session.planned).sum();
-    let rated: u64 = sessions.clone().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
-    if planned > 0 {
-        section.text(format!(
-            "Of {} in {}, {} are rated ({}\u{a0}%).",
-            count(planned, "planned main trial"),
-            count(sessions.count() as u64, "session"),
-            whole(rated),
-            fixed(100.0 * rated as f64 / planned as f64, 1)
-        ));
-    }
     let possible: usize = counts.factors.iter().map(|factor| factor.levels.len()).product();
     let found = counts.complete_conditions();
     // Ratings without a level of some factor belong to no condition.

@@ -22,5 +22,6 @@ mod summary;
 mod vision;
 
 pub use document::{Parts, Study, StudyError, document};
+pub(crate) use provenance::definition;
 pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};

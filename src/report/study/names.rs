@@ -91,14 +91,7 @@ pub(super) fn all_of<S: AsRef<str>>(who: &[S], most: usize) -> String {
 
 /// Returns a coefficient for a table, such as `depth ∞` or `width 0.4 × depth 2`.
 pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
-    let part = |part: &TermPart| {
-        let name = factor(results, part.variable.name());
-        match &part.level {
-            Some(own) => format!("{name} {}", level(results, part.variable.name(), own)),
-            None => name,
-        }
-    };
-    parts.iter().map(part).collect::<Vec<_>>().join(" × ")
+    names::coefficient(results.options.parameters, parts)
 }
 
 /// Returns in what participants differ: a term, or a coefficient if the random effects are correlated.

@@ -5,10 +5,7 @@ use super::{
     exclusions, findings, health, interactions, names,
 };
 use crate::{
-    analysis::{
-        ModelReport, Results,
-        results::{FactorResults, SubjectResults},
-    },
+    analysis::{ModelReport, Results, results::FactorResults},
     report::document::{Section, count, list, mean, unit, with_interval},
     statistics::mean_and_sd,
     store::ratings::Source,
@@ -55,7 +52,6 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
     findings.extend(results.covariates.iter().filter_map(|name| interactions::covariate(results, &dependences, name)));
     findings.extend(others.iter().filter_map(|found| interactions::interaction(results, found)));
-    findings.extend(between_participants(results));
     findings.extend(repetition(results));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }
 }
@@ -121,26 +117,6 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead
-}
-
-fn between_participants(results: &Results) -> Option<String> {
-    if !results.is_inferential() {
-        return None;
-    }
-    let by_mean = |l: &&SubjectResults, r: &&SubjectResults| l.group.summary.mean.total_cmp(&r.group.summary.mean);
-    let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
-    if least.group.summary.mean.total_cmp(&most.group.summary.mean).is_eq() {
-        return None;
-    }
-    let own = |subject: &SubjectResults| {
-        let is_tied = |other: &&SubjectResults| by_mean(other, &subject).is_eq();
-        let who = match results.subjects.iter().filter(is_tied).count() {
-            1 => names::who(subject),
-            tied => count(tied as u64, "participant"),
-        };
-        format!("{} ({who})", mean(subject.group.summary.mean))
-    };
-    Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
 }
 
 fn repetition(results: &Results) -> Option<String> {

@@ -19,7 +19,7 @@ use crate::{
             with_interval,
         },
         figures::Figure,
-        study::Provenance,
+        study::{Provenance, definition},
     },
     statistics::{Interval, holm},
 };
@@ -400,9 +400,6 @@ fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> 
         .text("File", |(path, _)| path.display().to_string())
         .number("Rows", |(_, rows)| whole(*rows as u64))
         .add_to(&mut section);
-    if let Some(protocol) = &study.asked.protocol {
-        section.heading("The definition");
-        section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
-    }
+    definition(&mut section, study.asked.protocol.as_ref());
     section
 }
