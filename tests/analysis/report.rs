@@ -327,10 +327,8 @@ fn participants_with_unusual_answers_are_named() {
     }
     let numbers = Options { terms: Some(Terms::parse("num:width").unwrap()), ..options() };
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
-    // At every width, the first rating is 1 and the second is 2, so the agreement is no better than chance.
-    let alike = "\nann, cyd and dot showed little agreement between their first and second ratings: κ = .00 (95\u{a0}% interval below .40).\n";
     let ben = "\nben used only one category: all their ratings are 2.\n";
-    assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2"]);
+    assert_parts(&cautions, &[ben, "cyd gave half of the answers within 0.2"]);
 }
 
 #[test]

@@ -141,10 +141,10 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Places numbers at their values, on a logarithmic axis if they span more than a factor of ten; directions are
-    /// always on a linear axis. Depths and all other levels are evenly spaced, in order.
+    /// always on a linear axis. All other levels are evenly spaced, in order.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
-        let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
+        let places = numbers.filter(|numbers| numbers.len() > 1);
         let places = places.and_then(|numbers| spread(numbers, factor.role == Role::Direction));
         let even = Self::evenly(&factor.levels, numbers.is_some());
         Self { at: places.unwrap_or(even.at), ..even }

@@ -6,9 +6,8 @@ use std::collections::HashMap;
 
 use super::{
     axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, beside, legend, told},
-    choice::{chosen, evenly},
     figure::Figure,
-    labels,
+    labels::{self, chosen, evenly},
     palette::{GRAY, MAX_SERIES, Series, Stroke},
     svg::{Point, Svg, WIDTH},
 };

@@ -4,7 +4,6 @@
 //! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide.
 
 mod axes;
-mod choice;
 mod display;
 mod effects;
 mod figure;

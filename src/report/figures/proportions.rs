@@ -2,9 +2,8 @@
 
 use super::{
     axes::{EDGE, Levels, PANEL, Values, beside, legend},
-    choice::{chosen, evenly},
     figure::Figure,
-    labels,
+    labels::{self, chosen, evenly},
     palette::{Marker, Series, category},
     svg::WIDTH,
 };

@@ -11,22 +11,15 @@ use super::{
 use crate::{
     analysis::{Note, Results, results::SubjectResults, terms::Term},
     report::document::{count, either, fixed, p_is, percent, short_list, unit, whole},
-    statistics::Z_95,
     store::{FileError, ratings::Source},
 };
 
-/// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
-pub(super) const LOW_KAPPA: f64 = 0.2;
-/// κ up to which agreement is at most "fair": a participant's agreement is called low if its interval ends below this.
-const FAIR_KAPPA: f64 = 0.4;
-/// Minimum number of pairs of ratings needed to judge a participant's agreement.
-const FEW_PAIRS: u64 = 10;
 /// A median response time above this, in seconds, is probably one in milliseconds.
 const LONG_S: f64 = 60.0;
 /// A participant with at least this proportion of ratings in one category hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
 /// Minimum number of ratings needed to judge how a participant uses the scale.
-pub(super) const FEW_RATINGS: u64 = 10;
+const FEW_RATINGS: u64 = 10;
 /// A median response time below this, in seconds, is too short to look and decide.
 const HASTY_S: f64 = 0.3;
 /// Maximum number of names in one sentence.
@@ -190,41 +183,24 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,
-/// and unusual response times.
-pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
+/// Describes behavior of participants that readers should check: use of only one category, and unusual response times.
+fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences = one_category(results);
     sentences.extend(few_cross(results));
     // Participants with the same peculiarity are named in one sentence.
-    if let Some((who, least, most)) = odd(subjects, low_kappa, |_| true) {
-        let (least, most) = (unit(least), unit(most));
-        let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
-        sentences.push(format!(
-            "{who} showed little agreement between their first and second ratings: κ {kappa} (95\u{a0}% interval below {}).",
-            unit(FAIR_KAPPA)
-        ));
-    }
     let median = |subject: &SubjectResults| Some(subject.times?.median);
-    if let Some((who, least, _)) = odd(subjects, median, |median| median > LONG_S) {
+    if let Some((who, least, _)) = odd(subjects, |own| median(own).filter(|median| *median > LONG_S)) {
         sentences.push(format!(
-            "{who} took more than {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
-            fixed((least - 0.5).floor(), 0)
+            "{who} took at least {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
+            fixed(least.floor(), 0)
         ));
     }
-    if let Some((who, _, most)) = odd(subjects, median, |median| median < HASTY_S) {
+    if let Some((who, _, most)) = odd(subjects, |own| median(own).filter(|median| *median < HASTY_S)) {
         let most = fixed(most, 2);
         sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
     }
     sentences
-}
-
-/// Returns a participant's κ if it is surely low. The interval is Fisher's, of a correlation, to which κ with quadratic
-/// weights is close.
-fn low_kappa(subject: &SubjectResults) -> Option<f64> {
-    let kappa = subject.kappa.filter(|kappa| *kappa <= LOW_KAPPA && subject.retests >= FEW_PAIRS)?;
-    let high = (kappa.atanh() + Z_95 / (subject.retests as f64 - 3.0).sqrt()).tanh();
-    (high < FAIR_KAPPA).then_some(kappa)
 }
 
 /// Names the participants who rated several levels of a factor of which most others rated one.
@@ -247,7 +223,7 @@ fn one_category(results: &Results) -> Vec<String> {
     };
     let of_category = |(index, name): (usize, &String)| {
         let share = |subject: &SubjectResults| Some(most_used(subject).filter(|(category, _)| *category == index)?.1);
-        let (whose, least, _) = odd(&results.subjects, share, |_| true)?;
+        let (whose, least, _) = odd(&results.subjects, share)?;
         Some(if least >= 1.0 {
             format!("{whose} used only one category: all their ratings are {name}.")
         } else {
@@ -259,13 +235,8 @@ fn one_category(results: &Results) -> Vec<String> {
 }
 
 /// Returns the names of the participants with an unusual value, and the smallest and the largest such value.
-fn odd(
-    subjects: &[SubjectResults],
-    value: impl Fn(&SubjectResults) -> Option<f64>,
-    is_odd: impl Fn(f64) -> bool,
-) -> Option<(String, f64, f64)> {
-    let (who, values): (Vec<String>, Vec<f64>) =
-        subjects.iter().filter_map(|s| Some((who(s), value(s).filter(|value| is_odd(*value))?))).unzip();
+fn odd(subjects: &[SubjectResults], value: impl Fn(&SubjectResults) -> Option<f64>) -> Option<(String, f64, f64)> {
+    let (who, values): (Vec<String>, Vec<f64>) = subjects.iter().filter_map(|s| Some((who(s), value(s)?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
     Some((first_word(names::all_of(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
 }

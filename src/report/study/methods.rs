@@ -50,10 +50,6 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
-    // The section on agreement compares κ with the limit from this publication.
-    if results.kappa.is_some() {
-        cited.cite("Landis & Koch, 1977");
-    }
     let mut references = Section::new("references", "References");
     let publications = PUBLICATIONS.lines().filter_map(|line| line.split_once('\t'));
     let entries: Vec<String> =

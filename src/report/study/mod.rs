@@ -9,7 +9,6 @@ mod description;
 mod document;
 mod exclusions;
 mod findings;
-mod fit;
 mod health;
 mod interactions;
 mod methods;

@@ -1,14 +1,10 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{
-    cautions::is_serious,
-    findings::{ALPHA, averaged},
-    fit, names,
-};
+use super::{cautions::is_serious, findings::averaged, names};
 use crate::{
     analysis::{
-        Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes, TermTest,
-        Withheld, terms::Variable,
+        Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
+        Slopes, TermTest, Withheld, terms::Variable,
     },
     report::{
         document::{
@@ -65,7 +61,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         false,
     );
     interactions(&mut section, results, report);
-    let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
+    let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
     tests(
         &mut section,
         results,
@@ -75,22 +71,16 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
                 "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
              against a separate effect at each threshold{}.{}",
                 if model.random.is_some() { ", in models without random effects" } else { "" },
-                if odds.is_empty() { "" } else { " The last column corrects p for the number of terms (Holm)." }
+                if is_corrected { " The last column corrects p for the number of terms (Holm)." } else { "" }
             ),
             "Tests of proportional odds",
         ],
         &report.proportional_odds,
-        !odds.is_empty(),
+        is_corrected,
     );
-    if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
-        let level = percent(ALPHA);
-        section.text(format!(
-            "None of the tested terms shows a violation at {level}. With few participants or ratings, tests have little power."
-        ));
-    }
     order(&mut section, report);
     if let Some(checks) = &report.checks {
-        fit::fit_of_model(&mut section, results, checks);
+        fit_of_model(&mut section, results, checks);
     }
     section
 }
@@ -197,7 +187,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.comparisons.is_empty() && results.spec.terms.iter().all(|term| term.variables.len() < 3) {
+    if report.comparisons.is_empty() {
         return;
     }
     section.heading("Comparisons of levels");
@@ -239,14 +229,6 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
             section.note(format!("No p for differences of {}: {reason}.", names::factor(results, &comparison.factor)));
         }
-    }
-    let largest = results.spec.terms.iter().filter(|term| term.variables.len() > 2);
-    for term in largest.filter(|term| !results.spec.terms.is_marginal(term)) {
-        let term = names::term(results, &term.to_string());
-        section.note(format!(
-            "The factors of {term} are compared only on average, because each difference depends on two others. For other comparisons, \
-             analyze each level of one of them (--only)."
-        ));
     }
 }
 
@@ -327,39 +309,33 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     section.heading("Coefficients");
     if model.coefficients.is_empty() {
         section.text("The model has no terms, so it describes all ratings in the same way.");
-    } else {
-        section.text(meaning(results, model));
-        let odds = model.link == Link::Logit;
-        coefficient_table(section, results, &model.coefficients, odds);
+        return;
     }
-}
-
-/// Returns the decimals of an estimate: more than three if it is small, as that of a number with a large range.
-fn decimals(estimate: f64, se: Option<f64>) -> usize {
-    let size = estimate.abs().max(se.unwrap_or(0.0));
-    if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
-}
-
-/// Adds a table of coefficients, with odds ratios if requested.
-fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficient], odds: bool) {
+    section.text(meaning(results, model));
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }
     };
-    let mut table = TableOf::new("Coefficients of the model", all)
+    let mut table = TableOf::new("Coefficients of the model", &model.coefficients)
         .text("Coefficient", |c| names::coefficient(results, &c.parts))
         .number("Estimate", |c| fixed(c.estimate, of(c)))
         .number("SE", |c| fixed(c.se, of(c)))
         .number("95\u{a0}% interval", |c| {
             range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { of(c) } else { 2 }))
         });
-    if odds {
+    if model.link == Link::Logit {
         let odds_ratio = |c: &Coefficient, x: f64| if of(c) > 3 { fixed(x.exp(), of(c)) } else { ratio(x.exp()) };
         table = table
             .number("Odds ratio", |c| odds_ratio(c, c.estimate))
             .number("95\u{a0}% interval of the odds ratio", |c| range(c.interval, |x| odds_ratio(c, x)));
     }
     table.add_to(section);
+}
+
+/// Returns the decimals of an estimate: more than three if it is small, as that of a number with a large range.
+fn decimals(estimate: f64, se: Option<f64>) -> usize {
+    let size = estimate.abs().max(se.unwrap_or(0.0));
+    if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
 }
 
 fn meaning(results: &Results, model: &Model) -> String {
@@ -404,5 +380,62 @@ fn tests(
         let own = tests.iter().filter(|test| test.withheld == Some(reason));
         let terms: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
         section.note(format!("No p for {}: {reason}.", list(&terms)));
+    }
+}
+
+/// Says how well the model describes the data.
+fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
+    section.heading("Does the model describe the ratings?");
+    section.text(
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
+    );
+    let is_outside = |p: &&Proportion| p.is_outside();
+    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
+    let far = checks.cells.iter().filter(is_outside).count();
+    let lie = |number: usize| match number {
+        0 => "none lies".to_owned(),
+        1 => "one lies".to_owned(),
+        n => format!("{} lie", whole(n as u64)),
+    };
+    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
+    section.text(format!(
+        "Of {} at the levels of the factors, {} outside{}.",
+        count(checks.proportions.len() as u64, "proportion"),
+        lie(outside.len()),
+        if checks.cells.is_empty() { poor } else { "" }
+    ));
+    if !checks.cells.is_empty() {
+        section.text(format!(
+            "Of {} in the single combinations of {}, {} outside{}.",
+            count(checks.cells.len() as u64, "proportion"),
+            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
+            lie(far),
+            if checks.is_poor() { poor } else { ": no more than chance allows" }
+        ));
+    }
+    /// More rows would not be read.
+    const MOST: usize = 24;
+    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
+    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
+    if !rows.is_empty() {
+        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
+            .text("Factor", |own| names::factor(results, &own.factor))
+            .text("Level", |own| names::level(results, &own.factor, &own.level))
+            .text("Rating", |own| &own.category)
+            .number("Observed", |own| unit(own.observed))
+            .number("Expected", |own| unit(own.expected))
+            .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
+            .add_to(section);
+    }
+    if let Some((observed, range_of_spread)) = checks.spread {
+        let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
+        section.text(format!(
+            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, which \
+             is {} with the model.",
+            fixed(observed, 2),
+            range(Some(range_of_spread), |x| fixed(x, 2)),
+            if fits { "consistent" } else { "not consistent" }
+        ));
     }
 }

@@ -1,7 +1,7 @@
 //! Sections about model-free results: rank tests, which treat each participant as one observation, and agreement
 //! between and within participants.
 
-use super::{cautions::LOW_KAPPA, findings::ALPHA, names};
+use super::{findings::ALPHA, names};
 use crate::{
     analysis::{
         Results,
@@ -121,11 +121,10 @@ pub(super) fn agreement(results: &Results) -> Section {
     };
     section.text(format!(
         "Cohen’s κ with quadratic weights compares a participant’s first and second rating of a condition. {} {}{}. 1 is \
-         perfect agreement, 0 is agreement by chance, and Landis and Koch call agreement up to {} slight.",
+         perfect agreement, and 0 is agreement by chance.",
         if results.is_inferential() { "Its mean over participants is" } else { "It is" },
         unit(kappa),
         with_interval(interval, unit),
-        unit(LOW_KAPPA),
     ));
     TableOf::new("First and second ratings of each participant", &results.subjects)
         .text("Participant", names::participant)

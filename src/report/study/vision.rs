@@ -5,7 +5,7 @@ use super::{names, sittings};
 use crate::{
     analysis::{Results, counts::Counts},
     report::{
-        document::{Section, Shown, count, fixed, list, unit, whole},
+        document::{Section, Shown, count, fixed, list, significant, unit, whole},
         figures::Figure,
         prediction::{Comparison, PredictionError, StudyPrediction},
     },
@@ -71,23 +71,13 @@ fn criterion(results: &Results, comparison: &Comparison) -> String {
     let counts = &results.measured.counts;
     let below: Vec<Shown> =
         counts.categories.iter().take(3).map(|category| names::level(results, "", category)).collect();
-    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| times(*t)).collect();
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| significant(*t, *t, *t)).collect();
     format!(
         "half of the ratings are above {} at {} times threshold, with a spread of {} in the logarithm",
         list(&below),
         list(&thresholds),
         fixed(comparison.criterion.spread, 2)
     )
-}
-
-/// Formats a multiple of the threshold with about three digits and no thousands separators. A threshold far from all stimuli can be
-/// arbitrarily large or small.
-fn times(value: f64) -> Shown {
-    if (0.01..10_000.0).contains(&value) {
-        fixed(value, if value < 10.0 { 2 } else { 1 })
-    } else {
-        Shown::new(value, format!("{value:.1e}"))
-    }
 }
 
 fn order(comparison: &Comparison, counts: &Counts) -> String {

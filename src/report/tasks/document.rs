@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     analysis::tasks::{
-        means::Mean,
         population::Population,
         psychometric::{Fit, Guess, Model},
     },
@@ -111,34 +110,21 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
     reversed(&mut section, study, results);
-    let marginal = results.marginal.iter().map(|marginal| {
-        let (asked, factor) = (&study.asked, &study.asked.factors[marginal.factor]);
-        let others = asked.factors.iter().filter(|other| other.name != factor.name);
-        let others: Vec<String> = others.map(|other| asked.factor(&other.name)).collect();
-        let name = |level: usize| {
-            let level = asked.level(&factor.name, &factor.levels[level].to_string());
-            format!("{} {level}", asked.factor(&factor.name))
-        };
-        (format!("Over all levels of {}, the", list(&others)), marginal.levels.map(name), marginal.difference)
-    });
-    compared(&mut section, common, &marginal.collect::<Vec<_>>());
-    let differences = results.differences.iter();
-    let differences =
-        differences.map(|(pair, difference)| ("The".to_owned(), pair.map(|one| study.name(one)), *difference));
-    compared(&mut section, common, &differences.collect::<Vec<_>>());
+    compared(&mut section, study, results, common);
     section
 }
 
-/// Says for each difference, with the beginning of its sentence and the names of what differs, whether it is clear.
-fn compared(section: &mut Section, common: &Common, all: &[(String, [String; 2], Mean)]) {
-    let corrected = holm(&all.iter().map(|(.., difference)| difference.p()).collect::<Vec<_>>());
+/// Says for each pair of conditions whether their thresholds clearly differ.
+fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
+    let all = &results.differences;
+    let corrected = holm(&all.iter().map(|(_, difference)| difference.p()).collect::<Vec<_>>());
     let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
-    for ((begin, [one, two], difference), p) in all.iter().zip(corrected) {
+    for ((pair, difference), p) in all.iter().zip(corrected) {
         let Some(interval) = difference.interval else { continue };
-        let level = level(common, Some(interval));
+        let ([one, two], level) = (pair.map(|one| study.name(one)), level(common, Some(interval)));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
-            "{begin} {kind} at {one} and at {two} is {}{} over {}{}, {}.",
+            "The {kind} at {one} and at {two} is {}{} over {}{}, {}.",
             level(difference.mean),
             with_interval(Some(interval), &level),
             count(difference.people as u64, "participant"),
@@ -344,8 +330,7 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.differences.len() > 1 {
         section.text(
             "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
-             .05; the means over the conditions of other factors are corrected for all pairs of their levels. The intervals are not \
-             corrected.",
+             .05. The intervals are not corrected.",
         );
     }
     section

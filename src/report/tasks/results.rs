@@ -21,7 +21,7 @@ use crate::{
         },
     },
     experiment::task::{Common, Measures},
-    statistics::{Interval, mean_and_sd},
+    statistics::Interval,
 };
 
 /// The results of a task.
@@ -40,9 +40,6 @@ pub struct TaskResults {
     pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions, of the people who have both.
     pub differences: Vec<([usize; 2], Mean)>,
-    /// With several factors, differences between the thresholds at two levels of one, as means over the conditions of the
-    /// others.
-    pub marginal: Vec<Marginal>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
     /// Hits and false alarms of each person and condition, with sensitivity and criterion.
@@ -51,17 +48,6 @@ pub struct TaskResults {
     pub comparisons: Option<Comparisons>,
     /// The settings of each person and condition, on the scale of the dial.
     pub settings: Vec<OfPerson<Settings>>,
-}
-
-/// A difference between two levels of a factor over the conditions of the other factors.
-#[derive(Clone, Debug)]
-pub struct Marginal {
-    /// Index of the factor.
-    pub factor: usize,
-    /// Indices of the levels.
-    pub levels: [usize; 2],
-    /// The first minus the second.
-    pub difference: Mean,
 }
 
 /// What follows from the answers of a person in a condition.
@@ -189,9 +175,7 @@ impl TaskResults {
                     Err(error) => results.without_mean.push((condition, error)),
                 }
             }
-            let all = contributions(&results.populations, &results.functions);
-            results.differences = differences(&all);
-            results.marginal = marginal(study, &all);
+            results.differences = differences(&contributions(&results.populations, &results.functions));
         }
         results
     }
@@ -372,36 +356,6 @@ fn contributions(populations: &[(usize, Population)], functions: &[PersonFunctio
         (*condition, people.map(|(function, person)| (function.person, person.contribution)).collect())
     };
     populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect()
-}
-
-/// Compares two levels of each factor, if there are several factors and the mean threshold of every condition with one of
-/// these levels is known.
-fn marginal(study: &TaskStudy, all: &[(usize, Contributions)]) -> Vec<Marginal> {
-    let factors = &study.asked.factors;
-    let varied = factors.iter().filter(|factor| factor.levels.len() > 1).count();
-    let of = |factor: usize, level: usize| -> Option<Vec<&Contributions>> {
-        let has = |(_, levels): &(usize, &Vec<usize>)| levels[factor] == level;
-        let found = |(condition, _)| Some(&all.iter().find(|(known, _)| *known == condition)?.1);
-        study.asked.conditions.iter().enumerate().filter(has).map(found).collect()
-    };
-    let compared = |factor: usize, levels: [usize; 2]| {
-        let [one, two] = levels.map(|level| of(factor, level));
-        let (one, two) = (one?, two?);
-        let mean = |of: &[&Contributions], person: &usize| -> Option<f64> {
-            let all: Option<Vec<f64>> = of.iter().map(|of| of.get(person).copied()).collect();
-            Some(mean_and_sd(&all?).0)
-        };
-        let people = one.first()?.keys();
-        let both: Vec<_> = people.filter_map(|person| Some((mean(&one, person)?, mean(&two, person)?))).collect();
-        let is_crossed = one.len() == two.len() && both.len() > 1;
-        is_crossed.then(|| Marginal { factor, levels, difference: Mean::of_differences(&both) })
-    };
-    let levels = |factor: usize| 0..factors[factor].levels.len();
-    let pairs =
-        |factor: usize| levels(factor).flat_map(move |one| levels(factor).skip(one + 1).map(move |two| [one, two]));
-    let all =
-        (0..factors.len()).filter(|_| varied > 1).flat_map(|factor| pairs(factor).map(move |pair| (factor, pair)));
-    all.filter_map(|(factor, pair)| compared(factor, pair)).collect()
 }
 
 /// Compares two conditions by the people who have both, if there are several.
