@@ -385,9 +385,9 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     let protocol = protocol.with(two_factors).unwrap();
     let (text_of_three, figures) = predicted(Some(&protocol), &results);
     assert_eq!(figures, 4, "{text_of_three}");
-    let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings", "The noise ceiling"];
+    let expected = ["window 10° wide", "100 cd/m²", "45 conditions and 270 ratings"];
     assert_parts(&text_of_three, &expected);
-    // With one person, there is no noise ceiling. The window has the mean of the widths that the person saw.
+    // The window has the mean of the widths that the person saw.
     let mut source = source(&FACTORS);
     let seated = |deg: f64| Sitting {
         viewing: Some(Geometry { stimulus_deg: deg, ..Geometry::default() }),
@@ -396,7 +396,7 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     source.sessions = [4.0, 5.0].map(|deg| session(&protocol, "S001", seated(deg))).to_vec();
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
-    assert_parts(&text, &["window 4.5° wide", "because this requires at least two participants"]);
+    assert_parts(&text, &["window 4.5° wide"]);
     // A study that cannot be predicted.
     let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&SCALE[..3]);
     add(&mut builder, ("S1", &["0.1", "1"]), "1", None, None);

@@ -361,17 +361,7 @@ fn vision(cited: &mut Cited, source: &Source, predicted: &StudyPrediction) -> St
         cited.cite("Carney et al., 1999")
     );
     if let Some(rho) = comparison.rank_correlation {
-        text += &format!(" Its rank correlation with the mean ratings was {}", unit(rho));
-        if let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) {
-            text += &format!(
-                "; the mean for individual participants was {}, with a noise ceiling ({}) of {} to {}",
-                unit(each),
-                cited.cite("Nili et al., 2014"),
-                unit(low),
-                unit(high)
-            );
-        }
-        text.push('.');
+        text += &format!(" Its rank correlation with the mean ratings was {}.", unit(rho));
     }
     text
 }

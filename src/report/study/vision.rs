@@ -40,7 +40,6 @@ pub(super) fn section(
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
-    section.text(ceiling(comparison));
     let is_circular = sittings::all(source, results)
         .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
@@ -93,21 +92,5 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
         if all == 1 { "condition" } else { "conditions" },
         count(comparison.ratings, "rating"),
         unit(rho)
-    )
-}
-
-/// Compares the prediction with the noise ceiling.
-fn ceiling(comparison: &Comparison) -> String {
-    let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) else {
-        return "It is not known how much of the order any model could predict, because this requires at least two \
-                participants."
-            .to_owned();
-    };
-    format!(
-        "The mean correlation for individual participants is {}. The noise ceiling, which is how well each participant \
-         agrees with the mean of the others and with the mean of all, is {} to {}.",
-        unit(each),
-        unit(low),
-        unit(high)
     )
 }
