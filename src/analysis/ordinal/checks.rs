@@ -4,10 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{fitting::Fitted, resampling::Simulator};
-use crate::{
-    analysis::counts::CountRow,
-    statistics::{Interval, mean_and_sd},
-};
+use crate::{analysis::counts::CountRow, statistics::Interval};
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: usize = 200;
@@ -21,9 +18,6 @@ pub struct Checks {
     pub proportions: Vec<Proportion>,
     /// The same in each condition, if there are at most 300: `factor` and `level` list the factors and levels.
     pub cells: Vec<Proportion>,
-    /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
-    /// studies. `None` for a single participant.
-    pub spread: Option<(f64, Interval)>,
 }
 
 /// The proportion of ratings in a category at a level of a factor.
@@ -57,11 +51,10 @@ impl Checks {
     }
 }
 
-/// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
+/// The counts of each category at each level of each factor and in each condition.
 struct Tally {
     levels: Vec<Vec<Vec<f64>>>,
     cells: Vec<Vec<f64>>,
-    spread: f64,
 }
 
 /// Counts the ratings; `cell_of` is the cell of each condition of the table.
@@ -71,7 +64,6 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
     let mut levels: Vec<Vec<Vec<f64>>> =
         counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
     let mut cells = vec![vec![0.0; categories]; counts.conditions.len()];
-    let mut people = vec![(0.0, 0.0); full.frame.subjects.len()];
     for row in rows {
         let n = row.count as f64;
         cells[cell_of[row.condition as usize]][usize::from(row.rating)] += n;
@@ -80,12 +72,8 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
                 tallies[*level as usize][usize::from(row.rating)] += n;
             }
         }
-        let (all, sum) = &mut people[row.subject as usize];
-        *all += n;
-        *sum += n * f64::from(row.rating);
     }
-    let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, cells, spread: mean_and_sd(&means).1 }
+    Tally { levels, cells }
 }
 
 /// Compares the ratings with those of simulated studies.
@@ -141,7 +129,5 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
             compare(&names.join(", "), &levels.join(", "), &|tally| &tally.cells[cell], &mut in_cells);
         }
     }
-    let spread = (full.frame.subjects.len() > 1)
-        .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
-    Checks { proportions, cells: in_cells, spread }
+    Checks { proportions, cells: in_cells }
 }

@@ -1,8 +1,9 @@
 //! Charts of a display: its calibration readings with the chosen curves, and its frame intervals.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis},
+    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis},
     figure::Figure,
+    labels::TEXT,
     palette::{BLACK, BLUE, GREEN, Marker, Series, Stroke, VERMILION},
     svg::WIDTH,
 };

@@ -1,9 +1,9 @@
 //! A chart of the model's coefficients with their intervals.
 
 use super::{
-    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, told},
+    axes::{EDGE, MARKER, Panel, below, ends, number_axis, told},
     figure::Figure,
-    labels,
+    labels::{self, TEXT},
     palette::{AXIS, Series, Stroke},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
@@ -28,9 +28,9 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     }
     let (known, shown) = (results.options.parameters, model.coefficients.iter().take(MAX_SHOWN));
     let rows: Vec<(String, &Coefficient)> =
-        shown.map(|own| (labels::fit(&names::coefficient(known, &own.parts), MAX_NAME, TEXT), own)).collect();
+        shown.map(|own| (labels::fit(&names::coefficient(known, &own.parts), MAX_NAME), own)).collect();
     let (low, high) = range(model);
-    let widest = rows.iter().map(|(name, _)| labels::width(name, TEXT)).fold(120.0, f64::max);
+    let widest = rows.iter().map(|(name, _)| labels::width(name)).fold(120.0, f64::max);
     let left = EDGE + widest.min(MAX_NAME) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
@@ -42,7 +42,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
         for (index, (name, coefficient)) in rows.iter().enumerate() {
             let y = panel.top + PITCH * (index as f64 + 0.5);
-            svg.text(name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
+            svg.text(name, (left - 14.0, y), Font::new(Anchor::End));
             effect(svg, &panel, coefficient, share, y, name);
         }
     }))

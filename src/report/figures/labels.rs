@@ -9,13 +9,16 @@ use crate::{
     report::{document::count, names},
 };
 
+/// Text size.
+pub(super) const TEXT: f64 = 29.0;
+
 /// Removes line breaks and characters that XML does not allow from a text.
 pub(super) fn clean(text: &str) -> String {
     text.chars().map(|c| if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') { ' ' } else { c }).collect()
 }
 
 /// Estimates the width of a text in a typical sans-serif font. Fonts differ, so the estimate errs on the large side.
-pub(super) fn width(text: &str, size: f64) -> f64 {
+pub(super) fn width(text: &str) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '|' => 0.29,
         ' ' | '.' | ',' | ':' | ';' | '!' | '(' | ')' | '[' | ']' | 'f' | 't' | 'r' | '-' | '/' => 0.39,
@@ -25,13 +28,13 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
         '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{1f000}'.. => 1.0,
         _ => 0.59,
     };
-    size * text.chars().map(em).sum::<f64>()
+    TEXT * text.chars().map(em).sum::<f64>()
 }
 
 /// Returns the text, or as much of its beginning and end as fits. The end is kept because levels often differ there.
-pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
+pub(super) fn fit(text: &str, room: f64) -> String {
     let text = clean(text);
-    if width(&text, size) <= room {
+    if width(&text) <= room {
         return text;
     }
     let chars: Vec<char> = text.chars().collect();
@@ -40,7 +43,7 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
         let tail: String = chars[chars.len() - kept / 2..].iter().collect();
         format!("{}…{}", head.trim_end(), tail.trim_start())
     };
-    (1..chars.len()).rev().map(ends).find(|short| width(short, size) <= room).unwrap_or_else(|| "…".to_owned())
+    (1..chars.len()).rev().map(ends).find(|short| width(short) <= room).unwrap_or_else(|| "…".to_owned())
 }
 
 /// Formats a level for readers; the depth `inf` becomes ∞.

@@ -1,8 +1,9 @@
 //! Charts of a task: psychometric functions and thresholds.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis, told},
+    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
     figure::Figure,
+    labels::TEXT,
     means::{Line, draw},
     palette::Series,
     svg::WIDTH,

@@ -428,14 +428,4 @@ fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
             .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
             .add_to(section);
     }
-    if let Some((observed, range_of_spread)) = checks.spread {
-        let fits = observed >= range_of_spread.low && observed <= range_of_spread.high;
-        section.text(format!(
-            "The participants’ mean ratings have a standard deviation of {} categories; simulated studies have {}, which \
-             is {} with the model.",
-            fixed(observed, 2),
-            range(Some(range_of_spread), |x| fixed(x, 2)),
-            if fits { "consistent" } else { "not consistent" }
-        ));
-    }
 }
