@@ -284,7 +284,6 @@ fn problems_with_the_data_are_reported() {
         "Some of these data are simulated: the ratings of 1 of 2 participants (S002) come from a program",
         "1 of 2 sessions is unfinished",
         "unfinished, 30 missing",
-        "In 7 of 150 trials",
         "Frames are not steady. (1 sitting)",
         "S002, session 1: the folder was moved",
         "Sittings differ in observer and viewing distance",
@@ -327,7 +326,7 @@ fn participants_with_unusual_answers_are_named() {
     }
     let numbers = Options { terms: Some(Terms::parse("num:width").unwrap()), ..options() };
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
-    let ben = "\nben used only one category: all their ratings are 2.\n";
+    let ben = "\nParticipant ben used only one category: all their ratings are 2.\n";
     assert_parts(&cautions, &[ben, "cyd gave half of the answers within 0.2"]);
 }
 

@@ -178,22 +178,18 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     Some(chart(results, &[&counts.factors[index]], &means, name, labels::rating(results), &labels::bars(results)))
 }
 
-/// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.
+/// Draws `subjects`, if there are several: every participant's mean rating by the most interesting factor, and the mean of all ratings.
 pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let factor = *chosen(counts).first()?;
+    let factor = *chosen(counts).first().filter(|_| results.is_inferential())?;
     let by = &counts.factors[factor];
     let (what, name, sample) =
         (labels::rating(results), labels::in_sentence(results, &by.name), labels::sample(results));
-    let several = results.is_inferential();
     let shown = evenly(results.people(), MAX_LINES);
     let title = format!("{what} of every participant by {name}");
-    let caption = labels::sentence(&if several {
-        let some = labels::some_of(shown.len(), results.people());
-        format!("each gray line is one participant{some}, and the thick line is the mean over participants; {sample}")
-    } else {
-        sample
-    });
+    let some = labels::some_of(shown.len(), results.people());
+    let caption =
+        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
@@ -208,11 +204,9 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
         levels.draw(svg, &panel, &labels::axis(results, &by.name));
-        if several {
-            let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
-            let means = means_by_subject(counts, by.levels.len(), level);
-            shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
-        }
+        let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+        let means = means_by_subject(counts, by.levels.len(), level);
+        shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
         let means: Vec<_> = by.levels.iter().map(mean).collect();

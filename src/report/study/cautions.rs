@@ -4,9 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     findings::{self, ALPHA},
-    interactions,
-    names::{self, first_word, who},
-    sittings,
+    interactions, names, sittings,
 };
 use crate::{
     analysis::{Note, Results, results::SubjectResults, terms::Term},
@@ -236,7 +234,8 @@ fn one_category(results: &Results) -> Vec<String> {
 
 /// Returns the names of the participants with an unusual value, and the smallest and the largest such value.
 fn odd(subjects: &[SubjectResults], value: impl Fn(&SubjectResults) -> Option<f64>) -> Option<(String, f64, f64)> {
-    let (who, values): (Vec<String>, Vec<f64>) = subjects.iter().filter_map(|s| Some((who(s), value(s)?))).unzip();
+    let (ids, values): (Vec<&str>, Vec<f64>) =
+        subjects.iter().filter_map(|own| Some((names::participant(own), value(own)?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((first_word(names::all_of(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
+    Some((names::who(&ids, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
 }

@@ -183,7 +183,7 @@ pub struct Parts<'a> {
 /// Describes a study in a document.
 pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Document {
     let Parts { figures, prediction, provenance } = parts;
-    let (methods, references) = methods::sections(source, results, prediction.and_then(|p| p.as_ref().ok()));
+    let (methods, references) = methods::sections(source, results);
     let mut sections = vec![
         summary::section(source, results),
         description::design(source, results),

@@ -72,14 +72,8 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let mut text = before
         + &if evidence.p < ALPHA {
             let whose = if results.is_inferential() { "" } else { " to this participant" };
-            // Express a small probability in words.
-            let how = match evidence.p {
-                p if p < 0.001 => "hardly ever",
-                p if p < 0.01 => "rarely",
-                _ => "not often",
-            };
             format!(
-                "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
+                "{}; if {name} made no difference{whose}, {} would be unlikely ({}, {p}).",
                 if is_trend && factor.course().is_none() { span } else { means(results, factor) },
                 match (evidence.is_rank_test, factor.levels.len()) {
                     (true, _) => "orders this consistent",
@@ -429,7 +423,8 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last].map(|(_, level)| names::short_level(results, &factor.name, level));
+    let [low, high] = [first, last]
+        .map(|(_, level)| crate::report::names::rounded_level(results.options.parameters, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",

@@ -112,17 +112,6 @@ fn rated_by(session: &SessionRead) -> &'static str {
 
 fn screens(section: &mut Section, source: &Source, results: &Results) {
     section.heading("Screens and incidents");
-    let measured =
-        || exclusions::sessions(source, results).filter_map(|session| Some((session.dropped?, session.rated)));
-    if measured().next().is_none() {
-        section.text("Dropped frames could not be counted: no screen was used, or its refresh rate is unknown.");
-    } else {
-        section.text(format!(
-            "In {} of {} in which frames were counted, at least one was dropped.",
-            whole(measured().map(|(dropped, _)| dropped).sum()),
-            count(measured().map(|(_, rated)| rated).sum(), "trial")
-        ));
-    }
     // The number of sittings with each problem.
     let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
     let checks = sittings::all(source, results).flat_map(|(_, sitting)| &sitting.preflight);

@@ -2,10 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    exclusions, findings, names, sittings,
-    vision::{degrees, what},
-};
+use super::{exclusions, findings, names, sittings};
 use crate::{
     analysis::{
         ModelReport, RandomSlope, Results, TermTest,
@@ -14,10 +11,7 @@ use crate::{
         terms::{Term, Variable},
     },
     experiment::{Protocol, ResponseScale},
-    report::{
-        document::{Section, count, fixed, list, p_is, unit, with_interval},
-        prediction::StudyPrediction,
-    },
+    report::document::{Section, count, fixed, list, p_is, unit, with_interval},
     store::ratings::Source,
 };
 
@@ -37,7 +31,7 @@ impl Cited {
 }
 
 /// Writes the methods and their references.
-pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Section) {
+pub(super) fn sections(source: &Source, results: &Results) -> (Section, Section) {
     let mut section = Section::new("methods", "Methods, ready to paste");
     let mut cited = Cited::default();
     let paragraphs = [
@@ -46,7 +40,6 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         tests(&mut cited, results),
         agreement(&mut cited, results),
         intervals(&mut cited, results),
-        predicted.map(|predicted| vision(&mut cited, source, predicted)),
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
@@ -346,22 +339,4 @@ fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
         }
         format!("Intervals are 95\u{a0}% intervals: {}.", list(&kinds))
     })
-}
-
-fn vision(cited: &mut Cited, source: &Source, predicted: &StudyPrediction) -> String {
-    let comparison = &predicted.comparison;
-    let mut text = format!(
-        "For every condition, in a window of {} with a white of {} cd/m², a model of vision computed {}, in units of \
-         the threshold at which people see a difference. Its contrast sensitivity has the form of a standard model ({}) and was fitted to \
-         measured thresholds ({}, among others); in each of nine bands of frequency, the reference masks the difference.",
-        degrees(predicted),
-        fixed(predicted.viewing.white_cd_m2, 0),
-        what(source),
-        cited.cite("Watson & Ahumada, 2005"),
-        cited.cite("Carney et al., 1999")
-    );
-    if let Some(rho) = comparison.rank_correlation {
-        text += &format!(" Its rank correlation with the mean ratings was {}.", unit(rho));
-    }
-    text
 }

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     analysis::{ModelReport, Results, results::FactorResults},
-    report::document::{Section, count, list, mean, unit, with_interval},
+    report::document::{Section, count, list, mean},
     statistics::mean_and_sd,
     store::ratings::Source,
 };
@@ -19,7 +19,7 @@ const FEW_PEOPLE: usize = 6;
 pub struct Summary {
     /// Who rated what.
     pub lead: Vec<String>,
-    /// The findings: an item for each factor, then repetition.
+    /// The findings: an item for each factor or interaction.
     pub findings: Vec<String>,
     /// Cautions, most serious first.
     pub cautions: Vec<String>,
@@ -52,7 +52,6 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
     findings.extend(results.covariates.iter().filter_map(|name| interactions::covariate(results, &dependences, name)));
     findings.extend(others.iter().filter_map(|found| interactions::interaction(results, found)));
-    findings.extend(repetition(results));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }
 }
 
@@ -117,17 +116,4 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead
-}
-
-fn repetition(results: &Results) -> Option<String> {
-    let (kappa, interval) = results.kappa?;
-    let interval = with_interval(interval, unit);
-    let kappa = unit(kappa);
-    Some(if results.is_inferential() {
-        format!(
-            "When participants rate a condition twice, the agreement between their two ratings is κ = {kappa} on average{interval}."
-        )
-    } else {
-        format!("When the participant rates a condition twice, the agreement between the two ratings is κ = {kappa}.")
-    })
 }

@@ -51,7 +51,7 @@ pub(super) fn section(
 }
 
 /// Says what the model computes for the stimuli of this study.
-pub(super) fn what(source: &Source) -> &'static str {
+fn what(source: &Source) -> &'static str {
     let is_ramp = source.protocol.as_ref().is_some_and(|protocol| protocol.stimulus.is_line());
     if is_ramp {
         "how different the bright side of the ramp is from the nearest smooth edge"
@@ -61,7 +61,7 @@ pub(super) fn what(source: &Source) -> &'static str {
 }
 
 /// Formats the width of the window with its unit.
-pub(super) fn degrees(prediction: &StudyPrediction) -> String {
+fn degrees(prediction: &StudyPrediction) -> String {
     let text = fixed(prediction.viewing.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }
