@@ -245,7 +245,8 @@ fn problems_with_the_data_are_reported() {
     let mut source = Source { protocol: Some(protocol.clone()), ..source(&FACTORS) };
     source.sessions = ["S001", "S002"].map(|subject| session(&protocol, subject, person.clone())).to_vec();
     let fine = text(&page(&source, &results));
-    let expected = ["Both sessions are finished", "all sittings were run in the same way", "No errors were found"];
+    let expected =
+        ["All planned trials of 2 sessions are rated", "all sittings were run in the same way", "No errors were found"];
     assert_parts(&fine, &expected);
     assert!(!fine.contains("are simulated"));
 
@@ -293,7 +294,7 @@ fn problems_with_the_data_are_reported() {
         &hash,
     ];
     assert_parts(&wrong, &expected);
-    assert!(!wrong.contains("The scale is 1.") && !wrong.contains("Both sessions"));
+    assert!(!wrong.contains("The scale is 1.") && !wrong.contains("All planned trials"));
 
     for session in &mut source.sessions {
         Arc::make_mut(session.sidecar.as_mut().unwrap()).sittings[0].observer = Some(SimulatedObserver::Random);

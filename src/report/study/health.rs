@@ -79,9 +79,7 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
     let are = |n: usize| if n == 1 { "is" } else { "are" };
     match (unknown, open, all) {
         (.., 0) => None,
-        (0, 0, 1) => Some("The session is finished.".to_owned()),
-        (0, 0, 2) => Some("Both sessions are finished.".to_owned()),
-        (0, 0, _) => Some(format!("All {all} sessions are finished.")),
+        (0, 0, _) => Some(format!("All planned trials of {} are rated.", count(all as u64, "session"))),
         (0, ..) => Some(format!("{open} of {} {} unfinished.", count(all as u64, "session"), are(open))),
         _ => {
             let others = match all - unknown {

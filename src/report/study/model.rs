@@ -155,10 +155,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         .text("Of", |(name, ..)| name)
         .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
         .number("SE", |(_, sd, se, _)| fixed(*se, decimals(*sd, *se)))
-        .number("95\u{a0}% interval", |(_, sd, se, interval)| {
-            let decimals = if decimals(*sd, *se) > 3 { decimals(*sd, *se) } else { 2 };
-            range(*interval, |sd| fixed(sd, decimals))
-        })
+        .number("95\u{a0}% interval", |(_, sd, se, interval)| range(*interval, |end| fixed(end, decimals(*sd, *se))))
         .add_to(section);
     let (share, interval) = model.share_between();
     if let Some(share) = share {
@@ -320,9 +317,7 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         .text("Coefficient", |c| names::coefficient(results, &c.parts))
         .number("Estimate", |c| fixed(c.estimate, of(c)))
         .number("SE", |c| fixed(c.se, of(c)))
-        .number("95\u{a0}% interval", |c| {
-            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { of(c) } else { 2 }))
-        });
+        .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, of(c))));
     if model.link == Link::Logit {
         let odds_ratio = |c: &Coefficient, x: f64| if of(c) > 3 { fixed(x.exp(), of(c)) } else { ratio(x.exp()) };
         table = table

@@ -1,7 +1,7 @@
 //! Sections about model-free results: rank tests, which treat each participant as one observation, and agreement
 //! between and within participants.
 
-use super::{findings::ALPHA, names};
+use super::names;
 use crate::{
     analysis::{
         Results,
@@ -65,17 +65,6 @@ fn friedman(section: &mut Section, results: &Results, factors: &[&FactorResults]
          random orders; with more than {EXACT_PARTICIPANTS} participants, they come from the χ² distribution, which is then accurate.",
         whole(PERMUTATIONS as u64)
     ));
-    for (factor, test) in factors.iter().filter_map(|factor| Some((factor, factor.friedman?))) {
-        if test.least_p > ALPHA {
-            section.note(format!(
-                "With {} and {} levels, p of {} cannot be below {}, regardless of the ratings.",
-                count(test.subjects as u64, "participant"),
-                test.levels,
-                names::factor(results, &factor.name),
-                probability(test.least_p)
-            ));
-        }
-    }
 }
 
 /// Counts what agreement is about: conditions, items, or items in conditions.
