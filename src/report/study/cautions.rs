@@ -2,12 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    findings::{self, ALPHA},
-    interactions, names, sittings,
-};
+use super::{findings::ALPHA, interactions, names, sittings};
 use crate::{
-    analysis::{Note, Results, results::SubjectResults, terms::Term},
+    analysis::{Checks, Note, Results, results::SubjectResults},
     report::document::{count, either, fixed, p_is, percent, short_list, unit, whole},
     store::{FileError, ratings::Source},
 };
@@ -102,24 +99,11 @@ fn about_model(results: &Results) -> Vec<String> {
             interactions::product(results, &found.names)
         )
     }));
-    cautions.extend(report.checks.as_ref().filter(|checks| checks.is_poor()).map(|_| {
-        let names: Vec<&str> = names::varied(results).map(|factor| factor.name.as_str()).collect();
-        let all = names.iter().map(|name| findings::main_effect(results, name)?.variables.first().cloned());
-        let has_all = all.collect::<Option<Vec<_>>>().is_some_and(|all| results.spec.terms.has(&Term { variables: all }));
-        let why = if let [one] = names[..]
-            && findings::is_slope(results, one)
-        {
-            format!(", perhaps because the effect of {one} is not linear: without num:, its levels are compared")
-        } else if has_all {
-            String::new()
-        } else if names.len() == 2 && report.interactions.iter().all(|test| test.p.is_some_and(|p| p >= ALPHA)) {
-            ", perhaps because effects differ along the scale".to_owned()
-        } else {
-            let all = interactions::product(results, &names);
-            format!(", perhaps because effects depend on each other: {all} has all interactions")
-        };
-        format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
-    }));
+    if report.checks.as_ref().is_some_and(Checks::is_poor) {
+        let text = "The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”). \
+                    Other terms may describe them better: interactions, or the levels of a factor instead of a slope.";
+        cautions.push(text.to_owned());
+    }
     let notes = &report.model.notes;
     if results.ignores_people() {
         cautions.push(
@@ -152,14 +136,12 @@ fn about_model(results: &Results) -> Vec<String> {
             order.drift_p.map(p_is).unwrap_or_default()
         )
     }));
-    let unclear = interactions::unclear(results);
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        let term = names::term(results, &test.term);
-        let so = if unclear.contains(&term) { "" } else { ": trust its direction more than its size" };
         Some(format!(
-            "The ratings show that the effect of {term} differs along the scale (test of proportional odds, corrected \
-             {p}). Its coefficient is an average{so}."
+            "The ratings show that the effect of {} differs along the scale (test of proportional odds, corrected {p}). Its \
+             coefficient is an average.",
+            names::term(results, &test.term)
         ))
     }));
     cautions

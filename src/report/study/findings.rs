@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, Model, ModelReport, Note, Order, Results, Slopes, TermTest, find_factor, number_of,
+        Comparison, Link, Model, ModelReport, Note, Results, Slopes, TermTest, find_factor, number_of,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -102,7 +102,6 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         text += " These two levels were chosen because their means differ most, so their difference is probably \
                  overestimated.";
     }
-    text.extend(people_differ(results, factor, evidence.p < ALPHA));
     text
 }
 
@@ -208,25 +207,6 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
     let nothing = || format!("no participant has comparable ratings at every level of {name}");
     let reason = reason(results, factor).unwrap_or_else(nothing);
     format!("The effect of {name} could not be tested: {reason}.")
-}
-
-/// Says that participants differ in the effect, if the interval of the deviations excludes 0.
-fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Option<String> {
-    let report = results.model.as_ref().ok()?;
-    // Trials in blocks that are related look like participants who differ.
-    if report.order.as_ref().is_some_and(Order::is_dependent) {
-        return None;
-    }
-    let random = report.model.random.as_ref()?;
-    let slope = random.slopes.iter().find(|slope| slope.term == Term::factor(&factor.name))?;
-    let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
-    let (name, interval) = (names::factor(results, &factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
-    let so = if found { "" } else { ", so the mean effect may hide opposite effects in individuals" };
-    Some(format!(
-        " Participants differ in the effect of {name}: their deviations at each level have a standard deviation of {} on the \
-         latent scale{interval}{so}.",
-        fixed(slope.sd, 2)
-    ))
 }
 
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
