@@ -204,6 +204,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// Returns whether the maximum was found.
+    pub fn converged(&self) -> bool {
+        !self.notes.iter().any(|note| matches!(note, Note::NotConverged { .. }))
+    }
+
     /// Returns the share of the latent variance that the random intercept accounts for (the intraclass correlation), and
     /// its 95 % interval, which follows from that of the standard deviation.
     pub fn share_between(&self) -> (Option<f64>, Option<Interval>) {

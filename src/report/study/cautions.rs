@@ -57,6 +57,7 @@ pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
     })
 }
 
+/// What the trials of one participant say.
 const ONE_PARTICIPANT: &str = "There is only one participant: tests and intervals are about this participant’s repeated trials and say \
      nothing about other people. “machband plan” estimates how many participants a statement about people needs.";
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    description, health, methods, model,
+    agreement, description, health, methods, model,
     provenance::{self, Provenance},
-    ranks, summary, vision,
+    summary, vision,
 };
 use crate::{
     analysis::{
@@ -190,8 +190,7 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         health::section(source, results),
         description::section(results, figures),
         model::section(results, figures),
-        ranks::section(results),
-        ranks::agreement(results),
+        agreement::section(results),
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
     sections.extend([description::times(results, figures), methods, references]);

@@ -295,7 +295,8 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     };
     let rest: String = leads.map(because).collect();
     Some(format!(
-        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with {} p values, and \
+        "Participants’ mean ratings at the levels of each factor, over those conditions of the other factors that a participant \
+         rated at every level, were compared with Friedman’s test, with {} p values, and \
          Kendall’s coefficient of concordance ({}): {}.{rest}",
         methods,
         cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),

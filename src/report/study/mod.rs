@@ -4,6 +4,7 @@
 //! Every sentence that could be false for some results is computed from the results. A single participant allows no
 //! inference about people: tests and intervals are then about that participant's trials.
 
+mod agreement;
 mod cautions;
 mod description;
 mod document;
@@ -15,7 +16,6 @@ mod methods;
 mod model;
 mod names;
 mod provenance;
-mod ranks;
 mod sittings;
 mod summary;
 mod vision;

@@ -22,7 +22,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         Ok(report) => report,
         Err(error) => {
             section.warning(format!("No model could be fitted: {error}."));
-            section.text("The descriptive statistics and the rank tests do not depend on it.");
+            section.text("The descriptive statistics do not depend on it.");
             return section;
         }
     };
