@@ -189,7 +189,7 @@ fn a_study_has_every_chart_that_its_data_allow() {
         assert_eq!(all.iter().map(|figure| figure.name).collect::<Vec<_>>(), expected);
         let texts = check(&all);
         let title = "Ramp width (proportion of the window)";
-        for text in [title, "Continuity depth n", "∞", "Mean visibility rating", "0.02"] {
+        for text in [title, "Continuity depth n", "∞", "Mean rating", "0.02"] {
             assert!(texts.contains(text), "{text} is not in {texts:?}");
         }
         for figure in ["figure4a", "figure4b", "orientation"].map(|name| named(&all, name)) {

@@ -57,26 +57,6 @@ pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
     clean(&names::factor(results.options.parameters, factor))
 }
 
-/// Returns a factor's name as an axis title, with its unit.
-pub(super) fn axis(results: &Results, factor: &str) -> String {
-    names::axis(results.options.parameters, factor)
-}
-
-/// Returns a factor's name as a legend heading.
-pub(super) fn heading(results: &Results, factor: &str) -> String {
-    names::heading(results.options.parameters, factor)
-}
-
-/// Names what the ratings measure, which is visibility if any factor is a parameter of our stimuli.
-pub(super) fn rating(results: &Results) -> &'static str {
-    let is_ours = |name: &str| results.options.parameters.is_some_and(|all| all.iter().any(|own| own.name == name));
-    if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
-        "Mean visibility rating"
-    } else {
-        "Mean rating"
-    }
-}
-
 /// Returns a caption: it begins with a capital letter and ends with a period.
 pub(super) fn sentence(text: &str) -> String {
     format!("{}.", names::capitalized(text))

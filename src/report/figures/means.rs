@@ -16,10 +16,13 @@ use crate::analysis::{
     counts::{CountRow, Factor, Role},
     summary::{Group, by_levels, means_by_subject},
 };
-use crate::statistics::Interval;
+use crate::{report::names, statistics::Interval};
 
 /// Maximum number of participants drawn as lines. More lines could not be told apart and would take long to draw.
 const MAX_LINES: usize = 300;
+
+/// What the charts of measured means show.
+const WHAT: &str = "Mean rating";
 
 /// A mean and its interval.
 pub(super) type Mean = (f64, Option<Interval>);
@@ -40,7 +43,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let factors = chosen(&results.measured.counts);
     let names = ["figure4a", "figure4b"];
     let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(results, &factors, &means, names, labels::rating(results), &labels::bars(results))
+    charts(results, &factors, &means, names, WHAT, &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
@@ -125,13 +128,13 @@ fn chart(
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
     let caption = labels::sentence(&format!("{caption}{source}"));
-    let heading = by.map(|by| labels::heading(results, &by.name)).unwrap_or_default();
+    let heading = by.map(|by| names::heading(results.options.parameters, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
     let panel = values.panel(values.margin(), WIDTH - EDGE - beside(&heading, &series), EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &labels::axis(results, &across.name));
+        levels.draw(svg, &panel, &names::axis(results.options.parameters, &across.name));
         let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
         draw(svg, &panel, &levels, &lines, [&name(across), &by.map(|by| name(by)).unwrap_or_default()]);
         legend(svg, &panel, &heading, &series, levels.ordered);
@@ -175,7 +178,7 @@ pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
     let means = of_groups(by_levels(counts, &[index]));
     let name = (0, "orientation");
-    Some(chart(results, &[&counts.factors[index]], &means, name, labels::rating(results), &labels::bars(results)))
+    Some(chart(results, &[&counts.factors[index]], &means, name, WHAT, &labels::bars(results)))
 }
 
 /// Draws `subjects`, if there are several: every participant's mean rating by the most interesting factor, and the mean of all ratings.
@@ -183,10 +186,9 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let factor = *chosen(counts).first().filter(|_| results.is_inferential())?;
     let by = &counts.factors[factor];
-    let (what, name, sample) =
-        (labels::rating(results), labels::in_sentence(results, &by.name), labels::sample(results));
+    let (name, sample) = (labels::in_sentence(results, &by.name), labels::sample(results));
     let shown = evenly(results.people(), MAX_LINES);
-    let title = format!("{what} of every participant by {name}");
+    let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
         format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
@@ -202,8 +204,8 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
-        values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &labels::axis(results, &by.name));
+        values.draw(svg, &panel, Some(WHAT));
+        levels.draw(svg, &panel, &names::axis(results.options.parameters, &by.name));
         let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
         let means = means_by_subject(counts, by.levels.len(), level);
         shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));

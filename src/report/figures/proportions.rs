@@ -7,7 +7,10 @@ use super::{
     palette::{Marker, Series, category},
     svg::WIDTH,
 };
-use crate::analysis::{Results, summary::by_levels};
+use crate::{
+    analysis::{Results, summary::by_levels},
+    report::names,
+};
 
 /// Maximum number of categories in the legend; readers can interpolate the colors in between.
 const MAX_NAMED: usize = 10;
@@ -26,7 +29,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     let levels = Levels::evenly(&bars, is_ordered);
     let (by, across) = factor.map_or_else(Default::default, |factor| {
         let name = &factor.name;
-        (format!(" by {}", labels::in_sentence(results, name)), labels::axis(results, name))
+        (format!(" by {}", labels::in_sentence(results, name)), names::axis(results.options.parameters, name))
     });
     let title = format!("How often each rating was given{by}");
     let caption = format!("Proportions of the ratings; {}.", labels::sample(results));

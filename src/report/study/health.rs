@@ -35,19 +35,9 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    let sealed =
-        source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.sittings.last()?.seal.as_ref()).count()
-            as u64;
     if !source.warnings.is_empty() {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
-    } else if sealed > 0 {
-        let all = source.sessions.len() as u64;
-        let of = if sealed < all { format!("{} of ", whole(sealed)) } else { String::new() };
-        section.text(format!(
-            "The files of {of}{} were compared with the hashes recorded when each session ended; none was changed.",
-            count(all, "session")
-        ));
     }
     if !source.sessions.is_empty() {
         let analyzed: Vec<&SessionRead> = exclusions::sessions(source, results).collect();
