@@ -74,10 +74,7 @@ fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
 /// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
     let finite = || model.coefficients.iter().take(MAX_SHOWN).filter(|c| c.estimate.is_finite());
-    let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
-    let mut halves: Vec<f64> = finite().map(|c| (interval(c).high - c.estimate).abs()).collect();
-    halves.sort_by(f64::total_cmp);
-    let limit = largest + 4.0 * halves.get(halves.len() / 2).copied().unwrap_or(1.0);
+    let limit = 3.0 * finite().map(|c| c.estimate.abs()).fold(1.0, f64::max);
     let bounds = finite().map(interval).flat_map(|interval| [interval.low, interval.high]);
     let (low, high) = ends(bounds.map(|end| end.clamp(-limit, limit)).chain([0.0])).unwrap_or((-1.0, 1.0));
     let pad = (0.06 * (high - low)).max(0.1);
