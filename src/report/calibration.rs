@@ -22,14 +22,10 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
             known(own.curve.gain_and_offset().map(|both| both.1), &text)
         })
         .number("R²", |(_, own)| decimals(own.r_squared, 6))
-        .number("largest codes", |(_, own)| decimals(own.largest_codes, 2))
-        .number("cd/m²", |(_, own)| decimals(own.largest_cd_m2, 3));
+        .number("largest codes", |(_, own)| decimals(own.largest_codes, 2));
     let validation = TableOf::new("leave-one-level-out error", models)
         .text("model", |model| model.family.name())
-        .number("rms codes", |model| decimals(model.validation.rms_codes, 2))
-        .number("rms cd/m²", |model| decimals(model.validation.rms_cd_m2, 3))
-        .number("largest codes", |model| decimals(model.validation.largest_codes, 2))
-        .number("relative to misfit", |model| known(model.validation.score, &|score| format!("{:.2}", score.sqrt())));
+        .number("rms codes", |model| decimals(model.validation.rms_codes, 2));
     [fits.into(), validation.into()]
 }
 
