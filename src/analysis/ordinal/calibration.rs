@@ -170,8 +170,7 @@ pub fn fit_calibrated(
     }
     report.model.contrasts = contrasts(&full, &report, &limits, &(calibration.contrasts)(&report.margins));
     share_intervals(&mut report);
-    report.checks =
-        (calibration.checks).then(|| checks::checks(&full, &report.model.contrasts, calibration.resampling.seed));
+    report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
     Ok(report)
 }
 

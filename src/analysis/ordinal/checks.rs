@@ -1,26 +1,15 @@
-//! How well a model describes the data: studies simulated from it, and the influence of each participant.
+//! How well a model describes the data: studies simulated from it.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{
-    design::is_level,
-    estimates::difference,
-    fitting::{Fitted, fit_counts},
-    model::{Contrast, ModelSpec},
-    resampling::Simulator,
-};
-use crate::{
-    analysis::counts::CountRow,
-    statistics::{Interval, mean_and_sd},
-};
+use super::{fitting::Fitted, resampling::Simulator};
+use crate::{analysis::counts::CountRow, statistics::Interval};
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: usize = 200;
 /// Maximum number of conditions whose proportions are compared.
 const MAX_CELLS: usize = 300;
-/// Maximum number of participants who are left out in turn.
-const MAX_LEFT_OUT: usize = 60;
 
 /// Checks of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,11 +18,6 @@ pub struct Checks {
     pub proportions: Vec<Proportion>,
     /// The same in each condition, if there are at most 300: `factor` and `level` list the factors and levels.
     pub cells: Vec<Proportion>,
-    /// How much participants differ: the observed standard deviation of their mean category, and its range in simulated
-    /// studies. `None` for a single participant.
-    pub spread: Option<(f64, Interval)>,
-    /// How the contrasts of the model change without each participant.
-    pub influence: Vec<Influence>,
 }
 
 /// The proportion of ratings in a category at a level of a factor.
@@ -47,14 +31,6 @@ pub struct Proportion {
     pub expected: f64,
     /// The range of the middle 95 % of simulated studies.
     pub range: Interval,
-}
-
-/// The contrasts of the model without one participant.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Influence {
-    pub subject: String,
-    /// Each contrast without the participant, in the order of [`Model::contrasts`](super::Model::contrasts).
-    pub estimates: Vec<Option<f64>>,
 }
 
 impl Proportion {
@@ -75,17 +51,10 @@ impl Checks {
     }
 }
 
-/// Computes the checks of a fit, with its contrasts.
-pub(super) fn checks(full: &Fitted, contrasts: &[Contrast], seed: u64) -> Checks {
-    let (influence, checks) = rayon::join(|| influence(full, contrasts), || predictive(full, seed));
-    Checks { influence, ..checks }
-}
-
-/// The counts of each category at each level of each factor, and the standard deviation of the participants' means.
+/// The counts of each category at each level of each factor and in each condition.
 struct Tally {
     levels: Vec<Vec<Vec<f64>>>,
     cells: Vec<Vec<f64>>,
-    spread: f64,
 }
 
 /// Counts the ratings; `cell_of` is the cell of each condition of the table.
@@ -95,7 +64,6 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
     let mut levels: Vec<Vec<Vec<f64>>> =
         counts.factors.iter().map(|factor| vec![vec![0.0; categories]; factor.levels.len()]).collect();
     let mut cells = vec![vec![0.0; categories]; counts.conditions.len()];
-    let mut people = vec![(0.0, 0.0); full.frame.subjects.len()];
     for row in rows {
         let n = row.count as f64;
         cells[cell_of[row.condition as usize]][usize::from(row.rating)] += n;
@@ -104,16 +72,12 @@ fn tally(full: &Fitted, cell_of: &[usize], rows: &[CountRow]) -> Tally {
                 tallies[*level as usize][usize::from(row.rating)] += n;
             }
         }
-        let (all, sum) = &mut people[row.subject as usize];
-        *all += n;
-        *sum += n * f64::from(row.rating);
     }
-    let means: Vec<f64> = people.iter().map(|(n, sum)| sum / n).collect();
-    Tally { levels, cells, spread: mean_and_sd(&means).1 }
+    Tally { levels, cells }
 }
 
-/// Compares the ratings with those of simulated studies; without the influence of each participant.
-fn predictive(full: &Fitted, seed: u64) -> Checks {
+/// Compares the ratings with those of simulated studies.
+pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
     let (counts, left_out) = (full.frame.counts, full.left_out());
     let described: Vec<usize> = (0..counts.factors.len()).filter(|factor| !left_out.contains(factor)).collect();
     let levels_of =
@@ -165,31 +129,5 @@ fn predictive(full: &Fitted, seed: u64) -> Checks {
             compare(&names.join(", "), &levels.join(", "), &|tally| &tally.cells[cell], &mut in_cells);
         }
     }
-    let spread = (full.frame.subjects.len() > 1)
-        .then(|| (observed.spread, middle(studies.iter().map(|study| study.spread).collect())));
-    Checks { proportions, cells: in_cells, spread, influence: Vec::new() }
-}
-
-fn influence(full: &Fitted, contrasts: &[Contrast]) -> Vec<Influence> {
-    let people = full.frame.subjects.len();
-    if !(3..=MAX_LEFT_OUT).contains(&people) || contrasts.is_empty() {
-        return Vec::new();
-    }
-    let counts = full.frame.counts;
-    let without = |subject: usize| {
-        let own = full.frame.subjects[subject].clone();
-        let mut rest = counts.clone();
-        rest.rows.retain(|row| counts.subjects[row.subject as usize] != own);
-        let spec = ModelSpec { max_coefficients: usize::MAX, ..full.spec.clone() };
-        let model = fit_counts(&rest, &spec, false).ok().map(|fitted| super::estimates::report(&fitted));
-        let estimate = |contrast: &Contrast| {
-            let model = model.as_ref()?;
-            let find =
-                |level: &str| model.coefficients.iter().position(|c| is_level(&c.parts, &contrast.factor, level));
-            let known = model.coefficients.iter().any(|c| c.term == contrast.factor);
-            known.then(|| difference(model, [find(&contrast.level), find(&contrast.other)]).0)
-        };
-        Influence { subject: own, estimates: contrasts.iter().map(estimate).collect() }
-    };
-    (0..people).into_par_iter().map(without).collect()
+    Checks { proportions, cells: in_cells }
 }

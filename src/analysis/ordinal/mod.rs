@@ -36,7 +36,7 @@ pub mod terms;
 pub use calibration::{
     Calibration, FEW_FOR_LIKELIHOOD_RATIOS, MAX_MINUTES, ModelReport, fit_calibrated, fit_with_tests,
 };
-pub use checks::{Checks, Influence, Proportion};
+pub use checks::{Checks, Proportion};
 pub use estimates::{Prediction, fit};
 pub use interactions::{Interaction, LEAST_FOR_SIGNS};
 pub use likelihood_ratios::{TermTest, Withheld};

@@ -21,8 +21,8 @@ use crate::report::{
 const SAVING: f32 = 440.0;
 /// How far from its marker a value is told, in units of a figure, which is 800 wide.
 const NEAR: f32 = 8.0;
-/// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
-const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
+/// Maximum width in points.
+const MAX_WIDTH: f32 = 720.0;
 
 /// A figure and its pixels.
 pub struct FigureView {
@@ -52,15 +52,10 @@ impl FigureView {
         None
     }
 
-    /// Returns whether the figure is made for the full width of a page.
-    pub fn is_wide(&self) -> bool {
-        self.figure.wide
-    }
-
     /// Draws the figure with its title and caption.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
-        let width = ui.available_width().min(MAX_WIDTHS[usize::from(self.figure.wide)]);
+        let width = ui.available_width().min(MAX_WIDTH);
         let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
