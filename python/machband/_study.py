@@ -8,7 +8,6 @@ import json
 import os
 import re
 import warnings
-from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -238,18 +237,13 @@ def analyze(
     given_columns = columns(data)
     if given_columns is None:
         cells: list[str] | list[tuple[str, Any]] = _paths(data)
-        if not cells:
-            raise Error("there are no paths; expected at least one")
     else:
-        found = {name: encoded(name, column) for name, column in given_columns}
-        if not found:
-            raise Error("the table has no columns; expected at least a participant, a rating and a factor")
         recorded = getattr(data, "attrs", {})
-        if "simulated" not in found and recorded.get("simulated"):
-            found["simulated"] = np.ones(len(data), np.int64)
+        if recorded.get("simulated") and "simulated" not in dict(given_columns):
+            given_columns.append(("simulated", np.ones(len(data), np.int64)))
+        found = {name: encoded(name, column) for name, column in given_columns}
         # The library refuses a name that two columns have if it is used.
-        names = [*found, *(Counter(name for name, _ in given_columns) - Counter([*found]))]
-        cells = [(name, one[:2] if isinstance(one := found[name], Levels) else one) for name in names]
+        cells = [(name, one[:2] if isinstance(one := found[name], Levels) else one) for name, _ in given_columns]
         orders = {name: one.levels for name, one in found.items() if isinstance(one, Levels) and one.is_ordered}
     is_ours = response is None and wide is None
     if is_ours and level is None and (found or categories is not None):
@@ -257,6 +251,8 @@ def analyze(
         response = "rating"
     asked = [response] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
     answers = [found[name] for name in asked if name in found]
+    if is_ours and "task" in found and all(isinstance(one, np.ndarray) and np.isnan(one).all() for one in answers):
+        raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
     scales = [orders.pop(str(name), None) for name in asked]
     if categories is None and found and level is None:
         if is_ours and all(isinstance(one, np.ndarray) for one in answers):

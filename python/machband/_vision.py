@@ -93,8 +93,6 @@ def predict(
     >>> predict(width=0.1).band_bright > predict(width=0.1, depth=3).band_bright
     True
     """
-    if window_deg is not None and ppd is not None:
-        raise TypeError("predict() got window_deg and ppd; expected one of them")
     return Prediction(*_machband.predict(options(predict, locals()), *_named(kind, parameters)))
 
 
@@ -190,7 +188,6 @@ def compare(
     0.0
     """
     request = options(compare, locals())
-    _viewed("compare", window_deg, ppd)
     given = None
     if isinstance(picture, (str, PathLike)) and isinstance(reference, (str, PathLike)):
         request |= {"picture": path("picture", picture), "reference": path("reference", reference)}
@@ -254,7 +251,6 @@ def steps(
     True
     """
     request = {**options(steps, locals()), "steps": True, "picture": "picture"}
-    _viewed("steps", window_deg, ppd)
     if isinstance(picture, (str, PathLike)):
         found, dithered = _machband.steps({**request, "picture": path("picture", picture)}, None)
         return _made(Steps, found, picture=dithered)
@@ -270,13 +266,6 @@ def _made(of: Callable[..., T], found: str, **more: Any) -> T:
     """Return a record with the values of the same names in the JSON of the command, and with more."""
     values = {**json.loads(found, object_hook=lambda one: Place(**one) if "x" in one else one), **more}
     return of(**{name: values[name] for name in inspect.signature(of).parameters})
-
-
-def _viewed(name: str, window_deg: float | None, ppd: float | None) -> None:
-    """Check that there is one visual size."""
-    if (window_deg is None) == (ppd is None):
-        which = "neither" if ppd is None else "both"
-        raise TypeError(f"{name}() got {which} of window_deg and ppd; expected one of them")
 
 
 def _pixels(name: str, given: Any) -> npt.NDArray[Any]:
