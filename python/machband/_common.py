@@ -66,9 +66,9 @@ class Coding(TypedDict, total=False):
     seed: Seed
 
 
-def nearest(*words: str, among: Iterable[str], cutoff: float = 0.6) -> str:
+def nearest(word: str, among: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a question about the name that is nearest to a word, if one is near."""
-    near = [one for word in words for one in difflib.get_close_matches(word, [*among], 1, cutoff)]
+    near = difflib.get_close_matches(word, [*among], 1, cutoff)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 

@@ -251,7 +251,8 @@ def analyze(
         response = "rating"
     asked = [response] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
     answers = [found[name] for name in asked if name in found]
-    if is_ours and "task" in found and all(isinstance(one, np.ndarray) and np.isnan(one).all() for one in answers):
+    no_rating = all(isinstance(one, np.ndarray) and np.isnan(one).all() for one in answers)
+    if is_ours and response and "task" in found and no_rating:
         raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
     scales = [orders.pop(str(name), None) for name in asked]
     if categories is None and found and level is None:
@@ -268,7 +269,7 @@ def analyze(
         given["factors"] = texts("factors", factors)
         call += f", factors={factors!r}"
     if isinstance(factors, Mapping):
-        given["levels"] = levels("factors", {name: _order(name, own) for name, own in factors.items()})
+        given["levels"] = levels("factors", {name: _order(name, order) for name, order in factors.items()})
     with progress("simulated studies") as show:
         try:
             native = _machband.analyze(given, cells, [*orders.items()], on_error == "drop", call, show)

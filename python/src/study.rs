@@ -71,12 +71,10 @@ fn read(folder: &Path, job: &Job) -> anyhow::Result<Table> {
         }
         // A cell that a session does not have is missing.
         all.iter_mut().for_each(|column| column.cells.resize(before, Cell::Missing));
+        let place = |column: &experiment::Column| all.iter().position(|known| known.name == column.name);
+        let places: Vec<usize> = columns.iter().filter_map(place).collect();
         for row in rows {
-            for (column, cell) in columns.iter().zip(row.values()) {
-                all.iter_mut()
-                    .filter(|known| known.name == column.name)
-                    .for_each(|known| known.cells.push(cell.clone()));
-            }
+            places.iter().zip(row.values()).for_each(|(place, cell)| all[*place].cells.push(cell));
         }
     }
     all.iter_mut().for_each(|column| column.cells.resize(simulated.cells.len(), Cell::Missing));
