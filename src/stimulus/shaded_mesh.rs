@@ -13,7 +13,7 @@ use super::{
 use crate::{
     light::{Depth, LinearImage, Transfer},
     shading::{
-        Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
+        Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface, image,
         shapes::{self, Shape, ShapeError},
     },
     text::names::serde_as_text,
@@ -54,8 +54,7 @@ kind! {
     /// left for future work: how visible are the bands of each shader?
     ///
     /// The luminance of the surface is `low` where only ambient light reaches it and `high` at normal incidence; a
-    /// highlight adds up to `highlight`. The f64 reference renders it in linear light, so that equal parameters give
-    /// equal bytes on every machine.
+    /// highlight adds up to `highlight`. Equal parameters give equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
         shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "fixed", "patch", "c1-phong"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
@@ -142,9 +141,7 @@ impl ShadedMesh {
 
 impl Area for ShadedMesh {
     fn linear(&self, size: u32) -> LinearImage {
-        // Rendered in f64, not in the faster f32 lanes, because the hash of a stimulus is recorded with its ratings.
-        self.frame(size)
-            .map_or_else(|| LinearImage::new(size, size), |frame| Reference::new(&frame, &self.shade()).image())
+        self.frame(size).map_or_else(|| LinearImage::new(size, size), |frame| image(&frame, &self.shade()))
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {

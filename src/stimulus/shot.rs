@@ -9,9 +9,8 @@ use serde_json::{Value, json};
 use crate::{
     light::{LinearImage, Transfer, Transfers},
     shading::{
-        Creases, Frame, Reference, Scene, Shade, Shader, Specular, coverage,
+        Creases, Frame, Scene, Shade, Shader, Shading, Specular, coverage, image,
         lighting::{Facets, Microfacets},
-        picture,
     },
 };
 
@@ -129,7 +128,7 @@ impl Shot<'_> {
     /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
     /// either into codes.
     pub fn image(&self) -> LinearImage {
-        picture(&self.frame, &self.shade)
+        image(&self.frame, &self.shade)
     }
 
     /// Returns the light that the display emits, limited to the range from black to white.
@@ -196,7 +195,7 @@ impl Shot<'_> {
                 }
             }
         }
-        let shader = Reference::new(&self.frame, &self.shade);
-        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.frame.emitted(shader.light(t, w)))).collect()
+        let shading = Shading::new(&self.frame, &self.shade);
+        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.frame.emitted(shading.light(t, w)))).collect()
     }
 }

@@ -4,7 +4,7 @@ use std::{fs, path::Path};
 
 use machband::{
     light::{Bits, Quantizer, Transfer},
-    shading::{Reference, Scene, Shade, Shader, Surface, picture, shapes},
+    shading::{Scene, Shade, Shader, Surface, image, shapes},
 };
 
 use crate::common::{json, machband, pixels, refuses, split, succeeds, text};
@@ -14,21 +14,16 @@ fn metrics(folder: &Path, options: &str) -> serde_json::Value {
     json(&folder.join("m.json"))
 }
 
-/// The picture matches the library's, is within one code of the reference's, and records how it was made.
+/// The picture matches the library's, and records how it was made.
 #[test]
-fn the_picture_matches_the_reference() {
+fn the_picture_matches_the_library() {
     let folder = tempfile::tempdir().unwrap();
     succeeds(folder.path(), &split("shade --mesh torus --vertices 120 --shader patch --size 90 --out a.png"));
     let (info, codes) = pixels(&folder.path().join("a.png"));
     let surface = Surface::new(shapes::mesh(shapes::Shape::Torus, 120).unwrap());
     let frame = Scene::default().frame(&surface, 90, 90);
-    let shade = Shade::new(Shader::Patch);
-    let [own, exact] = [picture(&frame, &shade), Reference::new(&frame, &shade).image()].map(|image| {
-        let codes = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image);
-        codes.bytes().unwrap().iter().step_by(3).copied().collect::<Vec<u8>>()
-    });
-    assert_eq!(codes, own);
-    assert!(own.iter().zip(&exact).all(|(own, exact)| own.abs_diff(*exact) <= 1));
+    let own = Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image(&frame, &Shade::new(Shader::Patch)));
+    assert_eq!(codes, own.bytes().unwrap().iter().step_by(3).copied().collect::<Vec<u8>>());
     let text = &info.uncompressed_latin1_text[0].text;
     let parameters: serde_json::Value = serde_json::from_str(text).unwrap();
     assert_eq!(parameters["shader"], "patch");

@@ -3,7 +3,7 @@
 use crate::{frame, grid, random, shades, slopes::at_vertices};
 use glam::{DVec2, DVec3};
 use machband::shading::{
-    Correction, Creases, Frame, Gradients, Reference, Scene, Shade, Shader, Surface,
+    Correction, Creases, Frame, Gradients, Scene, Shade, Shader, Shading, Surface,
     shapes::{self, Shape},
 };
 
@@ -126,8 +126,8 @@ fn both_sides_of_an_edge_have_the_same_light() {
 #[test]
 fn patch_leaves_at_most_a_thousandth_and_one_slope_per_vertex() {
     let rms = |frame: &Frame, shade: &Shade| {
-        let reference = Reference::new(frame, shade);
-        let spreads = at_vertices(frame, |t, w| reference.light(t, w));
+        let shading = Shading::new(frame, shade);
+        let spreads = at_vertices(frame, |t, w| shading.light(t, w));
         assert!(spreads.len() > 100);
         (spreads.iter().map(|spread| spread * spread).sum::<f64>() / spreads.len() as f64).sqrt()
     };

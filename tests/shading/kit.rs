@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
-        Field, Frame, Gradients, Lighting, Mesh, Patches, Reference, Shade, Shader, Surface, Vertex, View, coverage,
+        Field, Frame, Gradients, Lighting, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
         cubic::{self, Camera},
         shapes::{self, Shape},
     },
@@ -463,7 +463,7 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
             }
         }
         let (frame, pixels) = (&subject.frame, card.drawn(&mesh, &subject.camera));
-        let image = Reference::new(frame, &Shade::new(Shader::C1Phong)).image();
+        let image = machband::shading::image(frame, &Shade::new(Shader::C1Phong));
         let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
         let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
         for (i, counts) in coverage::interior_mask(frame).into_iter().enumerate() {

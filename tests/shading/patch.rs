@@ -5,10 +5,10 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Channels, Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
+        Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
         cubic::Gradient,
         mesh::newell,
-        shaders::{Patch, ShaderKernel as _},
+        shaders::ShaderKernel as _,
         shapes::{self, Shape},
     },
 };
@@ -22,22 +22,15 @@ fn gray_gradient(slope: DVec2) -> Gradient {
     [slope, 0.5 * slope, -2.0 * slope].map(|slope| slope.to_array())
 }
 
-/// Returns the light of the patches as a function.
-fn spread(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
-    let patch = Patch::<f64, 3>::new(frame, Channels::Color, patches);
-    move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
-}
-
 /// Returns the largest difference between the patches and `truth` in red, over all triangles.
 fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 {
-    let light = spread(frame, patches);
     let mut worst = 0.0_f64;
     for t in 0..frame.triangles.len() {
         let [a, b, c] = frame.corners(t).map(|v| v.screen);
         for i in 0..=8 {
             for j in 0..=8 - i {
                 let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
-                worst = worst.max((light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+                worst = worst.max((patches.light(t, w, DVec3::ZERO).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
             }
         }
     }
@@ -79,25 +72,12 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
             [a.distance(b), b.distance(c), c.distance(a)]
         })
         .fold(0.0, f64::max);
-    for gradients in [Gradients::Ring, Gradients::Quadric] {
-        let patches = Patches::new(&frame, Field::Light, gradients);
-        let fault = frame
-            .vertices
-            .iter()
-            .zip(&patches.gradients)
-            .map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)))
-            .fold(0.0, f64::max);
-        let error = worst(&frame, &patches, field);
-        assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
-        assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
-    }
-    // A quadric needs five well-placed neighbors, which inner vertices usually have.
-    let inside = |gradients| {
-        let patches = Patches::new(&frame, Field::Light, gradients);
-        let exact = frame.vertices.iter().zip(&patches.gradients);
-        exact.filter(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)) < 1e-9).count()
-    };
-    assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
+    let patches = Patches::new(&frame, Field::Light, Gradients::Ring);
+    let faults = frame.vertices.iter().zip(&patches.gradients);
+    let faults = faults.map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)));
+    let (fault, error) = (faults.fold(0.0, f64::max), worst(&frame, &patches, field));
+    assert!(fault > 1e-6 && error > 1e-6, "nothing to bound");
+    assert!(error <= 0.4 * fault * longest, "{error} with gradients off by {fault}");
 }
 
 #[test]
@@ -122,7 +102,7 @@ fn cubics_match_numpy() {
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;
     }
-    let light = spread(&frame, &Patches::with_gradients(&frame, Field::Light, gradients));
+    let patches = Patches::with_gradients(&frame, Field::Light, gradients);
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
         // The frame's corners may be in the opposite order.
@@ -130,7 +110,7 @@ fn cubics_match_numpy() {
             let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
             [first, second, 1.0 - first - second][k]
         });
-        let light = light(t, w);
+        let light = patches.light(t, w, DVec3::ZERO);
         assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
     }
 }
@@ -212,10 +192,10 @@ fn lights_stay_bounded_near_the_silhouette() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let light = spread(&frame, &Patches::new(&frame, Field::Light, Gradients::Curvature));
+            let patches = Patches::new(&frame, Field::Light, Gradients::Curvature);
             for t in 0..frame.triangles.len() {
                 for w in WEIGHTS {
-                    let light = light(t, w).x;
+                    let light = patches.light(t, w, DVec3::ZERO).x;
                     // The lights of the surface are within 0.1…1.
                     assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
                 }
@@ -265,7 +245,7 @@ fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
         for turn in 0..12 {
             let view = View::square(512).rotated([30.0 * f64::from(turn) + 4.0, 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let normals = spread(&frame, &Patches::new(&frame, Field::Normal, Gradients::Curvature));
+            let normals = Patches::new(&frame, Field::Normal, Gradients::Curvature);
             for t in 0..frame.triangles.len() {
                 let corners = frame.corners(t);
                 if corners.iter().all(|corner| corner.normal.z > 0.0) {
@@ -275,7 +255,7 @@ fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
                 let area = (b - a).perp_dot(c - a).abs();
                 for w in [[0.34, 0.33, 0.33], [0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]] {
                     let between: DVec3 = (0..3).map(|k| w[k] * corners[k].normal).sum();
-                    error += area * normals(t, w).angle_between(between).to_degrees().powi(2);
+                    error += area * normals.light(t, w, DVec3::ZERO).angle_between(between).to_degrees().powi(2);
                     total += area;
                 }
             }

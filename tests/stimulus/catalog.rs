@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use glam::{DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
-    shading::{Frame, Reference, Scene, Shade, Shader, Surface, shapes},
+    shading::{Frame, Scene, Shade, Shader, Shading, Surface, shapes},
     stimulus::{KINDS, ParameterValue, Renderer, Shot, Stimulus, catalog},
 };
 use sha2::{Digest as _, Sha256};
@@ -92,7 +92,7 @@ fn ignoring_gamma_shows_only_between_vertices() {
     let renderers = [Renderer::gouraud(), naive(Shader::Gouraud)];
     let shots = renderers.map(|renderer| renderer.shoot(&frame, &transfers));
     let code = |shot: &Shot<'_>, t, w| {
-        let light = Reference::new(&shot.frame, &shot.shade).light(t, w).x as f32;
+        let light = Shading::new(&shot.frame, &shot.shade).light(t, w).x as f32;
         i32::from(Quantizer::new(shot.transfers.clone(), Bits::Eight).channel(0).code(light))
     };
     let mut apart = 0;

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use machband::{
     light::Depth,
-    shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, shapes},
+    shading::{Creases, Frame, Gradients, Mesh, Scene, Shade, Shader, Shading, Surface, shapes},
 };
 
 use crate::slopes::at_vertices;
@@ -127,7 +127,7 @@ fn ratio(value: f64) -> String {
 
 /// How far the luminance is from having a single slope at each vertex: root mean square over the vertices.
 fn spread(frame: &Frame, shade: &Shade) -> f64 {
-    let reference = Reference::new(frame, shade);
-    let vertices = at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
+    let shading = Shading::new(frame, shade);
+    let vertices = at_vertices(frame, |triangle, weights| shading.light(triangle, weights));
     (vertices.iter().map(|spread| spread * spread).sum::<f64>() / vertices.len() as f64).sqrt()
 }

@@ -7,7 +7,7 @@ mod patches;
 mod projected;
 mod scene;
 
-pub use coverage::{Outline, Planes};
+pub use coverage::Outline;
 pub use gradients::{Field, Gradients};
 pub use patches::Patches;
 pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, MeantCrease, Neighbor, View};

@@ -10,7 +10,6 @@ use crate::{
         cubic,
         lighting::Lighting,
         mesh::{EdgeKind, Paint, Smooth, Surface},
-        number::Constant,
     },
 };
 
@@ -311,11 +310,6 @@ impl Frame {
         (0..self.triangles.len()).map(of).collect()
     }
 
-    /// Collects a vector of each corner of each triangle.
-    pub(crate) fn corner_vectors<T: Constant>(&self, of: impl Fn(&FrameVertex) -> DVec3) -> Vec<[[T; 3]; 3]> {
-        self.each_triangle(|t| self.corners(t).map(|v| of(v).to_array().map(T::of)))
-    }
-
     /// Returns the barycentric weights of a point on the screen with respect to triangle `triangle`.
     pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle).map(|v| v.screen);
@@ -340,7 +334,11 @@ impl Frame {
     /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye; encoded
     /// if the frame's light values are encoded.
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
-        let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
+        self.stored(self.lighting.light(eye, normal, self.view.to_viewer(eye)))
+    }
+
+    /// Returns this light as the frame's light values are stored: encoded if they are.
+    pub(crate) fn stored(&self, light: DVec3) -> DVec3 {
         match &self.encoding {
             Some(transfers) => encode(transfers, light),
             None => light,

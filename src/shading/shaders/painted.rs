@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::shade::Shader;
-use crate::shading::{
-    frame::Frame,
-    mesh::{Coat, PaintedCorner, Texture},
-    number::Number,
+use crate::{
+    light::Transfers,
+    shading::{
+        frame::Frame,
+        mesh::{Coat, PaintedCorner, Texture},
+    },
 };
 
 /// The paint of a frame.
@@ -34,11 +35,10 @@ struct PaintedTriangle {
 }
 
 impl Painted {
-    /// Returns the paint of `frame` for a shader, if it has any. A renderer that ignores gamma multiplies the encoded
-    /// light of the vertices by encoded colors.
-    pub fn of(frame: &Frame, shader: Shader) -> Option<Painted> {
+    /// Returns the paint of `frame`, if it has any. A renderer that ignores gamma multiplies the encoded light of the
+    /// vertices by encoded colors.
+    pub fn of(frame: &Frame, encoding: Option<&Transfers>) -> Option<Painted> {
         let paint = frame.paint.as_ref()?;
-        let encoding = frame.encoding.as_ref().filter(|_| !shader.lights_pixels());
         let stored = |color: [f64; 3]| encoding.map_or(color, |transfers| transfers.encoded_from_linear(color));
         let coat = |coat: &Coat| Coat {
             base: coat.base.as_ref().map(|base| match encoding {
@@ -72,33 +72,16 @@ impl Painted {
         Some(Painted { triangles, coats: paint.coats.iter().map(coat).collect() })
     }
 
-    /// Multiplies the light at the weights `w` of a triangle by its color.
-    #[inline(always)]
-    pub fn tinted<N: Number, const C: usize>(&self, triangle: usize, w: [N; 3], light: [N; C]) -> [N; C] {
-        let color: [N; 3] = N::each(w, |w| {
-            let (coat, corner) = self.at(triangle, w);
-            coat.color(&corner).to_array()
-        });
-        let mut tinted = light;
-        for c in 0..C {
-            tinted[c] = light[c] * color[c % 3];
-        }
-        tinted
+    /// Returns the color at the weights `w` of a triangle.
+    pub fn color(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
+        let (coat, corner) = self.at(triangle, w);
+        coat.color(&corner)
     }
 
     /// Returns the color and the normal at the weights `w` of a triangle whose shader gives the unit normal `normal`.
-    #[inline(always)]
-    pub fn surface<N: Number, const C: usize>(&self, triangle: usize, w: [N; 3], normal: [N; 3]) -> ([N; C], [N; 3]) {
-        let both: [N; 6] = N::each([w[0], w[1], w[2], normal[0], normal[1], normal[2]], |[a, b, c, x, y, z]| {
-            let (coat, corner) = self.at(triangle, [a, b, c]);
-            let (color, normal) = (coat.color(&corner), coat.normal(&corner, DVec3::new(x, y, z)));
-            [color.x, color.y, color.z, normal.x, normal.y, normal.z]
-        });
-        let mut color = [both[0]; C];
-        for c in 0..C {
-            color[c] = both[c % 3];
-        }
-        (color, [both[3], both[4], both[5]])
+    pub fn surface(&self, triangle: usize, w: [f64; 3], normal: DVec3) -> (DVec3, DVec3) {
+        let (coat, corner) = self.at(triangle, w);
+        (coat.color(&corner), coat.normal(&corner, normal))
     }
 
     /// Interpolates the corners of a triangle with correction for perspective.

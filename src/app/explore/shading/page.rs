@@ -427,7 +427,7 @@ impl ShadingPage {
         }
         let [left, right] = match self.mapped() {
             Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
-            None => pictures.sides.each_ref().map(Picture::codes),
+            None => pictures.sides.each_ref().map(|side| side.codes.clone()),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }

@@ -2,19 +2,20 @@
 
 use std::{sync::Arc, time::Instant};
 
-use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
+use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 
 use super::comparison::Comparison;
 use crate::{
     app::ui::pixels::{self, Canvas},
-    light::{CodeImage, Samples},
-    shading::{Encoder, Frame, Prepared, Surface},
+    light::{Bits, CodeImage, Quantizer, Samples},
+    shading::{Frame, Surface},
     stimulus::Shot,
 };
 
 /// The picture of one side.
 pub struct Picture {
-    pixels: Arc<ColorImage>,
+    /// Its codes.
+    pub codes: CodeImage,
     texture: TextureHandle,
     /// Drawing time, ms.
     pub ms: f64,
@@ -23,27 +24,17 @@ pub struct Picture {
 impl Picture {
     fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
         let started = Instant::now();
-        let mut pixels =
-            ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
-        let encoder = Encoder::new(&shot.transfers.channels()[0]);
-        let prepared = Prepared::new(&shot.frame, &shot.shade);
-        prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
+        let codes = Quantizer::new(&shot.transfers, Bits::Eight).quantize(&shot.image());
         let ms = ms_since(started);
-        let pixels = Arc::new(pixels);
-        let texture = canvas.put(ctx, "shading", pixels.clone());
-        Picture { pixels, texture, ms }
+        let size = [codes.width, codes.height].map(|side| side as usize);
+        let pixels = ColorImage::from_rgb(size, codes.bytes().unwrap_or_default());
+        let texture = canvas.put(ctx, "shading", Arc::new(pixels));
+        Picture { codes, texture, ms }
     }
 
     /// Returns the picture's texture in egui.
     pub fn id(&self) -> TextureId {
         self.texture.id()
-    }
-
-    /// Returns the picture's codes.
-    pub fn codes(&self) -> CodeImage {
-        let [width, height] = self.pixels.size.map(|side| side as u32);
-        let codes = self.pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
-        CodeImage { width, height, samples: Samples::Eight(codes) }
     }
 }
 
@@ -106,8 +97,7 @@ impl Difference {
             return before;
         }
         let [left, right] = &pictures.sides;
-        let codes =
-            combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(factor));
+        let codes = combined(&left.codes, &right.codes, |_, left, right| left.abs_diff(right).saturating_mul(factor));
         let texture = pixels::texture(ctx, "difference", &codes);
         Difference { edition: pictures.edition, factor, codes, texture }
     }
