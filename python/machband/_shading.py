@@ -118,7 +118,7 @@ def shade(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
+    gradients: Literal["curvature", "ring"] = "curvature",
     rotate: Triple = (25, -35, 0),
     light: Triple = (0.36, 0.48, 0.8),
     color: str | Triple = "gray",

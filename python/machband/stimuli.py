@@ -39,7 +39,7 @@ class Parameters(TypedDict, total=False):
     boundary: float
     vertex: Literal["off", "printed", "repaired"]
     reweight: Literal["off", "printed", "repaired"]
-    gradients: Literal["curvature", "ring", "quadric"]
+    gradients: Literal["curvature", "ring"]
     mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"]
     vertices: float
     rotate: str | Sequence[float]
@@ -299,7 +299,7 @@ def shaded_mesh(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
+    gradients: Literal["curvature", "ring"] = "curvature",
     mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"] = "blob",
     vertices: float = 313,
     rotate: str | Sequence[float] = "25,-35,0",
@@ -331,7 +331,7 @@ def shaded_mesh(
     reweight
         Intensity reweighting, Bangay eq. 9. Expected: one of off, printed, repaired.
     gradients
-        How patch and c1-phong compute their slopes. Expected: one of curvature, ring, quadric.
+        How patch and c1-phong compute their slopes. Expected: one of curvature, ring.
     mesh
         Mesh. Expected: one of cube, pyramid, sphere, uv-sphere, torus, jittered-torus, blob, terrain, cylinder,
         filleted-cylinder.

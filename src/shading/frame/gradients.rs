@@ -1,8 +1,7 @@
 //! Slopes at the vertices: from the values at the surrounding vertices, or from the curvature of the mesh. For the light,
 //! dI/dp = (∂I/∂N)·(dN/dp) + the light's own change with position, projected onto the screen.
 
-use glam::{DVec2, DVec3};
-use nalgebra::{RowSVector, SMatrix, SVector};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::projected::{Frame, FrameVertex};
@@ -22,8 +21,6 @@ named! {
         Curvature = "curvature",
         /// A plane fitted to the values at the surrounding vertices.
         Ring = "ring",
-        /// A quadric fitted to the values at the surrounding vertices.
-        Quadric = "quadric",
     }
 }
 
@@ -65,7 +62,6 @@ pub(super) fn of(frame: &Frame, field: Field, gradients: Gradients) -> Vec<Gradi
         checkpoint();
         match gradients {
             Gradients::Ring => ring.plane(fan).solve(),
-            Gradients::Quadric => quadric(fan, &ring).unwrap_or_else(|| ring.plane(fan).solve()),
             Gradients::Curvature => of_curvature(fan, &ring),
         }
     };
@@ -124,55 +120,15 @@ impl<'f> Ring<'f> {
         &self.frame.vertices[self.frame.fans[fan].vertex as usize]
     }
 
-    /// Returns the offset on the screen and the difference in value of every neighbor in `fan` that lies at a different
-    /// position on the screen.
-    fn differences(&self, fan: usize) -> impl Iterator<Item = (DVec2, DVec3)> + '_ {
-        let own = self.vertex(fan);
-        self.neighbors
-            .of(fan)
-            .iter()
-            .map(|other| &self.frame.vertices[*other as usize])
-            .map(move |other| (other.screen - own.screen, self.field.at(other) - self.field.at(own)))
-            .filter(|(offset, _)| offset.length_squared() > 0.0)
-    }
-
     /// Returns the equations of the plane through the vertex of `fan` that best fits its neighbors, weighted by 1/d².
     fn plane(&self, fan: usize) -> Slope {
-        let mut sum = Slope::default();
-        for (offset, change) in self.differences(fan) {
-            sum.add(offset.to_array(), change.to_array(), 1.0 / offset.length_squared());
+        let (mut sum, own) = (Slope::default(), self.vertex(fan));
+        for other in self.neighbors.of(fan).iter().map(|other| &self.frame.vertices[*other as usize]) {
+            let (offset, change) = (other.screen - own.screen, self.field.at(other) - self.field.at(own));
+            if offset.length_squared() > 0.0 {
+                sum.add(offset.to_array(), change.to_array(), 1.0 / offset.length_squared());
+            }
         }
         sum
     }
-}
-
-/// The smallest pivot of the quadric's equations, relative to the largest diagonal element, at which they count as
-/// determined.
-const UNSETTLED: f64 = 0.03;
-
-/// Returns the slope of the quadric through the vertex of `fan` that best fits its neighbors, weighted by 1/d²; `None`
-/// if the neighbors do not determine a quadric.
-fn quadric(fan: usize, ring: &Ring<'_>) -> Option<Gradient> {
-    let steps: Vec<(DVec2, DVec3)> = ring.differences(fan).collect();
-    if steps.len() < 5 {
-        return None;
-    }
-    // In units of the ring's size, all unknowns have similar magnitudes.
-    let size = (steps.iter().map(|(offset, _)| offset.length_squared()).sum::<f64>() / steps.len() as f64).sqrt();
-    let (mut matrix, mut right_sides) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 5, 3>::zeros());
-    for (offset, change) in &steps {
-        let d = *offset / size;
-        let terms = SVector::from([d.x, d.y, d.x * d.x, d.x * d.y, d.y * d.y]);
-        let weighted = terms / d.length_squared();
-        matrix += weighted * terms.transpose();
-        right_sides += weighted * RowSVector::from(change.to_array());
-    }
-    let factors = matrix.cholesky()?;
-    // The pivots of Gaussian elimination.
-    let least = factors.l().diagonal().min().powi(2);
-    if least.is_nan() || least <= UNSETTLED * matrix.diagonal().max() {
-        return None;
-    }
-    let solved = factors.solve(&right_sides) / size;
-    Some([0, 1, 2].map(|c| [solved[(0, c)], solved[(1, c)]]))
 }

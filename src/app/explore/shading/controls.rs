@@ -57,7 +57,6 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
         let title = |gradients: &Gradients| match gradients {
             Gradients::Curvature => "mesh curvature".to_owned(),
             Gradients::Ring => "plane through neighbors".to_owned(),
-            Gradients::Quadric => "quadric through neighbors".to_owned(),
         };
         field("Slopes from", &name("slopes"))
             .choice(ui, &mut shade.gradients, Gradients::ALL, title)
