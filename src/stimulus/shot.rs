@@ -3,13 +3,12 @@
 use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
     light::{LinearImage, Transfer, Transfers},
     shading::{
-        Creases, Frame, Scene, Shade, Shader, Shading, Specular, coverage, image,
+        Creases, Frame, Scene, Shade, Shader, Shading, Specular, image,
         lighting::{Facets, Microfacets},
     },
 };
@@ -110,20 +109,6 @@ pub fn describe_scene(scene: &Scene) -> Value {
     all
 }
 
-/// Rounding errors of the light.
-const ROUNDING: f32 = 1e-5;
-
-/// How far a shader's light falls below what the lighting can give, which is at least the ambient light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Undershoot {
-    /// The share of the surface's pixels that are darker than the ambient light, 0…1.
-    pub below_ambient: f64,
-    /// The most light that is missing, in linear light.
-    pub most: f64,
-    /// The share of the surface's pixels with light below 0, which the display shows as black, 0…1.
-    pub clipped: f64,
-}
-
 impl Shot<'_> {
     /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
     /// either into codes.
@@ -134,34 +119,13 @@ impl Shot<'_> {
     /// Returns the light that the display emits, limited to the range from black to white.
     pub fn emitted(&self) -> LinearImage {
         // NaN becomes black, as on the screen.
-        self.light(|light| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 })
-    }
-
-    /// Returns the light that the display would emit if it could emit any amount.
-    fn light(&self, shown: impl Fn(f64) -> f32) -> LinearImage {
+        let shown = |light: f64| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 };
         let mut image = self.image();
         for pixel in image.data.chunks_exact_mut(3) {
             let light = self.frame.emitted(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
-            pixel.copy_from_slice(&light.to_array().map(&shown));
+            pixel.copy_from_slice(&light.to_array().map(shown));
         }
         image
-    }
-
-    /// Returns how far the shader's light falls below what the lighting can give.
-    pub fn undershoot(&self) -> Undershoot {
-        let (light, ambient) =
-            (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
-        let pixels = light.data.chunks_exact(3).zip(coverage::visible(&self.frame));
-        let shown: Vec<&[f32]> = pixels.filter(|(_, t)| *t != coverage::NONE).map(|(pixel, _)| pixel).collect();
-        let missing = |pixel: &&[f32]| (0..3).map(|c| ambient[c] - pixel[c]).fold(0.0, f32::max);
-        let share = |is: &dyn Fn(&&[f32]) -> bool| {
-            shown.iter().filter(|pixel| is(pixel)).count() as f64 / shown.len().max(1) as f64
-        };
-        Undershoot {
-            below_ambient: share(&|pixel| missing(pixel) > ROUNDING),
-            most: shown.iter().map(missing).fold(0.0, f32::max).into(),
-            clipped: share(&|pixel| pixel.iter().any(|light| *light < -ROUNDING)),
-        }
     }
 
     /// Returns the creases in the light that the display emits.

@@ -20,7 +20,7 @@ use crate::{
     light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
     shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
-    stimulus::{Judged, Renderer, Residual, SurfaceDifference, Undershoot, ViewingConditions},
+    stimulus::{Judged, Renderer, Residual, SurfaceDifference, ViewingConditions},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
     vision::VisionError,
@@ -124,7 +124,6 @@ pub struct Metrics {
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
     pub masked: Option<f64>,
-    pub undershoot: Undershoot,
 }
 
 /// How visible the difference from the smooth surface is, in times threshold: the largest value, and the one that a
@@ -164,7 +163,6 @@ struct Measured {
     creases: Creases,
     difference: Option<SurfaceDifference>,
     residual: Option<Residual>,
-    undershoot: Undershoot,
 }
 
 impl Shade {
@@ -363,13 +361,11 @@ impl<'a> Drawing<'a> {
             RequestError::value(field, format!("{value}: {error}"))
         };
         let measured = |renderer: &Renderer| {
-            let shot = renderer.shoot(&seen, transfers);
-            let emitted = shot.emitted();
+            let emitted = renderer.shoot(&seen, transfers).emitted();
             Ok::<_, RequestError>(Measured {
                 creases: renderer.shoot(&plain, transfers).creases(),
                 difference: judged.difference(viewing, &emitted).map_err(unseen)?,
                 residual: judged.residual(viewing, &emitted),
-                undershoot: shot.undershoot(),
             })
         };
         let own = measured(renderer)?;
@@ -414,7 +410,6 @@ impl<'a> Drawing<'a> {
             residual,
             residual_unit: "linear light, filtered by contrast sensitivity, against the smooth surface",
             masked: judged.not_compared(),
-            undershoot: own.undershoot,
         })
     }
 }

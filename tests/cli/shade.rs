@@ -174,7 +174,7 @@ fn the_smooth_surface_is_drawn_and_compared() {
     assert!(residual["over_gouraud"]["p999"].as_f64().unwrap() < 0.2, "{found}");
     assert!(residual["rms"].as_f64().unwrap() < residual["p999"].as_f64().unwrap(), "{found}");
     assert!((0.0..0.3).contains(&found["masked"].as_f64().unwrap()), "{found}");
-    assert_eq!((&found["normals"], &found["undershoot"]["clipped"]), (&"given".into(), &0.0.into()));
+    assert_eq!(found["normals"], "given");
     // A cylinder's own edges are no difference.
     let sharp = metrics(folder.path(), "--mesh cylinder --vertices 48 --rotate 60,-35,0 --shader c1-phong");
     assert!(sharp["difference"]["largest"].as_f64().unwrap() < 1.0, "{sharp}");
