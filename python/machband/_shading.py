@@ -132,7 +132,6 @@ def shade(
     facet_index: float | None = None,
     background: float = 0.05,
     distance: float = float("inf"),
-    naive: bool = False,
     window_deg: float = 10,
     size: int = 1024,
     transfer: str | Transfer | None = None,
@@ -201,8 +200,6 @@ def shade(
         Background light, 0 to 1.
     distance
         Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
-    naive
-        Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
         Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     size, transfer, display, bits, dither, seed

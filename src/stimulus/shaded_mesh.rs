@@ -8,10 +8,10 @@ use super::{
     color::{self, StimulusColor},
     drawing::Area,
     parameter::{ParameterError, Range, kind, parameter_error, text_field},
-    shot::{Renderer, Shot},
+    shot::along,
 };
 use crate::{
-    light::{Depth, LinearImage, Transfer},
+    light::{Depth, LinearImage},
     shading::{
         Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface, image,
         shapes::{self, Shape, ShapeError},
@@ -132,11 +132,6 @@ impl ShadedMesh {
     pub(super) fn frame(&self, size: u32) -> Option<Frame> {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
-
-    /// Draws `frame` with the shader of this stimulus.
-    pub(super) fn shot<'f>(&self, frame: &'f Frame) -> Shot<'f> {
-        Renderer::new(self.shade()).shoot(frame, &Transfer::Linear.into())
-    }
 }
 
 impl Area for ShadedMesh {
@@ -147,7 +142,7 @@ impl Area for ShadedMesh {
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; size as usize] };
         let ends = [0.0, f64::from(size)].map(|x| DVec2::new(x, f64::from(size) / 2.0));
-        let lights = self.shot(&frame).along(ends, size as usize);
+        let lights = along(&frame, &self.shade(), ends, size as usize);
         lights.iter().map(|light| light.unwrap_or(frame.background).as_vec3().to_array()).collect()
     }
 }

@@ -13,7 +13,7 @@ use crate::{
         self, Correction, Frame, Gradients, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, StimulusColor, Triple, ViewingConditions, describe_scene},
+    stimulus::{StimulusColor, Triple, ViewingConditions, describe_scene},
     store::{self, mesh::MeshFile},
     system::found,
     text::number::{whole, within},
@@ -101,9 +101,6 @@ pub struct OneMesh {
     /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
     pub distance: f64,
-    /// Interpolate encoded values, like a renderer that ignores gamma.
-    #[arg(long)]
-    pub naive: bool,
     /// Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
     pub window_deg: f64,
@@ -133,11 +130,11 @@ impl OneMesh {
         self.shader.map_or_else(|| "the smooth surface".to_owned(), |shader| format!("the shader {shader}"))
     }
 
-    pub(super) fn renderer(&self) -> Result<Renderer, RequestError> {
+    pub(super) fn checked_shade(&self) -> Result<shading::Shade, RequestError> {
         let shade = self.shade();
         match shade.idle_correction(&self.drawn()) {
             Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
-            None => Ok(Renderer { shade, naive: self.naive }),
+            None => Ok(shade),
         }
     }
 
@@ -207,15 +204,15 @@ impl OneMesh {
     }
 
     /// Describes all parameters of the image.
-    pub(super) fn describe(&self, scene: &Scene, renderer: &Renderer, size: u32) -> Value {
+    pub(super) fn describe(&self, scene: &Scene, size: u32) -> Value {
         let vertices = self.named().is_some_and(Shape::has_vertices).then_some(self.vertices);
         let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
-        append(&mut all, renderer.describe());
+        append(&mut all, json!(self.shade()));
         if let Some(file) = &self.truth {
             append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
         }
         append(&mut all, describe_scene(scene));
-        append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": size }));
+        append(&mut all, json!({ "color": self.color.to_string(), "size": size }));
         all
     }
 }

@@ -19,8 +19,8 @@ use super::{
 use crate::{
     light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
     report::document::numbers::count,
-    shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
-    stimulus::{Judged, Renderer, Residual, SurfaceDifference, ViewingConditions},
+    shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image, shapes::Shape},
+    stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
     vision::VisionError,
@@ -196,9 +196,9 @@ impl Shade {
         let mut notes = Vec::new();
         let drawing = Drawing::new(one, found, self.image.size, encoded.transfers, viewing, &mut notes)?;
         let picture = wanted.picture.then(|| {
-            let (image, transfers) = drawing.image();
+            let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&drawing.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
         let creases = wanted.creases.then(|| drawing.creases());
@@ -211,10 +211,9 @@ impl Shade {
     fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
         let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
         let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
-        let rules: [(&[&str], bool, &str); 11] = [
+        let rules: [(&[&str], bool, &str); 10] = [
             (&["depth", "boundary"], shade.has_strip(), &shader),
             (&["gradients"], shade.has_gradients(), &shader),
-            (&["naive"], shade.shader.interpolates_light(), &shader),
             (&["crease"], shape.is_none(), &mesh),
             (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
             (
@@ -255,7 +254,7 @@ impl Shade {
 /// A mesh in its place, with everything that determines how it looks.
 struct Drawing<'a> {
     one: &'a OneMesh,
-    renderer: Renderer,
+    shade: shading::Shade,
     scene: Scene,
     viewing: ViewingConditions,
     transfers: Transfers,
@@ -277,7 +276,7 @@ impl<'a> Drawing<'a> {
         viewing: ViewingConditions,
         notes: &mut Vec<String>,
     ) -> anyhow::Result<Self> {
-        let (renderer, scene) = (one.renderer()?, one.scene()?);
+        let (shade, scene) = (one.checked_shade()?, one.scene()?);
         notes.extend(file.note(&one.mesh));
         let surface = Surface::new(file.mesh.estimated(one.normals));
         let frame = scene.frame(&surface, size, size);
@@ -297,22 +296,21 @@ impl<'a> Drawing<'a> {
             anyhow::Ok(Surface::new(file.mesh))
         };
         let fine = one.fine_file().map(fine).transpose()?;
-        let description = one.describe(&scene, &renderer, size);
-        Ok(Drawing { one, renderer, scene, viewing, transfers, surface, frame, fine, description })
+        let description = one.describe(&scene, size);
+        Ok(Drawing { one, shade, scene, viewing, transfers, surface, frame, fine, description })
     }
 
-    /// Returns the light of the picture, or values that are encoded already, and what turns them into codes.
-    fn image(&self) -> (LinearImage, Transfers) {
-        let shot = self.renderer.shoot(&self.frame, &self.transfers);
+    /// Returns the light of the picture.
+    fn image(&self) -> LinearImage {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
         let truth = self.one.draws_truth().then(truth).flatten();
-        (truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame)), shot.transfers)
+        truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
     /// Returns the codes of a picture of the change of slope at each edge.
     fn creases(&self) -> CodeImage {
         let plain = self.frame.clone().unpainted();
-        let creases = self.renderer.shoot(&plain, &self.transfers).creases();
+        let creases = Creases::of(&plain, &self.shade);
         let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
         Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
     }
@@ -348,7 +346,7 @@ impl<'a> Drawing<'a> {
 
     /// Measures this picture and Gouraud's.
     fn metrics(&self, notes: &mut Vec<String>) -> anyhow::Result<Metrics> {
-        let Self { one, renderer, viewing, transfers, surface, frame, .. } = self;
+        let Self { one, shade, viewing, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
@@ -360,16 +358,16 @@ impl<'a> Drawing<'a> {
             };
             RequestError::value(field, format!("{value}: {error}"))
         };
-        let measured = |renderer: &Renderer| {
-            let emitted = renderer.shoot(&seen, transfers).emitted();
+        let measured = |shade: &shading::Shade| {
+            let emitted = emitted(&seen, shade);
             Ok::<_, RequestError>(Measured {
-                creases: renderer.shoot(&plain, transfers).creases(),
+                creases: Creases::of(&plain, shade),
                 difference: judged.difference(viewing, &emitted).map_err(unseen)?,
                 residual: judged.residual(viewing, &emitted),
             })
         };
-        let own = measured(renderer)?;
-        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
+        let own = measured(shade)?;
+        let gouraud = if shade.is_gouraud() { own.clone() } else { measured(&shading::Shade::new(Shader::Gouraud))? };
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
         let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
         let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| ResidualMetrics {

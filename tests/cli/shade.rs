@@ -29,14 +29,6 @@ fn the_picture_matches_the_library() {
     assert_eq!(parameters["shader"], "patch");
     assert_eq!(parameters["depth"], 1);
     assert_eq!(parameters["mesh"], "torus");
-    // Ignoring gamma changes what is interpolated, not the background.
-    let of = |naive: &str| {
-        succeeds(folder.path(), &split(&format!("shade --shader gouraud --size 64 {naive} --out b.png --force")));
-        pixels(&folder.path().join("b.png")).1
-    };
-    let (plain, naive) = (of(""), of("--naive"));
-    assert!(plain != naive && plain.iter().zip(&naive).all(|(plain, naive)| plain.abs_diff(*naive) < 30));
-    assert_eq!(plain[0], naive[0]);
 }
 
 /// All documented fields are present. The meshes have 622 and 1538 triangles. `patch` has no
@@ -78,8 +70,6 @@ fn metrics_have_the_visible_difference() {
         assert!(over(&patch, field) < 0.8, "{patch}");
     }
     assert!(number(&patch, "p95") < number(&patch, "largest"));
-    // A renderer that interpolates codes emits a different picture.
-    assert_ne!(number(&of("gouraud --size 64 --naive"), "largest"), number(&gouraud, "largest"));
     // Half the width: finer structure, which is seen less well; without a black, black pixels have no contrast.
     assert_ne!(number(&of("gouraud --size 64 --window 5"), "largest"), number(&gouraud, "largest"));
     let cube = metrics(folder.path(), "--mesh cube --shader gouraud");
@@ -123,14 +113,8 @@ fn every_error_has_its_own_message() {
         assert_eq!(notes, options.iter().map(note).collect::<String>(), "{line}");
     };
     idle(
-        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --naive --out a.png",
-        &[
-            "--vertices on cube",
-            "--crease on cube",
-            "--depth on the shader phong",
-            "--gradients on the shader phong",
-            "--naive on the shader phong",
-        ],
+        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --out a.png",
+        &["--vertices on cube", "--crease on cube", "--depth on the shader phong", "--gradients on the shader phong"],
     );
     idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
     idle(

@@ -76,7 +76,6 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         vertices,
         lighting,
         view: View::square(200),
-        encoding: None,
     }
 }
 

@@ -1,7 +1,6 @@
 //! Which pixels show which triangle, for any number of threads.
 
 use glam::{DVec2, DVec3};
-use machband::light::Transfer;
 use machband::shading::{Frame, Lighting, Material, Mesh, Shade, Shader, Surface, View, coverage, image, shapes};
 
 use crate::{covers, random};
@@ -47,7 +46,6 @@ fn scenes() -> Vec<(&'static str, Frame)> {
         ("blob", frame(shapes::blob(313), [200, 180], 0.9, &brown(), SKY)),
         ("blob, one pixel", frame(shapes::blob(20), [1, 1], 0.9, &brown(), SKY)),
         ("blob, tiny", frame(shapes::blob(771), [37, 3], 0.9, &brown(), SKY)),
-        ("blob, encoded", frame(shapes::blob(313), [120, 100], 0.9, &brown(), SKY).encoded(&Transfer::Srgb.into())),
     ];
     for seed in 0..4 {
         scenes.push(("ugly", frame(ugly(seed), [150, 101], 1.1, &brown(), SKY)));

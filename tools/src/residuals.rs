@@ -4,12 +4,12 @@ use std::error::Error;
 
 use glam::DVec3;
 use machband::{
-    light::{Depth, LinearImage, Transfer},
+    light::{Depth, LinearImage},
     shading::{
         Frame, Gradients, Mesh, Normals, Scene, Shade, Shader, Surface, Vertex,
         shapes::{self, Shape},
     },
-    stimulus::{Judged, Renderer, Residual, ViewingConditions},
+    stimulus::{Judged, Residual, ViewingConditions, emitted},
 };
 
 /// Pixels per side of the images.
@@ -166,7 +166,7 @@ impl Subject {
 
     /// Returns the residual, and the largest visible difference from the smooth surface.
     fn judge(&self, frame: &Frame, shade: &Shade) -> Result<(Residual, f64), Box<dyn Error>> {
-        let image: LinearImage = Renderer::new(*shade).shoot(frame, &Transfer::Linear.into()).emitted();
+        let image: LinearImage = emitted(frame, shade);
         let residual = self.judged.residual(&viewing(), &image).ok_or("the surface is not known")?;
         let difference = self.judged.difference(&viewing(), &image)?.ok_or("the surface is not known")?;
         Ok((residual, difference.largest))

@@ -67,12 +67,11 @@ impl<'f> Shading<'f> {
     /// Prepares `frame` by computing the constants of `shade` once.
     pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         let is_uncorrected = (shade.vertex, shade.reweight) == (Correction::Off, Correction::Off);
-        let paint = || Painted::of(frame, frame.encoding.as_ref());
         Shading {
             frame,
             kernel: kernel(frame, shade),
             corrections: (!is_uncorrected).then(|| Corrections::new(frame, shade)),
-            paint: if shade.shader.lights_pixels() { None } else { paint() },
+            paint: if shade.shader.lights_pixels() { None } else { Painted::of(frame) },
         }
     }
 

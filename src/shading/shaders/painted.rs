@@ -4,12 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::{
-    light::Transfers,
-    shading::{
-        frame::Frame,
-        mesh::{Coat, PaintedCorner, Texture},
-    },
+use crate::shading::{
+    frame::Frame,
+    mesh::{Coat, Paint, PaintedCorner},
 };
 
 /// The paint of a frame.
@@ -17,8 +14,8 @@ use crate::{
 pub struct Painted {
     /// The triangles of the frame.
     triangles: Vec<PaintedTriangle>,
-    /// Their textures.
-    coats: Vec<Coat>,
+    /// Has their textures.
+    paint: Arc<Paint>,
 }
 
 /// The paint of a triangle of a frame.
@@ -35,22 +32,9 @@ struct PaintedTriangle {
 }
 
 impl Painted {
-    /// Returns the paint of `frame`, if it has any. A renderer that ignores gamma multiplies the encoded light of the
-    /// vertices by encoded colors.
-    pub fn of(frame: &Frame, encoding: Option<&Transfers>) -> Option<Painted> {
+    /// Returns the paint of `frame`, if it has any.
+    pub fn of(frame: &Frame) -> Option<Painted> {
         let paint = frame.paint.as_ref()?;
-        let stored = |color: [f64; 3]| encoding.map_or(color, |transfers| transfers.encoded_from_linear(color));
-        let coat = |coat: &Coat| Coat {
-            base: coat.base.as_ref().map(|base| match encoding {
-                Some(_) => {
-                    let texels =
-                        base.texels.iter().map(|texel| stored(texel.map(f64::from)).map(|x| x as f32)).collect();
-                    Arc::new(Texture { texels, ..**base })
-                }
-                None => base.clone(),
-            }),
-            normals: coat.normals.clone(),
-        };
         let triangle = |t: usize| {
             let drawn = &frame.triangles[t];
             let [a, b, c] = paint.corners[drawn.of_mesh as usize];
@@ -59,8 +43,7 @@ impl Painted {
                 let tangent = frame.view.rotation * corner.tangent.truncate();
                 // The back's normal is reversed; its textures stay where they are.
                 let side = if drawn.is_back { -corner.tangent.w } else { corner.tangent.w };
-                let color = DVec3::from_array(stored(corner.color.to_array()));
-                PaintedCorner { tangent: tangent.extend(side), color, ..corner }
+                PaintedCorner { tangent: tangent.extend(side), ..corner }
             };
             PaintedTriangle {
                 corners: corners.map(turned),
@@ -68,8 +51,7 @@ impl Painted {
                 coat: paint.of_triangles[drawn.of_mesh as usize],
             }
         };
-        let triangles = frame.each_triangle(triangle);
-        Some(Painted { triangles, coats: paint.coats.iter().map(coat).collect() })
+        Some(Painted { triangles: frame.each_triangle(triangle), paint: paint.clone() })
     }
 
     /// Returns the color at the weights `w` of a triangle.
@@ -90,6 +72,6 @@ impl Painted {
         let weights = [0, 1, 2].map(|k| w[k] * nearness[k]);
         let sum: f64 = weights.iter().sum();
         let mean = PaintedCorner::mean(corners, weights.map(|weight| weight / sum));
-        (&self.coats[*coat as usize], mean)
+        (&self.paint.coats[*coat as usize], mean)
     }
 }

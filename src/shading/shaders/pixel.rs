@@ -13,7 +13,7 @@ pub struct PixelLight<'f> {
 
 impl<'f> PixelLight<'f> {
     pub fn new(frame: &'f Frame) -> Self {
-        PixelLight { frame, paint: Painted::of(frame, None) }
+        PixelLight { frame, paint: Painted::of(frame) }
     }
 
     /// Returns the light at the weights `w` of a triangle, at a position with a unit normal and a unit vector toward the
@@ -23,6 +23,6 @@ impl<'f> PixelLight<'f> {
             Some(paint) => paint.surface(triangle, w, normal),
             None => (DVec3::ONE, normal),
         };
-        self.frame.stored(self.frame.lighting.painted(position, normal, to_viewer, color))
+        self.frame.lighting.painted(position, normal, to_viewer, color)
     }
 }

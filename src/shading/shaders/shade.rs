@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use serde::Serialize;
+
 use crate::{light::Depth, shading::frame::Gradients, text::names::named};
 
 named! {
@@ -42,7 +44,7 @@ named! {
 }
 
 /// A shader with its options.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shade {
     /// The shader.
     pub shader: Shader,
@@ -81,6 +83,13 @@ impl Shade {
             reweight: Correction::Off,
             gradients: Gradients::Curvature,
         }
+    }
+
+    /// Returns whether this draws the same picture as Gouraud's shader, the baseline for all comparisons. Options that only
+    /// other shaders use may differ.
+    pub fn is_gouraud(&self) -> bool {
+        let Shade { depth, boundary, gradients, .. } = *self;
+        *self == Shade { depth, boundary, gradients, ..Shade::new(Shader::Gouraud) }
     }
 
     /// Returns the name of a correction that has no effect on this shader, its value, and why; `drawn` names the shader.

@@ -76,6 +76,6 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
 fn suggested(compared: &Comparison) -> String {
     let title = compared.mesh.title();
     let stem = Path::new(&title).file_stem().unwrap_or_default().to_string_lossy();
-    let [left, right] = compared.sides.map(|side| side.shade.shader);
+    let [left, right] = compared.sides.map(|side| side.shader);
     format!("{stem}-{left}-{right}.png")
 }

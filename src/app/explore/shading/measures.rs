@@ -14,8 +14,8 @@ use crate::{
         ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     },
     light::{Bits, CodeImage, Quantizer, Samples, Transfer},
-    shading::{Creases, Surface, crease},
-    stimulus::{Judged, Renderer, ViewingConditions},
+    shading::{Creases, Shade, Shader, Surface, crease},
+    stimulus::{Judged, ViewingConditions, along, emitted},
     vision::luminance,
 };
 
@@ -97,7 +97,7 @@ impl Measurement {
 pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, width, height).unpainted();
     let gouraud = Creases::of_gouraud(&frame);
-    let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
+    let sides = compared.sides.map(|side| Creases::of(&frame, &side));
     // Both maps have the same scale: white is the 95th percentile of Gouraud's creases.
     let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
     let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
@@ -118,14 +118,14 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
     let judged = Judged::known(&frame);
-    let judge = |side: &Renderer| {
-        let found = judged.difference(&viewing, &compared.shot(side, &frame).emitted());
+    let judge = |side: &Shade| {
+        let found = judged.difference(&viewing, &emitted(&frame, side));
         found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
     };
     let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
-    let gouraud = match compared.sides.iter().position(Renderer::is_gouraud) {
+    let gouraud = match compared.sides.iter().position(Shade::is_gouraud) {
         Some(which) => sides[which].largest,
-        None => judge(&Renderer::gouraud())?.largest,
+        None => judge(&Shade::new(Shader::Gouraud))?.largest,
     };
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
@@ -179,7 +179,7 @@ impl Scan {
         let length = ends[0].distance(ends[1]);
         let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
         let light = compared.sides.map(|side| {
-            let lights = compared.shot(&side, frame).along(ends, count);
+            let lights = along(frame, &side, ends, count);
             let at = |i: usize, light: DVec3| {
                 [(i as f64 + 0.5) / count as f64 * length, luminance(light.as_vec3().to_array())]
             };

@@ -8,8 +8,7 @@ use super::comparison::Comparison;
 use crate::{
     app::ui::pixels::{self, Canvas},
     light::{Bits, CodeImage, Quantizer, Samples},
-    shading::{Frame, Surface},
-    stimulus::Shot,
+    shading::{Frame, Shade, Surface, image},
 };
 
 /// The picture of one side.
@@ -22,9 +21,9 @@ pub struct Picture {
 }
 
 impl Picture {
-    fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
+    fn draw(ctx: &egui::Context, canvas: &mut Canvas, frame: &Frame, shade: &Shade, quantizer: &Quantizer) -> Picture {
         let started = Instant::now();
-        let codes = Quantizer::new(&shot.transfers, Bits::Eight).quantize(&shot.image());
+        let codes = quantizer.quantize(&image(frame, shade));
         let ms = ms_since(started);
         let size = [codes.width, codes.height].map(|side| side as usize);
         let pixels = ColorImage::from_rgb(size, codes.bytes().unwrap_or_default());
@@ -74,8 +73,8 @@ impl Pictures {
         let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(started);
-        let draw =
-            |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
+        let quantizer = Quantizer::new(&compared.transfer, Bits::Eight);
+        let draw = |which: usize| Picture::draw(ctx, &mut canvases[which], &frame, &compared.sides[which], &quantizer);
         let sides = [0, 1].map(draw);
         Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
     }
