@@ -7,7 +7,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::DVec3;
 use machband::light::{Bits, Quantizer, Transfer};
-use machband::shading::{Field, Frame, Gradients, Lighting, Mesh, Patches, Shade, Shader, Surface, View, image};
+use machband::shading::{Field, Frame, Lighting, Mesh, Patches, Shade, Shader, Surface, View, image};
 
 const SIZE: u32 = 1024;
 
@@ -87,6 +87,6 @@ mod prepare {
 
     fn bench_coefficients(bencher: Bencher<'_, '_>, field: Field, columns: usize, rows: usize, threads: usize) {
         let (frame, pool) = (grid(columns, rows), pool(threads));
-        bencher.bench_local(|| pool.install(|| Patches::new(black_box(&frame), field, Gradients::Curvature)));
+        bencher.bench_local(|| pool.install(|| Patches::new(black_box(&frame), field)));
     }
 }

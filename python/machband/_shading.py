@@ -118,7 +118,6 @@ def shade(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring"] = "curvature",
     rotate: Triple = (25, -35, 0),
     light: Triple = (0.36, 0.48, 0.8),
     color: str | Triple = "gray",
@@ -169,8 +168,6 @@ def shade(
         Vertex shading correction (Bangay, eq. 7).
     reweight
         Intensity reweighting correction (Bangay, eq. 9).
-    gradients
-        How patch and c1-phong compute their slopes.
     rotate
         Rotation of the mesh about x, then y, then z, in degrees.
     light

@@ -25,8 +25,7 @@ pub mod shaders;
 
 pub use draw::{Body, Composition, image};
 pub use frame::{
-    Fan, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Mirrors, Neighbor, Patches, Scene, View,
-    coverage,
+    Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Neighbor, Patches, Scene, View, coverage,
 };
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};

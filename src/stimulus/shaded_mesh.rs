@@ -13,7 +13,7 @@ use super::{
 use crate::{
     light::{Depth, LinearImage},
     shading::{
-        Correction, Frame, Gradients, Mesh, Scene, Shade, Shader, Surface, image,
+        Correction, Frame, Mesh, Scene, Shade, Shader, Surface, image,
         shapes::{self, Shape, ShapeError},
     },
     text::names::serde_as_text,
@@ -45,7 +45,7 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES, Gradients: Self::NAMES);
+text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES);
 
 serde_as_text!(Triple);
 
@@ -61,7 +61,6 @@ kind! {
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 act as 1/3", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7", Correction::EXPECTED, ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9", Correction::EXPECTED, ["off", "repaired"];
-        gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch and c1-phong compute their slopes", Gradients::EXPECTED, ["curvature", "ring"];
         mesh: Shape = Shape::Blob, Range::Any, "", "Mesh", Shape::EXPECTED, ["cube", "sphere", "blob"];
         vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices; exact for a blob, approximate for other round shapes", "a whole number from 4 to 20000", ["313", "771"];
         rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Rotation about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
@@ -102,7 +101,6 @@ impl ShadedMesh {
             boundary: self.boundary,
             vertex: self.vertex,
             reweight: self.reweight,
-            gradients: self.gradients,
         }
     }
 

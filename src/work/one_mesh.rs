@@ -10,7 +10,7 @@ use super::{RequestError, named, request::paths};
 use crate::{
     light::Depth,
     shading::{
-        self, Correction, Frame, Gradients, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
+        self, Correction, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
         shapes::{self, Shape},
     },
     stimulus::{StimulusColor, Triple, ViewingConditions, describe_scene},
@@ -56,9 +56,6 @@ pub struct OneMesh {
     /// Intensity reweighting correction (Bangay, eq. 9).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     pub reweight: Correction,
-    /// How patch and c1-phong compute their slopes.
-    #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
-    pub gradients: Gradients,
     /// Rotation of the mesh about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
     pub rotate: Triple,
@@ -119,10 +116,10 @@ fn distance(text: &str) -> Result<f64, String> {
 
 impl OneMesh {
     pub(super) fn shade(&self) -> shading::Shade {
-        let Self { depth, boundary, vertex, reweight, gradients, .. } = *self;
+        let Self { depth, boundary, vertex, reweight, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
-        shading::Shade { shader, depth, boundary, vertex, reweight, gradients }
+        shading::Shade { shader, depth, boundary, vertex, reweight }
     }
 
     /// Names what draws the picture.

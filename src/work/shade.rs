@@ -211,9 +211,8 @@ impl Shade {
     fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
         let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
         let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
-        let rules: [(&[&str], bool, &str); 10] = [
+        let rules: [(&[&str], bool, &str); 9] = [
             (&["depth", "boundary"], shade.has_strip(), &shader),
-            (&["gradients"], shade.has_gradients(), &shader),
             (&["crease"], shape.is_none(), &mesh),
             (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
             (

@@ -113,10 +113,10 @@ fn every_error_has_its_own_message() {
         assert_eq!(notes, options.iter().map(note).collect::<String>(), "{line}");
     };
     idle(
-        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --out a.png",
-        &["--vertices on cube", "--crease on cube", "--depth on the shader phong", "--gradients on the shader phong"],
+        "--mesh cube --shader phong --depth 3 --crease 30 --vertices 99 --out a.png",
+        &["--vertices on cube", "--crease on cube", "--depth on the shader phong"],
     );
-    idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
+    idle("--truth --depth 3 --out b.png", &["--depth on the smooth surface"]);
     idle(
         "--shader flat --specular 0 --shininess 9 --window 5 --white 9 --truth fine.obj --seed 2 --out c.png",
         &[

@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
-        Field, Frame, Gradients, Lighting, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
+        Field, Frame, Lighting, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
         cubic::{self, Camera},
         shapes::{self, Shape},
     },
@@ -182,7 +182,7 @@ fn subjects() -> Vec<Subject> {
 #[test]
 fn plain_rust_gives_the_librarys_coefficients() {
     for subject in subjects() {
-        let theirs = Patches::new(&subject.frame, Field::Normal, Gradients::Curvature).coefficients;
+        let theirs = Patches::new(&subject.frame, Field::Normal).coefficients;
         let own = cubic::coefficients(&subject.surface, &subject.camera);
         assert_eq!(own.iter().filter(|k| k[0] != [0.0; 3]).count(), theirs.len(), "{}", subject.name);
         let mut worst = [0f64; 2];
@@ -214,7 +214,7 @@ fn a_rounded_cylinders_faces_stay_flat() {
         DVec3::ZERO,
     );
     assert!(frame.fans.len() > frame.vertices.len());
-    let cubics = Patches::new(&frame, Field::Normal, Gradients::Curvature).coefficients;
+    let cubics = Patches::new(&frame, Field::Normal).coefficients;
     let mut flat = 0;
     for (t, k) in cubics.iter().enumerate() {
         let normals = frame.corners(t).map(|v| v.normal);

@@ -3,7 +3,7 @@
 use crate::{frame, grid};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::shading::{
-    Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
+    Field, Frame, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
     cubic::Gradient,
     mesh::newell,
     shaders::ShaderKernel as _,
@@ -49,7 +49,7 @@ fn near_neighbors_count_more() {
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
     let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
-    let gradient = Patches::new(&frame, Field::Light, Gradients::Ring).gradients[0];
+    let gradient = Patches::new(&frame, Field::Light).gradients[0];
     assert!(DVec2::from(gradient[0]).distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
@@ -69,7 +69,7 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
             [a.distance(b), b.distance(c), c.distance(a)]
         })
         .fold(0.0, f64::max);
-    let patches = Patches::new(&frame, Field::Light, Gradients::Ring);
+    let patches = Patches::new(&frame, Field::Light);
     let faults = frame.vertices.iter().zip(&patches.gradients);
     let faults = faults.map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)));
     let (fault, error) = (faults.fold(0.0, f64::max), worst(&frame, &patches, field));
@@ -132,8 +132,8 @@ fn true_sphere(vertices: usize) -> Surface {
 /// Returns the root mean square error of the gradients of a sphere under a distant lamp, relative to the root mean
 /// square of the true gradients. Counts only vertices at which the cosine of the angle between the normal and the
 /// direction to the eye exceeds `facing`.
-fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
-    let patches = Patches::new(frame, Field::Light, gradients);
+fn gradient_error(frame: &Frame, facing: f64) -> f64 {
+    let patches = Patches::new(frame, Field::Light);
     let (mut error, mut size) = (0.0, 0.0);
     for (vertex, gradient) in frame.vertices.iter().zip(&patches.gradients) {
         let toward = frame.view.to_viewer(vertex.eye);
@@ -173,9 +173,8 @@ fn curvature_gives_a_spheres_gradients() {
     for distance in [f64::INFINITY, 3.0] {
         for (name, surface) in [("true", true_sphere(642)), ("estimated", sphere(642))] {
             let frame = Scene { distance, ..Scene::default() }.frame(&surface, 512, 512);
-            let [curvature, ring] = [Gradients::Curvature, Gradients::Ring].map(|g| gradient_error(&frame, g, 0.4));
-            assert!(curvature < 0.03, "eye at {distance}, {name} curvature: {curvature}");
-            assert!(curvature < 0.15 * ring, "eye at {distance}, {name} curvature: {curvature} beside {ring}");
+            let error = gradient_error(&frame, 0.4);
+            assert!(error < 0.03, "eye at {distance}, {name} curvature: {error}");
         }
     }
 }
@@ -189,7 +188,7 @@ fn lights_stay_bounded_near_the_silhouette() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let patches = Patches::new(&frame, Field::Light, Gradients::Curvature);
+            let patches = Patches::new(&frame, Field::Light);
             for t in 0..frame.triangles.len() {
                 for w in WEIGHTS {
                     let light = patches.light(t, w, DVec3::ZERO).x;
@@ -242,7 +241,7 @@ fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
         for turn in 0..12 {
             let view = View::square(512).rotated([30.0 * f64::from(turn) + 4.0, 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let normals = Patches::new(&frame, Field::Normal, Gradients::Curvature);
+            let normals = Patches::new(&frame, Field::Normal);
             for t in 0..frame.triangles.len() {
                 let corners = frame.corners(t);
                 if corners.iter().all(|corner| corner.normal.z > 0.0) {
@@ -272,7 +271,7 @@ fn slopes_do_not_jump_where_a_normal_faces_away() {
             let view = View { rotation: DMat3::from_quat(turn), ..View::square(400) };
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
             let own = frame.vertices.iter().position(|own| own.normal.distance(DVec3::X) < 1e-6);
-            own.map(|own| Patches::new(&frame, Field::Normal, Gradients::Curvature).gradients[own])
+            own.map(|own| Patches::new(&frame, Field::Normal).gradients[own])
         });
         let (Some(before), Some(after)) = (before, after) else { continue };
         let apart =

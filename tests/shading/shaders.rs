@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::{
-    Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
+    Correction, Frame, FrameVertex, Lamp, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
 };
 
 use crate::{
@@ -143,14 +143,12 @@ fn place_of(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec2 {
 fn a_linear_field_stays_linear() {
     let field = |p: DVec2| DVec3::new(0.1 + 0.003 * p.x + 0.001 * p.y, 0.9 - 0.004 * p.y, 0.5);
     let grid = grid(6, field);
-    for &gradients in Gradients::ALL {
-        let shading = Shading::new(&grid, &Shade { gradients, ..Shade::new(Shader::Patch) });
-        for t in 0..grid.triangles.len() {
-            for w in all_weights() {
-                let p = place_of(&grid, t, w);
-                let error = (shading.light(t, w) - field(p)).abs().max_element();
-                assert!(error < 1e-12, "{gradients} {t} {w:?}: {error}");
-            }
+    let shading = Shading::new(&grid, &Shade::new(Shader::Patch));
+    for t in 0..grid.triangles.len() {
+        for w in all_weights() {
+            let p = place_of(&grid, t, w);
+            let error = (shading.light(t, w) - field(p)).abs().max_element();
+            assert!(error < 1e-12, "{t} {w:?}: {error}");
         }
     }
 }
@@ -280,8 +278,8 @@ fn every_shader_gives_finite_light_on_every_frame() {
         for &shader in Shader::ALL {
             for (vertex, reweight) in combinations.clone() {
                 let options = [(Depth::Finite(1), 0.0), (Depth::Finite(3), 1e-300), (Depth::Infinite, 1.0)];
-                for ((depth, b), &gradients) in options.into_iter().zip(Gradients::ALL.iter().cycle()) {
-                    let shade = Shade { vertex, reweight, gradients, ..shade(shader, depth, b) };
+                for (depth, b) in options {
+                    let shade = Shade { vertex, reweight, ..shade(shader, depth, b) };
                     let shading = Shading::new(frame, &shade);
                     for t in 0..frame.triangles.len() {
                         for w in all_weights() {

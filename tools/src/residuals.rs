@@ -6,7 +6,7 @@ use glam::DVec3;
 use machband::{
     light::{Depth, LinearImage},
     shading::{
-        Frame, Gradients, Mesh, Normals, Scene, Shade, Shader, Surface, Vertex,
+        Frame, Mesh, Normals, Scene, Shade, Shader, Surface, Vertex,
         shapes::{self, Shape},
     },
     stimulus::{Judged, Residual, ViewingConditions, emitted},
@@ -117,17 +117,12 @@ fn rows() -> Vec<(String, Drawn)> {
         strip(Shader::Fixed, 3, 0.2),
         strip(Shader::Gradient, 3, 0.2),
         Shade::new(Shader::Patch),
-        Shade { gradients: Gradients::Ring, ..Shade::new(Shader::Patch) },
         Shade::new(Shader::C1Phong),
-        Shade { gradients: Gradients::Ring, ..Shade::new(Shader::C1Phong) },
     ];
     let named = |shade: Shade| {
         let plain = format!("`{}`", shade.shader);
-        let name = match (shade.has_strip(), shade.gradients) {
-            (true, _) => format!("{plain} ({}, {:.2})", shade.depth, shade.boundary),
-            (_, Gradients::Ring) => format!("{plain}, slopes from the ring"),
-            _ => plain,
-        };
+        let strips = format!(" ({}, {:.2})", shade.depth, shade.boundary);
+        let name = if shade.has_strip() { plain + &strips } else { plain };
         (name, Drawn::Shade(shade))
     };
     let mut rows: Vec<(String, Drawn)> = shades.into_iter().map(named).collect();

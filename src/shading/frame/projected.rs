@@ -163,8 +163,6 @@ pub struct FrameVertex {
     pub normal: DVec3,
     /// The light sent to the eye, evaluated once per frame.
     pub light: DVec3,
-    /// The ambient part of the light.
-    pub ambient: DVec3,
 }
 
 /// Triangles around a vertex over which the curvature does not jump; usually all of them.
@@ -251,7 +249,6 @@ impl Frame {
                     eye,
                     normal,
                     light: lighting.light(eye, normal, view.to_viewer(eye)),
-                    ambient: lighting.ambient_light(),
                 });
             }
         }

@@ -7,7 +7,7 @@ use super::{
     gouraud::{ShaderKernel, weighted},
     pixel::PixelLight,
 };
-use crate::shading::frame::{Field, Frame, Gradients, Patches};
+use crate::shading::frame::{Field, Frame, Patches};
 
 /// The light of a surface with smooth normals.
 ///
@@ -22,11 +22,10 @@ pub struct C1Phong<'f> {
 }
 
 impl<'f> C1Phong<'f> {
-    /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps, with slopes of the normal computed
-    /// as `gradients` specifies.
-    pub fn new(frame: &'f Frame, gradients: Gradients) -> Self {
-        let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position, gradients));
-        C1Phong { normals: Patches::new(frame, Field::Normal, gradients), places, pixel: PixelLight::new(frame) }
+    /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
+    pub fn new(frame: &'f Frame) -> Self {
+        let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
+        C1Phong { normals: Patches::new(frame, Field::Normal), places, pixel: PixelLight::new(frame) }
     }
 }
 

@@ -45,14 +45,13 @@ impl<'f> Corrections<'f> {
             Correction::Printed => self.vertex_printed(triangle, w, value),
             Correction::Repaired => self.vertex_repaired(triangle, w, value),
         };
-        let corners = self.frame.corners(triangle);
-        let length = weighted(w, corners.map(|v| v.normal)).length();
+        let length = weighted(w, self.frame.corners(triangle).map(|v| v.normal)).length();
         match self.reweight {
             Correction::Off => value,
             Correction::Printed => value * self.brightening_printed(w, length),
             Correction::Repaired => {
                 // I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.
-                let ambient = weighted(w, corners.map(|v| v.ambient));
+                let ambient = self.frame.lighting.ambient_light();
                 ambient + (value - ambient) * (1.0 / length.max(MIN_NORMAL_LENGTH))
             }
         }

@@ -42,8 +42,8 @@ fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Box<dyn ShaderKernel + 'f> {
         Shader::Flat => Box::new(Flat::new(frame)),
         Shader::Phong => Box::new(Phong::new(frame)),
         Shader::Quadratic => Box::new(Quadratic::new(frame)),
-        Shader::Patch => Box::new(Patches::new(frame, Field::Light, shade.gradients)),
-        Shader::C1Phong => Box::new(C1Phong::new(frame, shade.gradients)),
+        Shader::Patch => Box::new(Patches::new(frame, Field::Light)),
+        Shader::C1Phong => Box::new(C1Phong::new(frame)),
         Shader::Gouraud => Box::new(Gouraud),
         // Without strips, the other shaders are the same as Gouraud.
         _ if b <= 0.0 => Box::new(Gouraud),
