@@ -538,13 +538,6 @@ fn seams_are_joined_or_told() {
         let notes = found.notes.join("; ");
         assert!(notes.is_empty() == told.is_empty() && notes.contains(told), "{gap}: {notes}");
     }
-    // Two faces along one edge of another.
-    let faces =
-        "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 1 0 0\nv 0 -1 0\nv 1 -1 0\nv 2 -1 0\nf 1 2 3 4\nf 6 7 5 1\nf 7 8 2 5\n";
-    assert_eq!(
-        parsed(faces.as_bytes()).notes,
-        ["1 vertex lies on an open edge that it does not divide, so that a line may show there"]
-    );
 }
 
 /// A sphere whose vertices at a pole differ by rounding alone, as sin 180° is not quite 0, is the sphere with one vertex

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::{
     gouraud::{ShaderKernel, weighted},
-    pixel::PixelLight,
+    phong::PixelLight,
 };
 use crate::shading::frame::{Field, Frame, Patches};
 

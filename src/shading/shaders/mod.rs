@@ -12,7 +12,6 @@ mod gradient;
 mod painted;
 mod patch;
 mod phong;
-mod pixel;
 mod quadratic;
 mod shade;
 mod strips;
@@ -30,7 +29,7 @@ use self::{
     gouraud::{Gouraud, weighted},
     gradient::Gradient,
     painted::Painted,
-    phong::Phong,
+    phong::{Phong, PixelLight},
     quadratic::Quadratic,
 };
 use crate::shading::frame::{Field, Frame, Patches};
@@ -40,7 +39,7 @@ fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Box<dyn ShaderKernel + 'f> {
     let (b, depth) = (shade.strip(), shade.depth);
     match shade.shader {
         Shader::Flat => Box::new(Flat::new(frame)),
-        Shader::Phong => Box::new(Phong::new(frame)),
+        Shader::Phong => Box::new(Phong(PixelLight::new(frame))),
         Shader::Quadratic => Box::new(Quadratic::new(frame)),
         Shader::Patch => Box::new(Patches::new(frame, Field::Light)),
         Shader::C1Phong => Box::new(C1Phong::new(frame)),
@@ -60,7 +59,7 @@ pub struct Shading<'f> {
     /// Bangay's corrections, if any are enabled.
     corrections: Option<Corrections<'f>>,
     /// The paint that multiplies the light, unless the shader lights every pixel and applies it itself.
-    paint: Option<Painted>,
+    paint: Option<Painted<'f>>,
 }
 
 impl<'f> Shading<'f> {
@@ -73,11 +72,6 @@ impl<'f> Shading<'f> {
             corrections: (!is_uncorrected).then(|| Corrections::new(frame, shade)),
             paint: if shade.shader.lights_pixels() { None } else { Painted::of(frame) },
         }
-    }
-
-    /// Returns the frame.
-    pub fn frame(&self) -> &'f Frame {
-        self.frame
     }
 
     /// Returns the linear light at the weights `w` of `triangle`.

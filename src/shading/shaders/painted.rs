@@ -1,7 +1,5 @@
 //! Colors and normals of a painted mesh at a pixel.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use crate::shading::{
@@ -10,48 +8,15 @@ use crate::shading::{
 };
 
 /// The paint of a frame.
-#[derive(Clone, Debug)]
-pub struct Painted {
-    /// The triangles of the frame.
-    triangles: Vec<PaintedTriangle>,
-    /// Has their textures.
-    paint: Arc<Paint>,
+pub struct Painted<'f> {
+    frame: &'f Frame,
+    paint: &'f Paint,
 }
 
-/// The paint of a triangle of a frame.
-#[derive(Clone, Copy, Debug)]
-struct PaintedTriangle {
-    /// Its corners, with tangents in eye space.
-    corners: [PaintedCorner; 3],
-    /// [`View::nearness`] of each corner.
-    ///
-    /// [`View::nearness`]: crate::shading::View::nearness
-    nearness: [f64; 3],
-    /// The index of its coat.
-    coat: u32,
-}
-
-impl Painted {
+impl<'f> Painted<'f> {
     /// Returns the paint of `frame`, if it has any.
-    pub fn of(frame: &Frame) -> Option<Painted> {
-        let paint = frame.paint.as_ref()?;
-        let triangle = |t: usize| {
-            let drawn = &frame.triangles[t];
-            let [a, b, c] = paint.corners[drawn.of_mesh as usize];
-            let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
-            let turned = |corner: PaintedCorner| {
-                let tangent = frame.view.rotation * corner.tangent.truncate();
-                // The back's normal is reversed; its textures stay where they are.
-                let side = if drawn.is_back { -corner.tangent.w } else { corner.tangent.w };
-                PaintedCorner { tangent: tangent.extend(side), ..corner }
-            };
-            PaintedTriangle {
-                corners: corners.map(turned),
-                nearness: frame.corners(t).map(|v| frame.view.nearness(v.eye.z)),
-                coat: paint.of_triangles[drawn.of_mesh as usize],
-            }
-        };
-        Some(Painted { triangles: frame.each_triangle(triangle), paint: paint.clone() })
+    pub fn of(frame: &'f Frame) -> Option<Self> {
+        Some(Painted { frame, paint: frame.paint.as_deref()? })
     }
 
     /// Returns the color at the weights `w` of a triangle.
@@ -62,16 +27,23 @@ impl Painted {
 
     /// Returns the color and the normal at the weights `w` of a triangle whose shader gives the unit normal `normal`.
     pub fn surface(&self, triangle: usize, w: [f64; 3], normal: DVec3) -> (DVec3, DVec3) {
-        let (coat, corner) = self.at(triangle, w);
+        let (coat, mut corner) = self.at(triangle, w);
+        // The back's normal is reversed; its textures stay where they are.
+        let side = if self.frame.triangles[triangle].is_back { -1.0 } else { 1.0 };
+        let tangent = self.frame.view.rotation * corner.tangent.truncate();
+        corner.tangent = tangent.extend(side * corner.tangent.w);
         (coat.color(&corner), coat.normal(&corner, normal))
     }
 
     /// Interpolates the corners of a triangle with correction for perspective.
     fn at(&self, triangle: usize, w: [f64; 3]) -> (&Coat, PaintedCorner) {
-        let PaintedTriangle { corners, nearness, coat } = &self.triangles[triangle];
-        let weights = [0, 1, 2].map(|k| w[k] * nearness[k]);
+        let drawn = &self.frame.triangles[triangle];
+        let [a, b, c] = self.paint.corners[drawn.of_mesh as usize];
+        let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
+        let near = self.frame.corners(triangle).map(|v| self.frame.view.nearness(v.eye.z));
+        let weights = [0, 1, 2].map(|k| w[k] * near[k]);
         let sum: f64 = weights.iter().sum();
-        let mean = PaintedCorner::mean(corners, weights.map(|weight| weight / sum));
-        (&self.paint.coats[*coat as usize], mean)
+        let mean = PaintedCorner::mean(&corners, weights.map(|weight| weight / sum));
+        (&self.paint.coats[self.paint.of_triangles[drawn.of_mesh as usize] as usize], mean)
     }
 }
