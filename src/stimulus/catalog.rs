@@ -257,9 +257,8 @@ pub struct Entry {
     pub title: &'static str,
     /// What it shows, and who first described it.
     pub about: &'static str,
-    /// Why this kind has no Mach bands, in one sentence; `None` if it can have them. They arise only where a ramp of
-    /// luminance begins or ends.
-    pub no_bands: Option<&'static str>,
+    /// Whether this kind can have Mach bands, which arise where a ramp of luminance begins or ends.
+    pub has_bands: bool,
 }
 
 impl Entry {
@@ -285,53 +284,47 @@ static ENTRIES: [Entry; KINDS.len()] = [
         title: "Mach band",
         about: "A ramp between two uniform areas: a bright line appears where it meets the bright area and a dark one \
             where it meets the dark area, although neither is in the image. Mach 1865; Bangay §3.1.",
-        no_bands: None,
+        has_bands: true,
     },
     Entry {
         kind: "chevreul",
         title: "Chevreul staircase",
         about: "Uniform bands that look scalloped: each looks brighter next to its darker neighbor and darker next to \
             its brighter neighbor. Chevreul 1839.",
-        no_bands: Some(
-            "Each step is uniform, without a ramp, so what looks scalloped is contrast with the neighboring step.",
-        ),
+        has_bands: false,
     },
     Entry {
         kind: "cornsweet",
         title: "Craik–O'Brien–Cornsweet edge",
         about: "Two areas of the same luminance; the edge between them makes one look brighter. Cover the edge with a \
             finger to see that they are equal. Cornsweet 1970.",
-        no_bands: Some("The edge changes how bright two whole areas look; it draws no line at the end of a ramp."),
+        has_bands: false,
     },
     Entry {
         kind: "vasarely",
         title: "Vasarely's nested squares",
         about: "Squares of graded luminance whose corners appear to form bright diagonals. Vasarely; Bangay fig. 1 j.",
-        no_bands: Some(
-            "Each square is uniform, without a ramp; the diagonals glow because of the corners of the squares.",
-        ),
+        has_bands: false,
     },
     Entry {
         kind: "kanizsa",
         title: "Kanizsa triangle",
         about: "Three notched discs: a triangle seems to lie on top of them, brighter than the background. Kanizsa \
             1955.",
-        no_bands: Some(
-            "All areas are uniform, without a ramp; the bright triangle is completed from the notches of the discs.",
-        ),
+        has_bands: false,
     },
     Entry {
         kind: "shaded-mesh",
         title: "Shaded mesh",
         about: "A faceted surface that is shaded to look smooth: Gouraud shading produces Mach bands at the edges; \
             other shaders change the luminance there to avoid them. Gouraud 1971; Bangay §4.",
-        no_bands: None,
+        has_bands: true,
     },
     Entry {
         kind: "shaded-cylinder",
         title: "Shaded cylinder",
         about: "A faceted cylinder under flat, Gouraud or Phong shading: the source of Chevreul's scallops and Mach \
             bands in computer graphics. Bangay fig. 1 c, f.",
-        no_bands: None,
+        has_bands: true,
     },
 ];
