@@ -17,7 +17,7 @@ use super::{
     request::{self, paths},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
+    light::{CodeImage, Dither, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
     shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image, shapes::Shape},
     stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
@@ -67,8 +67,6 @@ pub struct Wanted {
     pub picture: bool,
     /// The measurements, which take longer than the picture.
     pub metrics: bool,
-    /// A picture of the change of slope at each edge.
-    pub creases: bool,
 }
 
 /// A shaded mesh or scene.
@@ -76,7 +74,6 @@ pub struct Wanted {
 pub struct Shaded {
     pub picture: Option<CodeImage>,
     pub metrics: Option<Metrics>,
-    pub creases: Option<CodeImage>,
     /// The display's transfer functions, for which the picture was made.
     pub transfers: Transfers,
     /// Every parameter, as image files record them.
@@ -183,7 +180,7 @@ impl Shade {
             )?;
             return self.scene(scene, encoded.transfers);
         }
-        if one.shader.is_none() && (wanted.metrics || wanted.creases) {
+        if one.shader.is_none() && wanted.metrics {
             let message = format!("is missing, but the measurements need one; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
@@ -201,10 +198,9 @@ impl Shade {
             Quantizer::new(&drawing.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
-        let creases = wanted.creases.then(|| drawing.creases());
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, creases, transfers, description, idle: self.idle(wanted), notes })
+        Ok(Shaded { picture, metrics, transfers, description, idle: self.idle(wanted), notes })
     }
 
     /// Names the options that were given but have no effect.
@@ -246,7 +242,7 @@ impl Shade {
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
         let idle = self.idle(Wanted { picture: true, ..Wanted::default() });
-        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, idle, notes })
+        Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, idle, notes })
     }
 }
 
@@ -304,14 +300,6 @@ impl<'a> Drawing<'a> {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
         let truth = self.one.draws_truth().then(truth).flatten();
         truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
-    }
-
-    /// Returns the codes of a picture of the change of slope at each edge.
-    fn creases(&self) -> CodeImage {
-        let plain = self.frame.clone().unpainted();
-        let creases = Creases::of(&plain, &self.shade);
-        let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
-        Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
     }
 
     /// Says what is doubtful about the comparison with the smooth surface.
