@@ -113,7 +113,6 @@ def shade(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
     rotate: Triple = (25, -35, 0),
     light: Triple = (0.36, 0.48, 0.8),
     color: str | Triple = "gray",
@@ -127,7 +126,6 @@ def shade(
     facet_index: float | None = None,
     background: float = 0.05,
     distance: float = float("inf"),
-    naive: bool = False,
     window_deg: float = 10,
     size: int = 1024,
     transfer: str | Transfer | None = None,
@@ -165,8 +163,6 @@ def shade(
         Vertex shading correction (Bangay, eq. 7).
     reweight
         Intensity reweighting correction (Bangay, eq. 9).
-    gradients
-        How patch and c1-phong compute their slopes.
     rotate
         Rotation of the mesh about x, then y, then z, in degrees.
     light
@@ -196,8 +192,6 @@ def shade(
         Background light, 0 to 1.
     distance
         Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
-    naive
-        Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
         Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     size, transfer, display, bits, dither, seed

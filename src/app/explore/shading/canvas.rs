@@ -24,8 +24,6 @@ pub enum Layer {
     Split,
     /// The amplified difference between the two.
     Difference,
-    /// The creases, each image on its side of the divider.
-    Creases,
     /// How visible the difference from the smooth surface is, each image on its side of the divider.
     Visible,
 }

@@ -219,12 +219,9 @@ impl ShadingPage {
         let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(secondary(text)).extend());
         ui.horizontal_wrapped(|ui| {
             group(ui, "Show");
-            for (layer, name) in [
-                (Layer::Split, "Split"),
-                (Layer::Difference, "Difference"),
-                (Layer::Creases, "Creases"),
-                (Layer::Visible, "Visibility"),
-            ] {
+            for (layer, name) in
+                [(Layer::Split, "Split"), (Layer::Difference, "Difference"), (Layer::Visible, "Visibility")]
+            {
                 ui.selectable_value(&mut settings.layer, layer, name);
             }
             group(ui, "Drag moves");
@@ -279,7 +276,6 @@ impl ShadingPage {
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
                 Layer::Difference => key::difference(ui, self.settings.factor),
-                Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
                 Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
             }
         });
@@ -338,11 +334,7 @@ impl ShadingPage {
 
     /// Returns the measurement with the maps to show; `None` if no maps are shown.
     fn mapped(&self) -> Option<&Measurement> {
-        match self.settings.layer {
-            Layer::Split | Layer::Difference => None,
-            Layer::Creases => Some(&self.creases),
-            Layer::Visible => Some(&self.visible),
-        }
+        (self.settings.layer == Layer::Visible).then_some(&self.visible)
     }
 
     fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
@@ -422,8 +414,8 @@ impl ShadingPage {
             return Some(self.difference.as_ref()?.codes.clone());
         }
         let [left, right] = match self.mapped() {
-            Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
-            None => pictures.sides.each_ref().map(Picture::codes),
+            Some(measurement) => measurement.get(pictures.edition)?.maps.clone()?,
+            None => pictures.sides.each_ref().map(|side| side.codes.clone()),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }
