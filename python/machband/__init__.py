@@ -27,52 +27,15 @@ installed, and stops on Ctrl+C. An invalid value, file or data set raises `Error
 command; data that cannot be analyzed raise `DataError`, an `Error`; an argument of the wrong type raises `TypeError`.
 """
 
-from . import stimuli
-from ._analysis import Analysis, Figure
-from ._experiment import Definition, simulate
-from ._machband import DataError, Error, __version__
-from ._shading import Mesh, Shaded, mesh, shade
-from ._stimulus import Parameter, Stimulus, Transfer, VisualAngle, interpolate, kinds, light, parameters, profile
-from ._stimulus import stimulus, visual_angle
-from ._study import DataWarning, Exported, Verification, analyze, export, read_results, verify
-from ._vision import Comparison, Place, Prediction, Steps, compare, predict, steps
-
-__all__ = [
-    "Analysis",
-    "Comparison",
-    "DataError",
-    "DataWarning",
-    "Definition",
-    "Error",
-    "Exported",
-    "Figure",
-    "Mesh",
-    "Parameter",
-    "Place",
-    "Prediction",
-    "Shaded",
-    "Steps",
-    "Stimulus",
-    "Transfer",
-    "Verification",
-    "VisualAngle",
-    "__version__",
-    "analyze",
-    "compare",
-    "export",
-    "interpolate",
-    "kinds",
-    "light",
-    "mesh",
-    "parameters",
-    "predict",
-    "profile",
-    "read_results",
-    "shade",
-    "simulate",
-    "steps",
-    "stimuli",
-    "stimulus",
-    "verify",
-    "visual_angle",
-]
+from . import stimuli as stimuli
+from ._analysis import Analysis as Analysis, Figure as Figure
+from ._experiment import Definition as Definition, simulate as simulate
+from ._machband import DataError as DataError, Error as Error, __version__ as __version__
+from ._shading import Mesh as Mesh, Shaded as Shaded, mesh as mesh, shade as shade
+from ._stimulus import Parameter as Parameter, Stimulus as Stimulus, Transfer as Transfer, VisualAngle as VisualAngle
+from ._stimulus import interpolate as interpolate, kinds as kinds, light as light, parameters as parameters
+from ._stimulus import profile as profile, stimulus as stimulus, visual_angle as visual_angle
+from ._study import DataWarning as DataWarning, Exported as Exported, Verification as Verification
+from ._study import analyze as analyze, export as export, read_results as read_results, verify as verify
+from ._vision import Comparison as Comparison, Place as Place, Prediction as Prediction, Steps as Steps
+from ._vision import compare as compare, predict as predict, steps as steps

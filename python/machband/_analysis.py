@@ -39,16 +39,6 @@ class Figure(NamedTuple):
         """Draw the figure on axes of matplotlib, by default new ones, and return them."""
         return plotted(self.png, ax)
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write the figure to a file, whose name ends in ``.svg`` or ``.png``."""
-        path = Path(path_of("path", path))
-        if path.suffix not in (".svg", ".png"):
-            raise _machband.Error(f"{path} is neither an SVG nor a PNG file; expected a name that ends in .svg or .png")
-        try:
-            path.write_bytes(self.png if path.suffix == ".png" else self.svg.encode())
-        except OSError as error:
-            raise _machband.Error(f"{path}: {error.strerror}; expected a file in a folder") from None
-
 
 @suggests
 class Analysis:
@@ -59,37 +49,29 @@ class Analysis:
 
     Attributes
     ----------
+    tables
+        The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``thresholds`` of a task, …
+    files
+        The tables, the model and the R script, by their file names, with the bytes that the command writes.
     errors
         What is wrong with the input, one text each. Rows with errors were left out, and the rest was analyzed.
     warnings
         What else a reader should know about the input.
     """
 
-    warnings: list[str]
-    errors: list[str]
-
     def __init__(self, native: _machband.Analysis, given: list[str], known: Iterable[str]) -> None:
         """Wrap the results for the paths given; `known` are the arguments that messages may name."""
-        self._native = native
-        self._given = given
-        self.warnings, self.errors = ([in_python(one, known) for one in texts] for texts in native.problems())
+        found = native.facts()
+        self._native: _machband.Analysis | None = native
+        self.warnings, self.errors = ([in_python(one, known) for one in found[name]] for name in ("warnings", "errors"))
+        self.tables: dict[str, Table] = {name: table(*described) for name, described in found["tables"]}
+        self.files: dict[str, bytes] = found["files"]
+        self._summary, self._page, self._covariance = found["summary"], found["page"], found["covariance"]
+        self._inputs = [*given, *map(os.fspath, found["inputs"])]
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle everything that can be asked for; the model cannot be fitted again without the data."""
-        for name, member in vars(Analysis).items():
-            if isinstance(member, cached_property) and (name != "model" or "model.json" in self.files):
-                getattr(self, name)
-        return {name: kept for name, kept in vars(self).items() if name != "_native"}
-
-    @cached_property
-    def tables(self) -> dict[str, Table]:
-        """The tables that ``machband analyze`` writes: ``cells``, ``by_FACTOR``, ``tests``, ``thresholds`` of a task, …"""
-        return {name: table(found, described) for name, found, described in self._native.tables()}
-
-    @cached_property
-    def files(self) -> dict[str, bytes]:
-        """The tables, the model and the R script, by their file names, with the bytes that the command writes."""
-        return dict(self._native.table_files())
+        """Pickle everything that can be asked for; the report cannot be drawn again without the data."""
+        return {**vars(self), "_report_files": self._report_files, "_native": None}
 
     @cached_property
     def model(self) -> dict[str, Any]:
@@ -100,21 +82,8 @@ class Analysis:
         return model
 
     @cached_property
-    def _covariance(self) -> npt.NDArray[np.float64]:
-        return self._native.covariance()
-
-    @cached_property
-    def _summaries(self) -> tuple[str, str]:
-        sentences, page = self._native.summaries()
-        return "\n".join(sentences), page
-
-    @cached_property
-    def _inputs(self) -> list[str]:
-        return [*self._given, *map(os.fspath, self._native.inputs())]
-
-    @cached_property
     def _report_files(self) -> dict[str, bytes]:
-        return dict(self._native.report_files())
+        return self._native.report_files() if self._native else {}
 
     @property
     def _fitted(self) -> dict[str, Any]:
@@ -126,7 +95,7 @@ class Analysis:
     def _rows(self) -> list[dict[str, Any]]:
         return [*self._fitted["thresholds"], *self._fitted["coefficients"]]
 
-    def _named(self, values: list[Any], columns: list[str] | None = None) -> Any:
+    def _named(self, values: Any, columns: list[str] | None = None) -> Any:
         """Return values of the thresholds and coefficients by name; `None` is NaN."""
         return named([row["name"] for row in self._rows], np.array(values, np.float64), columns)
 
@@ -188,8 +157,7 @@ class Analysis:
 
         At 0.05, those of coefficients are profile-likelihood intervals; all others are Wald's.
         """
-        alpha = number("alpha", alpha)
-        if not 0 < alpha < 1:
+        if not 0 < number("alpha", alpha) < 1:
             raise _machband.Error(f"alpha is {alpha!r}; expected a number between 0 and 1")
         reach = NormalDist().inv_cdf(1 - alpha / 2)
         estimates, errors = np.array([[row["estimate"], row["se"]] for row in self._rows], np.float64).T
@@ -197,7 +165,7 @@ class Analysis:
         for end, row in zip(ends, self._rows, strict=True):
             if alpha == 0.05 and row.get("interval"):
                 end[:] = row["interval"]["low"], row["interval"]["high"]
-        return self._named(ends.tolist(), ["lower", "upper"])
+        return self._named(ends, ["lower", "upper"])
 
     def predict(self, data: Any) -> Table:
         """Return the probability of each category in the rows of a table, for a person in the middle of the population.
@@ -248,9 +216,9 @@ class Analysis:
 
     def summary(self) -> str:
         """Return the sentences at the beginning of the report."""
-        return self._summaries[0]
+        return str(self._summary)
 
-    @cached_property
+    @property
     def figures(self) -> dict[str, Figure]:
         """The figures: ``figure4a``, ``figure4b``, …"""
         files = self._report_files
@@ -278,4 +246,4 @@ class Analysis:
             f'<div style="flex: 1 1 26em; max-width: 40em"><svg style="width: 100%; height: auto"{drawing}</div>'
             for drawing in drawings
         )
-        return f'{self._summaries[1]}<div style="display: flex; flex-wrap: wrap">{figures}</div>'
+        return f'{self._page}<div style="display: flex; flex-wrap: wrap">{figures}</div>'

@@ -14,7 +14,7 @@ import warnings
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Literal, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -22,21 +22,62 @@ import numpy.typing as npt
 from . import _machband
 from ._machband import Error
 
+if TYPE_CHECKING:
+    from ._stimulus import Transfer
+
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 
 #: A table: a `pandas.DataFrame` if pandas is installed, and otherwise a dict of arrays.
 Table = Any
 
+#: Values in an order.
+Listed = Union[Sequence[Any], npt.NDArray[Any]]
 
-def nearest(*words: str, among: Iterable[str], cutoff: float = 0.6) -> str:
+#: Texts or numbers, or one line of CSV with them.
+Texts = Union[str, Sequence[Union[str, float]], npt.NDArray[Any]]
+
+#: A seed, from 0 to 2^64 − 1, or a generator that draws one.
+Seed = Union[int, np.random.Generator, np.random.SeedSequence]
+
+#: How a value between two codes is assigned to one of them.
+Dither = Literal[
+    "none",
+    "random",
+    "blue-noise",
+    "ordered",
+    "ordered:bayer2",
+    "ordered:bayer4",
+    "ordered:bayer8",
+    "ordered:bayer16",
+    "ordered:clustered2",
+    "ordered:clustered3",
+]
+
+Fields = dict[str, "str | bool | list[str]"]
+
+
+class Coding(TypedDict, total=False):
+    """How light becomes codes."""
+
+    transfer: str | Transfer | None
+    bits: Literal[8, 16]
+    dither: Dither
+    seed: Seed
+
+
+def nearest(word: str, among: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a question about the name that is nearest to a word, if one is near."""
-    near = [one for word in words for one in difflib.get_close_matches(word, [*among], 1, cutoff)]
+    near = difflib.get_close_matches(word, [*among], 1, cutoff)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
+#: The names of the parameters of all kinds of stimulus.
+_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind, [])}
+
+
 def suggests(of: F) -> F:
-    """Make a function, or the public methods of a class, name what is nearest to an unknown keyword or value.
+    """Make a function, or the public methods of a class, name what is nearest to an unknown keyword.
 
     The parameters of the stimulus in ``**parameters`` are known too; the library itself names the nearest of them. Options
     of the command in an error of the library become the arguments that they are here.
@@ -45,31 +86,26 @@ def suggests(of: F) -> F:
         for name, member in [*vars(of).items()]:
             if inspect.isfunction(member) and (name == "__init__" or name[0] != "_"):
                 setattr(of, name, suggests(member))
-            elif isinstance(member, classmethod) and name[0] != "_":
+            elif isinstance(member, classmethod):
                 setattr(of, name, classmethod(suggests(member.__func__)))
         return of
     signature = inspect.signature(of).parameters
+    further = [str(one.annotation) for one in signature.values() if one.kind is one.VAR_KEYWORD]
     known = [name for name, one in signature.items() if name not in ("self", "cls") and one.kind is not one.VAR_KEYWORD]
+    known += Coding.__annotations__ if further == ["Unpack[Coding]"] else []
+    is_open = further not in ([], ["Unpack[Coding]"])
     called = of.__qualname__.removesuffix(".__init__").split(".")[-1]
-    is_open = any(one.kind is one.VAR_KEYWORD for one in signature.values())
-
-    def refused(name: str) -> TypeError:
-        message = f"{called}() got an unexpected keyword argument {name!r}; expected one of {', '.join(known)}"
-        return TypeError(message + nearest(name, among=known))
 
     @functools.wraps(of)
     def checked(*args: Any, **kwargs: Any) -> Any:
-        further = [name for name in kwargs if name not in known]
-        if further and not is_open:
-            raise refused(further[0])
+        for name in kwargs.keys() - known - (_STIMULUS_PARAMETERS if is_open else set()):
+            near = nearest(name, among=known)
+            if not is_open or (near and near == nearest(name, among={*known, *_STIMULUS_PARAMETERS})):
+                expected = f"expected one of {', '.join(known)}{near}"
+                raise TypeError(f"{called}() got an unexpected keyword argument {name!r}; {expected}")
         try:
             return of(*args, **kwargs)
         except Error as error:
-            for name in further:
-                if (near := nearest(name, among=known)) and near == nearest(
-                    name, among={*known, *_STIMULUS_PARAMETERS}
-                ):
-                    raise refused(name) from None
             error.args = (in_python(str(error), known),)
             raise
 
@@ -78,21 +114,15 @@ def suggests(of: F) -> F:
 
 def in_python(message: str, known: Iterable[str]) -> str:
     """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
-    argument = {name.replace("_", "-"): name for name in known}
-    # The order of levels is an argument of `factors`.
+    argument = {name.removesuffix("_deg").replace("_", "-"): name for name in known}
     message = message.replace(", --levels", "").replace("the options of", "the arguments of")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
-    message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
-    if (found := re.search(", such as ([a-z_]+) (\\S+)$", message)) and found[1] in argument.values():
-        is_number = re.fullmatch(r"-?[\d.]+", found[2])
-        message = f"{message[: found.start()]}, such as {found[1]}={found[2] if is_number else repr(found[2].strip(chr(39)))}"
+    # The only option in place of another that is no flag is ppd.
+    message = re.sub(r", or the option (?!ppd)(\w+)$", r", or \1=True", message)
+    message = re.sub(r", such as (missing|categories) '?([^']+)'?$", r", such as \1='\2'", message)
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
         message += nearest(found[1].lower(), among=re.findall(r"[\w:-]+", found[2]), cutoff=0.65)
     return message
-
-
-#: The names of the parameters of all kinds of stimulus.
-_STIMULUS_PARAMETERS = {parameter[0] for kind, _ in _machband.kinds() for parameter in _machband.parameters(kind, [])}
 
 
 def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
@@ -117,42 +147,45 @@ def seed_of(name: str, given: object) -> int:
     return whole(name, given)
 
 
-def words(name: str, given: object) -> str | None:
-    """Return text, or `None`."""
-    if given is None or isinstance(given, str):
+def typed(name: str, given: Any, of: type | tuple[type, ...], expected: str) -> Any:
+    """Return a value of one of these types."""
+    if isinstance(given, of):
         return given
-    raise TypeError(f"{name} is {given!r}; expected text")
+    raise TypeError(f"{name} is {given!r}; expected {expected}")
 
 
-def name_of(argument: str, given: object) -> str:
-    """Return a name, which may be a whole number."""
-    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
-        return str(given)
-    if isinstance(given, str):
-        return given
-    raise TypeError(f"{argument} is {given!r}; expected text")
+def words(name: str, given: object) -> str:
+    """Return text."""
+    return str(typed(name, given, str, "text"))
 
 
 def flag(name: str, given: object) -> bool:
     """Return a truth value."""
-    if isinstance(given, (bool, np.bool_)):
-        return bool(given)
-    raise TypeError(f"{name} is {given!r}; expected True or False")
+    return bool(typed(name, given, (bool, np.bool_), "True or False"))
 
 
-def value(name: str, given: object) -> float | str:
-    """Return a parameter in the form that files use: a number, or text such as ``1,0.5,0``."""
+def path(name: str, given: object) -> str:
+    """Return a path."""
+    return str(os.fspath(typed(name, given, (str, os.PathLike), "a path")))
+
+
+def text(name: str, given: Any) -> str:
+    """Return a value as the text that commands and files use: text, a number, or numbers such as ``1,0.5,0``."""
     if isinstance(given, (str, bool)):
         return str(given)
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1 and len(given) != 1:
         return ",".join(text(name, part) for part in given)
     try:
-        if np.ndim(given) > 0 or isinstance(given, (bytes, bytearray)):  # type: ignore[arg-type]
+        if np.ndim(given) > 0 or isinstance(given, (bytes, bytearray)):
             raise TypeError
+        if isinstance(given, (int, np.integer)):
+            # A seed may have more digits than a float.
+            return str(int(given))
         # A number of NumPy is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
-        return float(str(given) if isinstance(given, np.floating) else given)  # type: ignore[arg-type]
+        number = float(str(given) if isinstance(given, np.floating) else given)
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {given!r}; expected a number or text") from None
+    return str(int(number)) if number.is_integer() else repr(number)
 
 
 def number(name: str, given: object) -> float:
@@ -183,23 +216,12 @@ def unmasked(name: str, given: T) -> T:
     return given
 
 
-def text(name: str, given: object) -> str:
-    """Return a value as the text that commands and files use."""
-    if isinstance(given, (int, np.integer)) and not isinstance(given, bool):
-        # A seed may have more digits than a float.
-        return str(int(given))
-    number = value(name, given)
-    if isinstance(number, float):
-        return str(int(number)) if number.is_integer() else repr(number)
-    return number
-
-
-def texts(name: str, given: object) -> str:
-    """Return a list of names as one line of CSV; text is such a line already."""
+def texts(name: str, given: Any) -> str:
+    """Return a list of names as one line of CSV, in which a missing one is ``NA``; text is such a line already."""
     if isinstance(given, str):
         return given
     try:
-        cells = [_cell(name, one) for one in given]  # type: ignore[attr-defined]
+        cells = ["NA" if one is None or one != one else text(name, one) for one in given]
         # Terms have quotes of their own, such as those of the name "near:far".
         return ",".join(one if name == "terms" and '"' in one else _quoted(one) for one in cells)
     except TypeError:
@@ -212,64 +234,23 @@ def _quoted(text: str) -> str:
     return text if is_plain else '"' + text.replace('"', '""') + '"'
 
 
-def _cell(name: str, given: object) -> str:
-    """Return the text of a level; what is missing is ``NA``."""
-    return "NA" if given is None or given != given else text(name, given)
-
-
 def levels(name: str, given: object) -> list[str]:
-    """Return factors with the levels to keep."""
-    if isinstance(given, Mapping):
-        return [f"{factor}={texts(name, kept)}" for factor, kept in given.items()]
-    raise TypeError(f"{name} is {given!r}; expected a dict of factors with lists of levels")
-
-
-def path(name: str, given: object) -> str:
-    """Return a path."""
-    if isinstance(given, (str, os.PathLike)):
-        return os.fspath(given)
-    raise TypeError(f"{name} is {given!r}; expected a path")
-
-
-Fields = dict[str, "str | bool | list[str]"]
-
-#: Values in an order.
-Listed = Union[Sequence[Any], npt.NDArray[Any]]
-
-#: Texts or numbers, or one line of CSV with them.
-Texts = Union[str, Sequence[Union[str, float]], npt.NDArray[Any]]
-
-#: A seed, from 0 to 2^64 − 1, or a generator that draws one.
-Seed = Union[int, np.random.Generator, np.random.SeedSequence]
-
-#: How a value between two codes is assigned to one of them.
-Dither = Literal[
-    "none",
-    "random",
-    "blue-noise",
-    "ordered",
-    "ordered:bayer2",
-    "ordered:bayer4",
-    "ordered:bayer8",
-    "ordered:bayer16",
-    "ordered:clustered2",
-    "ordered:clustered3",
-]
+    """Return factors with levels."""
+    factors: Any = typed(name, given, Mapping, "a dict of factors with lists of levels")
+    return [f"{factor}={texts(name, kept)}" for factor, kept in factors.items()]
 
 
 def encoding(given: Any) -> Fields:
     """Return the fields of a request that say how codes become light: a `Transfer`, or the text of one."""
     display: str | None = getattr(given, "display", None)
-    if display is not None:
-        return {"display": display}
-    function = words("transfer", getattr(given, "function", given))
-    return {} if function is None else {"transfer": function}
+    return {"display": display} if display else {"transfer": words("transfer", getattr(given, "function", given))}
 
 
 #: What makes a field of an argument with this type in the signature; any other becomes text.
-_CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None]] = {
+_CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str]]] = {
     "bool": flag,
     "int": whole,
+    "Literal[8, 16]": whole,
     "float": lambda name, given: text(name, number(name, given)),
     "Seed": seed_of,
     "str": words,
@@ -285,35 +266,30 @@ _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str] | None
 def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -> Fields:
     """Return the fields of the request that a function makes from its keyword-only arguments except `but`.
 
-    Arguments that are `None` have defaults.
+    Arguments that are not given, or are `None`, have defaults.
     """
     fields: Fields = {}
     for name, parameter in inspect.signature(function).parameters.items():
-        if parameter.kind is parameter.KEYWORD_ONLY and name not in but:
-            if given[name] is None:
-                if not parameter.annotation.endswith("None"):
-                    raise TypeError(f"{name} is None; expected a value, such as {parameter.default!r}")
-                continue
-            kind = parameter.annotation.removesuffix(" | None")
-            if kind == "str | Transfer":
-                if "display" in (coding := encoding(given[name])) and given.get("display") is not None:
-                    raise Error("transfer and display are both a display profile; expected one of them")
-                fields.update(coding)
-                continue
-            # Annotations are texts; those of choices have either words or numbers.
-            convert = (
-                whole
-                if re.match(r"Literal\[\d", kind)
-                else words
-                if "Literal[" in kind
-                else _CONVERSIONS.get(kind, text)
-            )
-            field = convert(name, given[name])
-            fields[name] = str(field) if isinstance(field, int) and not isinstance(field, bool) else field  # type: ignore[assignment]
+        one = given.get(name, parameter.default)
+        if parameter.kind is not parameter.KEYWORD_ONLY or name in but:
+            continue
+        # Annotations are texts.
+        kind = parameter.annotation.removesuffix(" | None")
+        if one is None:
+            if kind == parameter.annotation:
+                raise TypeError(f"{name} is None; expected a value, such as {parameter.default!r}")
+        elif kind == "str | Transfer":
+            fields |= encoding(one)
+            if "display" in fields and given.get("display") is not None:
+                raise Error("transfer and display are both a display profile; expected one of them")
+        else:
+            convert: Callable[[str, Any], Any] = _CONVERSIONS.get(kind) or (words if "Literal[" in kind else text)
+            field = convert(name, one)
+            fields[name] = str(field) if type(field) is int else field
     return fields
 
 
-def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str, str, str]] | None = None) -> Table:
+def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple[str, str, str]] = ()) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
     try:
         import pandas
@@ -323,9 +299,8 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: list[tuple[str
     for name, column in columns.items():
         if column.dtype.kind == "M":
             frame[name] = frame[name].dt.tz_localize("UTC")
-    if described is not None:
-        frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
-        frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
+    frame.attrs["units"] = {name: unit for name, unit, _ in described if unit}
+    frame.attrs["descriptions"] = {name: description for name, _, description in described if description}
     return frame
 
 
@@ -377,17 +352,13 @@ def progress(unit: str) -> Iterator[Callable[[int, int], None] | None]:
             from tqdm.auto import tqdm
     except ImportError:
         tqdm = None
-    bar: Any = None
+    if tqdm is None:
+        yield None
+        return
+    with tqdm(unit=f" {unit}", leave=False, delay=0.1) as bar:
 
-    def show(done: int, total: int) -> None:
-        nonlocal bar
-        if bar is None:
-            bar = tqdm(total=total, unit=f" {unit}", leave=False)
-        bar.total = total
-        bar.update(done - bar.n)
+        def show(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
 
-    try:
-        yield show if tqdm else None
-    finally:
-        if bar is not None:
-            bar.close()
+        yield show

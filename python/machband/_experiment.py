@@ -6,14 +6,14 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
 
 from . import _machband
-from ._common import Seed, Table, name_of, options, path, progress, seed_of, suggests, table
+from ._common import Seed, Table, options, path, progress, seed_of, suggests, table, text
 from ._study import read_results
 
 
@@ -21,20 +21,15 @@ def _plain(given: object) -> Any:
     """Return a value that JSON can hold; infinity is ``inf``, as in a definition file."""
     if isinstance(given, Mapping):
         return {str(key): _plain(item) for key, item in given.items() if item is not None}
+    if isinstance(given, (list, tuple, range, np.ndarray)):
+        return [_plain(item) for item in given]
     if isinstance(given, np.generic):
         # A number is the one that it is written as: 0.2 in 32 bits is not 0.2 in 64.
         given = float(str(given)) if isinstance(given, np.floating) else given.item()
-    if isinstance(given, os.PathLike):
-        return os.fspath(given)
-    if isinstance(given, (str, bool, int)):
+    if isinstance(given, float) and not math.isfinite(given):
+        return str(given)
+    if isinstance(given, (str, int, float)):
         return given
-    if isinstance(given, float):
-        if not given > -math.inf:
-            raise _machband.Error(f"a value is {given}; expected a number, inf or text")
-        return "inf" if given == math.inf else given
-    # A set has no order, and bytes are numbers.
-    if isinstance(given, Iterable) and not isinstance(given, (bytes, bytearray, set, frozenset)):
-        return [_plain(item) for item in given]
     raise TypeError(f"{given!r} cannot be part of a definition; expected a number, text, a list or a dict")
 
 
@@ -45,7 +40,7 @@ class Definition:
     Examples
     --------
     >>> definition = Definition.load("bangay2003")
-    >>> definition.factors
+    >>> [*definition.to_dict()["factors"]]
     ['width', 'depth', 'orientation_deg']
     """
 
@@ -53,8 +48,6 @@ class Definition:
 
     def __init__(self, name_or_path: str | PathLike[str]) -> None:
         """Read a definition; the same as `load`."""
-        if isinstance(name_or_path, Mapping):
-            raise TypeError("Definition() got a dict; expected a name or a path, or Definition.from_dict")
         self._native = _machband.Definition.load(path("name_or_path", name_or_path))
 
     @classmethod
@@ -80,15 +73,13 @@ class Definition:
         definition._native = _machband.Definition.from_json(json.dumps(_plain(keys)))
         return definition
 
-    @classmethod
-    def _from_canonical(cls, text: str) -> Definition:
-        definition = cls.__new__(cls)
-        definition._native = _machband.Definition.from_canonical(text)
-        return definition
-
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __getstate__(self) -> str:
         """Pickle as text."""
-        return Definition._from_canonical, (self._native.to_json(),)
+        return self._native.to_json()
+
+    def __setstate__(self, state: str) -> None:
+        """Read the text."""
+        self._native = _machband.Definition.from_canonical(state)
 
     def __eq__(self, other: object) -> bool:
         """Compare the content."""
@@ -117,23 +108,13 @@ class Definition:
         return str(self.to_dict()["name"])
 
     @property
-    def title(self) -> str:
-        """What the window shows."""
-        return str(self.to_dict()["title"])
-
-    @property
-    def factors(self) -> list[str]:
-        """Names of the factors."""
-        return [*self.to_dict()["factors"]]
-
-    @property
     def sha256(self) -> str:
         """Hash of the content, as in the sidecars."""
         return self._native.sha256
 
     def conditions(self) -> Table:
         """Return a table of the conditions: the kind of stimulus, and every parameter."""
-        return table(self._native.conditions())
+        return table(*self._native.conditions())
 
     def schedule(self, participant: str | int = "S001", session: str | int = "1", seed: Seed = 1) -> Table:
         """Return a table of the trials of a session: phase, block, trial, repetition, condition, and the factors.
@@ -141,12 +122,12 @@ class Definition:
         ``condition`` is the row of the table that `conditions` returns, counted from 0. The order is the one that the
         window and the commands use for this participant, session and seed.
         """
-        participant, session = name_of("participant", participant), name_of("session", session)
-        return table(self._native.schedule(participant, session, seed_of("seed", seed)))
+        participant, session = text("participant", participant), text("session", session)
+        return table(*self._native.schedule(participant, session, seed_of("seed", seed)))
 
     def __repr__(self) -> str:
         """Name the definition."""
-        return f"<Definition {self.name!r}: {self.title}>"
+        return f"<Definition {self.name!r}>"
 
 
 @suggests

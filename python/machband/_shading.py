@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import os
 from collections.abc import Sequence
 from os import PathLike
+from types import NoneType
 from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
@@ -95,16 +95,11 @@ def _named(name_or_path: str | PathLike[str], n_vertices: int) -> Fields:
     return {"mesh": path("name_or_path", name_or_path), "vertices": str(whole("n_vertices", n_vertices))}
 
 
-def _rows(name: str, given: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
-    array = np.asarray(unmasked(name, given)) if dtype is np.uint32 else numbers(name, given)
+def _rows(name: str, given: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    array = numbers(name, given)
     if array.ndim != 2 or array.shape[1] != 3:
         raise _machband.Error(f"{name} has shape {array.shape}; expected (n, 3)")
-    if dtype is np.uint32:
-        if array.dtype.kind not in "iu":
-            raise TypeError(f"{name} has dtype {array.dtype}; expected integers")
-        if array.size and (array.min() < 0 or array.max() > np.iinfo(np.uint32).max):
-            raise _machband.Error(f"{name} has a negative or huge index; expected indices of vertices")
-    return np.ascontiguousarray(array, dtype=dtype)
+    return np.ascontiguousarray(array)
 
 
 @suggests
@@ -118,7 +113,6 @@ def shade(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
     rotate: Triple = (25, -35, 0),
     light: Triple = (0.36, 0.48, 0.8),
     color: str | Triple = "gray",
@@ -132,7 +126,6 @@ def shade(
     facet_index: float | None = None,
     background: float = 0.05,
     distance: float = float("inf"),
-    naive: bool = False,
     window_deg: float = 10,
     size: int = 1024,
     transfer: str | Transfer | None = None,
@@ -170,8 +163,6 @@ def shade(
         Vertex shading correction (Bangay, eq. 7).
     reweight
         Intensity reweighting correction (Bangay, eq. 9).
-    gradients
-        How patch and c1-phong compute their slopes.
     rotate
         Rotation of the mesh about x, then y, then z, in degrees.
     light
@@ -201,8 +192,6 @@ def shade(
         Background light, 0 to 1.
     distance
         Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
-    naive
-        Interpolate encoded values, like a renderer that ignores gamma.
     window_deg
         Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     size, transfer, display, bits, dither, seed
@@ -230,53 +219,46 @@ def shade(
     if isinstance(vertices, Mesh):
         if triangles is not None:
             raise TypeError("shade() got a Mesh and triangles; expected a Mesh alone, or arrays")
-        positions, triangles, own_normals = vertices
-        vertices, normals = positions, own_normals if normals is None else normals
-    if not isinstance(truth, (bool, np.bool_, str, os.PathLike)):
-        raise TypeError(f"truth is {truth!r}; expected True, False or a path")
-    is_measured = flag("metrics", metrics) and shader is not None
-    if shader is None and not truth:
-        raise TypeError("shade() got neither shader nor truth; expected at least one of them")
-    estimated = normals if isinstance(normals, str) else None
+        normals = vertices.normals if normals is None else normals
+        vertices, triangles = vertices[:2]
     given = options(shade, locals(), "truth", "n_vertices", "metrics")
-    if estimated is not None:
-        given["normals"] = estimated
-    if truth:
-        given["truth"] = os.fspath(truth) if isinstance(truth, (str, os.PathLike)) else True
+    if not isinstance(truth, (bool, np.bool_)):
+        given["truth"] = path("truth", truth)
+    elif truth:
+        given["truth"] = True
+    elif shader is None:
+        raise TypeError("shade() got neither shader nor truth; expected at least one of them")
+    arrays = None
     if isinstance(vertices, (str, os.PathLike)):
-        file = os.fspath(vertices)
-        if triangles is not None:
-            raise TypeError(f"shade() got triangles for the mesh {file!r}; expected only arrays or only a name")
-        if normals is not None and estimated is None:
-            raise TypeError(f"shade() got normals for the mesh {file!r}; expected only arrays or only a name")
-        if file.endswith(".toml"):
-            of_image = ("size", "transfer", "display", "bits", "dither", "seed")
-            defaults = {name: one.default for name, one in inspect.signature(shade).parameters.items()}
-            usual = options(shade, defaults, "truth", "metrics")
-            given["n_vertices"] = str(n_vertices)
-            other = [name for name, field in given.items() if name not in of_image and field != usual.get(name)]
-            if other:
-                raise TypeError(f"shade() got {other[0]} for the scene {file!r}; expected only {', '.join(of_image)}")
-            image: Fields = {name: given[name] for name in of_image if name in given}
-            return Shaded(_machband.shade({"scene": file, **image}, None, False)[0], None)
-        fields = {**given, **_named(file, n_vertices)}
-        codes, measured = _machband.shade(fields, None, is_measured)
+        if triangles is not None or not isinstance(normals, (str, NoneType)):
+            what = "triangles" if triangles is not None else "normals"
+            raise TypeError(f"shade() got {what} for the mesh {vertices!r}; expected only arrays or only a name")
+        given |= _named(vertices, n_vertices)
+        if str(vertices).endswith(".toml"):
+            given["scene"] = given.pop("mesh")
+            metrics = False
+            if shader == "c1-phong":
+                del given["shader"]
+    elif triangles is None:
+        raise TypeError("shade() got vertices without triangles; expected both")
+    elif n_vertices != 313:
+        raise TypeError("shade() got n_vertices for arrays; expected it only for the name of a shape")
     else:
-        if triangles is None:
-            raise TypeError("shade() got vertices without triangles; expected both")
-        if n_vertices != 313:
-            raise TypeError("shade() got n_vertices for arrays; expected it only for the name of a shape")
-        if estimated == "given":
-            raise TypeError("normals is 'given', which is for files; expected an array, or a way to estimate them")
-        positions = _rows("vertices", vertices, np.float64)
-        own = None if normals is None or estimated else _rows("normals", normals, np.float64)
+        given["mesh"] = "arrays"
+        positions, corners = _rows("vertices", vertices), _rows("triangles", triangles)
+        if not ((corners >= 0) & (corners < 2**32) & (corners % 1 == 0)).all():
+            raise _machband.Error("triangles has a negative or huge index, or a fraction; expected indices of vertices")
+        own = None if isinstance(normals, (str, NoneType)) else _rows("normals", normals)
         if own is not None and len(own) != len(positions):
             raise _machband.Error(f"normals has length {len(own)}; expected {len(positions)}, one for each vertex")
-        arrays = (positions, _rows("triangles", triangles, np.uint32), own, crease)
-        codes, measured = _machband.shade({**given, "mesh": "arrays"}, arrays, is_measured)
+        arrays = (positions, corners.astype(np.uint32), own, crease)
+    if isinstance(normals, str):
+        if normals == "given" and arrays:
+            raise TypeError("normals is 'given', which is for files; expected an array, or a way to estimate them")
+        given["normals"] = normals
+    codes, measured = _machband.shade(given, arrays, flag("metrics", metrics) and shader is not None)
     found = None if measured is None else json.loads(measured)
-    if found and found["mesh"] == "arrays":
-        found.update(
-            vertices=len(np.asarray(vertices)), normals=estimated or ("averaged" if normals is None else "given")
-        )
+    if found and arrays:
+        used = normals if isinstance(normals, str) else "averaged" if normals is None else "given"
+        found.update(vertices=len(positions), normals=used)
     return Shaded(codes, found)

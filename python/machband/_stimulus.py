@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Dither, Seed, Table, axes, encoding, flag, name_of, number, numbers, options, path, png
-from ._common import suggests, table, text, value, whole
+from ._common import Coding, Dither, Seed, Table, axes, encoding, flag, number, numbers, options, path, png
+from ._common import suggests, table, text, whole
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -60,15 +60,9 @@ class VisualAngle(NamedTuple):
     ppd: float
 
 
-def _parameters(given: Mapping[str, Any]) -> list[tuple[str, float | str]]:
-    return [(name, value(name, parameter)) for name, parameter in given.items()]
-
-
-def _kind(given: object) -> str:
-    """Return the name of a kind."""
-    if isinstance(given, Stimulus):
-        raise TypeError(f"kind is a Stimulus; expected its name, {given.kind!r}, or the methods of the stimulus")
-    return name_of("kind", given)
+def _named(kind: object, parameters: Mapping[str, Any]) -> tuple[str, list[tuple[str, str]]]:
+    """Return the name of a kind, and parameters as text."""
+    return text("kind", kind), [(name, text(name, parameter)) for name, parameter in parameters.items()]
 
 
 def kinds() -> dict[Kind, str]:
@@ -87,7 +81,7 @@ def parameters(kind: Kind = "mach-band") -> dict[str, Parameter]:
     >>> parameters("mach-band")["width"].default
     0.4
     """
-    return {found[0]: Parameter(*found) for found in _machband.parameters(_kind(kind), [])}
+    return {found[0]: Parameter(*found) for found in _machband.parameters(text("kind", kind), [])}
 
 
 @suggests
@@ -114,23 +108,12 @@ class Transfer:
 
     def __post_init__(self) -> None:
         """Check the function, or read the profile."""
-        _machband.encode(np.zeros(3), 3, encoding(self), False)
-
-    @classmethod
-    def srgb(cls) -> Transfer:
-        """Return the function of sRGB."""
-        return cls()
+        _machband.encode(np.zeros(3), encoding(self), False)
 
     @classmethod
     def gamma(cls, gamma: float) -> Transfer:
         """Return a power function: light is encoded ** `gamma`."""
         return cls(f"gamma:{text('gamma', number('gamma', gamma))}")
-
-    @classmethod
-    def gog(cls, gamma: float, gain: float, offset: float) -> Transfer:
-        """Return the gain-offset-gamma model of a display."""
-        given = {"gamma": gamma, "gain": gain, "offset": offset}
-        return cls("gog:" + ",".join(text(name, number(name, one)) for name, one in given.items()))
 
     @classmethod
     def from_display(cls, profile: str | PathLike[str]) -> Transfer:
@@ -146,15 +129,10 @@ class Transfer:
         return self._apply("encoded", encoded, True)
 
     def _apply(self, name: str, values: npt.ArrayLike, inverse: bool) -> float | Floats:
-        given, flat, scalar = _flat(name, values)
-        if np.isnan(flat).any():
-            raise _machband.Error(f"{name} contains NaN; expected 0 to 1")
-        if flat.size and not (flat.min() >= 0 and flat.max() <= 1):
-            raise _machband.Error(
-                f"{name} goes from {flat.min()} to {flat.max()}; expected 0 to 1, such as codes / 255"
-            )
-        width = given.shape[-1] if given.ndim else 1
-        return _like(given, _machband.encode(flat, width, encoding(self), inverse), scalar)
+        given = numbers(name, values)
+        if not ((given >= 0) & (given <= 1)).all():
+            raise _machband.Error(f"{name} goes from {given.min()} to {given.max()}; expected 0 to 1, such as codes / 255")
+        return _scalar(_machband.encode(given, encoding(self), inverse))
 
 
 @suggests
@@ -212,9 +190,7 @@ def stimulus(
     >>> stimulus(size=4, color="gray")[0, :, 0].tolist()
     [137, 158, 212, 225]
     """
-    coding = options(stimulus, locals())
-    codes: Codes = _machband.stimulus(_kind(kind), _parameters(parameters), coding)
-    return codes
+    return _machband.stimulus(*_named(kind, parameters), options(stimulus, locals()))
 
 
 @suggests
@@ -264,13 +240,11 @@ class Stimulus:
         degrees = None if visual_size is None else _pair("visual_size", visual_size, _positive)
         density = None if ppd is None else _positive("ppd", ppd)
         if degrees and density:
-            pixels = np.multiply(density, degrees)
-            if (abs(pixels - pixels.round()) > 1e-6).any() or pixels.min() < 0.5:
-                raise _machband.Error(f"ppd times visual_size is {pixels[0]:g}; expected whole pixels")
+            pixels = (degrees[0] * density, degrees[1] * density)
             wanted = (round(pixels[0]), round(pixels[1]))
-            if shape not in (None, wanted):
-                expected = f"expected {_one_or_both(wanted)}, which is ppd times visual_size, or no size"
-                raise _machband.Error(f"size is {size}; {expected}")
+            if np.abs(np.subtract(pixels, wanted)).max() > 1e-6 or 0 in wanted or shape not in (None, wanted):
+                expected = "expected whole pixels, and no size or the same"
+                raise _machband.Error(f"ppd times visual_size is {_one_or_both(pixels)}, size {size}; {expected}")
             shape = wanted
         shape = shape or (1024, 1024)
         longest = max(shape)
@@ -281,14 +255,12 @@ class Stimulus:
         if abs(ppds[0] - ppds[1]) > 1e-6 * ppds[0]:
             raise _machband.Error(f"visual_size is {visual_size} for {shape[0]} × {shape[1]} pixels; expected square ones")
         # As the library has them, so that two are equal if they mean the same.
-        all_parameters = _machband.parameters(_kind(kind), _parameters(parameters))
-        own: dict[str, Any] = {name: found for name, found, *_ in all_parameters}
+        own: dict[str, Any] = {name: found for name, found, *_ in _machband.parameters(*_named(kind, parameters))}
         self.kind: Kind = kind
         self._own = own
         self.shape, self.visual_size, self.ppd = shape, degrees, ppds
         self._size = longest
-        first = [(longest - side) // 2 for side in shape]
-        self._middle = tuple(slice(start, start + side) for start, side in zip(first, shape, strict=True))
+        self._middle = tuple(slice((longest - side) // 2, (longest + side) // 2) for side in shape)
         sizes = {"size": _one_or_both(shape), "visual_size": _one_or_both(degrees)}
         self.parameters: Mapping[str, Any] = MappingProxyType({**own, **sizes})
 
@@ -299,33 +271,12 @@ class Stimulus:
         shown.flags.writeable = False
         return shown
 
-    @cached_property
-    def mask(self) -> npt.NDArray[np.intp]:
-        """Number of the region of uniform light, from the darkest (1) to the brightest; 0 where the light varies."""
-        return _mask(self.light)
-
-    def codes(
-        self,
-        *,
-        bits: Literal[8, 16] = 8,
-        transfer: str | Transfer | None = None,
-        dither: Dither = "none",
-        seed: Seed = 1,
-    ) -> Codes:
-        """Return the codes for a display, as `stimulus` does; shape (height, width, 3)."""
-        coding: Any = {"bits": bits, "transfer": transfer, "dither": dither, "seed": seed}
+    def codes(self, **coding: Unpack[Coding]) -> Codes:
+        """Return the codes for a display, as `stimulus` does with these arguments; shape (height, width, 3)."""
         return stimulus(self.kind, size=self._size, **coding, **self._own)[self._middle]
 
-    def profile(
-        self,
-        *,
-        transfer: str | Transfer | None = None,
-        bits: Literal[8, 16] = 8,
-        dither: Dither = "none",
-        seed: Seed = 1,
-    ) -> Table:
-        """Return the luminance profile through the center, as the function `profile` does."""
-        coding: Any = {"bits": bits, "transfer": transfer, "dither": dither, "seed": seed}
+    def profile(self, **coding: Unpack[Coding]) -> Table:
+        """Return the luminance profile through the center, as the function `profile` does with these arguments."""
         return profile(self.kind, size=self._size, **coding, **self._own)
 
     def _square(self) -> int:
@@ -350,22 +301,13 @@ class Stimulus:
 
     def to_stimupy(self) -> dict[str, Any]:
         """Return a dict with the keys of stimupy: ``img`` has the light of the strongest channel, 0 to 1."""
-        fields = {"img": self.light.max(axis=2).astype(np.float64), "mask": self.mask, "shape": self.shape}
-        return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd, "kind": self.kind}
+        fields = {"img": self.light.max(axis=2).astype(np.float64), "shape": self.shape, "kind": self.kind}
+        return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd}
 
-    def save(
-        self,
-        file: str | PathLike[str],
-        *,
-        bits: Literal[8, 16] = 8,
-        transfer: str | Transfer | None = None,
-        dither: Dither = "none",
-        seed: Seed = 1,
-        force: bool = False,
-    ) -> None:
+    def save(self, file: str | PathLike[str], *, force: bool = False, **coding: Unpack[Coding]) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
-        fields = {**options(Stimulus.save, locals(), "force"), "size": str(self._square())}
-        _machband.save_stimulus(self.kind, _parameters(self._own), fields, path("file", file), flag("force", force))
+        fields = options(stimulus, {**coding, "size": self._square()})
+        _machband.save_stimulus(*_named(self.kind, self._own), fields, path("file", file), flag("force", force))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw it on axes of matplotlib, by default new ones, in degrees of visual angle; return them."""
@@ -375,7 +317,7 @@ class Stimulus:
         ax.set(xlabel="degrees", ylabel="degrees")
         return ax
 
-    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> npt.NDArray[Any]:
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return the light."""
         return np.array(self.light, dtype) if copy else np.asarray(self.light, dtype)
 
@@ -431,20 +373,6 @@ def _positive(name: str, given: object) -> float:
     return found
 
 
-def _mask(shown: npt.NDArray[np.float32]) -> npt.NDArray[np.intp]:
-    """Number the regions of uniform light from the darkest to the brightest; elsewhere, return 0."""
-    # Only the order of the levels counts, so the channels may be added.
-    level = shown.sum(axis=2, dtype=np.float64)
-    padded = np.pad(level, 1, mode="edge")
-    neighbors = (padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:])
-    uniform = np.logical_and.reduce([level == neighbor for neighbor in neighbors])
-    levels = np.unique(level[uniform])
-    if not levels.size:
-        return np.zeros(level.shape, np.intp)
-    found = np.searchsorted(levels, level).clip(0, levels.size - 1)
-    return np.where(levels[found] == level, found + 1, 0)
-
-
 @suggests
 def light(kind: Kind = "mach-band", *, size: int = 1024, **parameters: Unpack[Parameters]) -> npt.NDArray[np.float32]:
     """Return the linear light of a stimulus, before it is converted to codes.
@@ -463,7 +391,7 @@ def light(kind: Kind = "mach-band", *, size: int = 1024, **parameters: Unpack[Pa
     >>> round(float(light(size=64, low=0.2)[0, 0, 0]), 3)
     0.2
     """
-    return _machband.light(_kind(kind), _parameters(parameters), {"size": str(whole("size", size))})
+    return _machband.light(*_named(kind, parameters), options(light, locals()))
 
 
 @suggests
@@ -491,17 +419,12 @@ def profile(
     the center in window widths; ``linear``, the light of the strongest channel; ``code_r``, ``code_g``, ``code_b``; and
     ``emitted``, the light that the strongest channel's code emits.
     """
-    coding = options(profile, locals())
-    return table(_machband.profile(_kind(kind), _parameters(parameters), coding))
+    return table(*_machband.profile(*_named(kind, parameters), options(profile, locals())))
 
 
-def _like(given: Floats, found: Floats, scalar: bool) -> float | Floats:
-    return float(found[0]) if scalar else found.reshape(given.shape)
-
-
-def _flat(name: str, values: npt.ArrayLike) -> tuple[Floats, Floats, bool]:
-    given = numbers(name, values)
-    return given, np.ascontiguousarray(given).ravel(), given.ndim == 0
+def _scalar(found: Floats) -> float | Floats:
+    """Return a number if the array has no dimensions."""
+    return found if found.ndim else float(found)
 
 
 @suggests
@@ -524,8 +447,7 @@ def interpolate(u: npt.ArrayLike, depth: float | str = 1) -> float | Floats:
     >>> interpolate([0.25, 0.5, 0.75], depth=2).tolist()
     [0.15625, 0.5, 0.84375]
     """
-    given, flat, scalar = _flat("u", u)
-    return _like(given, _machband.interpolate(flat, value("depth", depth)), scalar)
+    return _scalar(_machband.interpolate(numbers("u", u), text("depth", depth)))
 
 
 @suggests
@@ -562,10 +484,10 @@ def visual_angle(
     if len(chosen) != 1:
         raise TypeError(f"visual_angle() got {len(chosen)} lengths; expected exactly one of px, cm and deg")
     [(unit, length)] = chosen
-    given, flat, scalar = _flat(unit, length)
-    if unit == "deg" and flat.size and not (np.abs(flat).max() < 180):
-        raise _machband.Error(f"deg goes up to {np.abs(flat).max()}; expected less than 180")
+    given = numbers(unit, length)
+    if unit == "deg" and not (np.abs(given) < 180).all():
+        raise _machband.Error(f"deg goes up to {np.abs(given).max()}; expected less than 180")
     screen = (whole("screen_px", screen_px), number("screen_cm", screen_cm))
-    found, ppd = _machband.visual_angle(flat, unit, screen, number("distance_cm", distance_cm))
-    in_deg, in_cm, in_px = (_like(given, one, scalar) for one in found)
+    found, ppd = _machband.visual_angle(given, unit, screen, number("distance_cm", distance_cm))
+    in_deg, in_cm, in_px = map(_scalar, found)
     return VisualAngle(in_deg, in_cm, in_px, ppd)

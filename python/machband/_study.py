@@ -8,8 +8,7 @@ import json
 import os
 import re
 import warnings
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -20,9 +19,9 @@ import numpy.typing as npt
 
 from . import _machband
 from ._analysis import Analysis
-from ._common import Listed, Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, words
+from ._common import Listed, Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, typed, words
 from ._machband import DataError, Error
-from ._tables import MISSING, Cells, Levels, columns, encoded, labeled, ordered
+from ._tables import Cells, Levels, columns, encoded, labeled, listed
 
 
 class DataWarning(UserWarning):
@@ -64,26 +63,17 @@ def read_results(folder: str | PathLike[str]) -> Table:
     return rows
 
 
-def _paths(data: object) -> Iterator[str]:
-    if isinstance(data, (str, os.PathLike)):
-        yield os.fspath(data)
-    elif isinstance(data, Sequence) and not isinstance(data, (bytes, bytearray)):
-        for one in data:
-            yield from _paths(one)
-    else:
-        raise TypeError(f"{type(data).__name__} is not a path; expected paths, or one DataFrame or dict of columns")
+def _paths(data: object) -> list[str]:
+    expected = "paths, or one DataFrame or dict of columns"
+    paths = data if isinstance(data, (list, tuple)) else [data]
+    return [str(os.fspath(typed("data", one, (str, os.PathLike), expected))) for one in paths]
 
 
-def _names(argument: str, given: Any) -> list[str]:
-    """Return a list of names, which may be one line of CSV."""
-    return next(csv.reader([texts(argument, given)]), [])
-
-
-def _wrong(rows: npt.NDArray[Any], said: str) -> DataError:
-    """Return an error about rows of a table."""
-    error = DataError(f"table, row {rows[0]} (counted from 0): {said}")
-    error.rows = rows
-    return error
+def _order(factor: str, given: Any) -> list[str]:
+    """Return the texts of a factor's levels in the order given."""
+    if isinstance(given, (str, bytes, set, frozenset)) or not isinstance(given, Iterable):
+        raise TypeError(f"factors[{factor!r}] is {given!r}; expected a list of levels, which has an order")
+    return listed(f"factors[{factor!r}]", np.fromiter(given, object), "NA")
 
 
 def _located(error: Error, responses: list[Cells]) -> Error:
@@ -96,31 +86,6 @@ def _located(error: Error, responses: list[Cells]) -> Error:
     located = DataError(str(error))
     located.rows = np.flatnonzero(np.any(is_code, axis=0))
     return located
-
-
-def _marks(cells: Cells) -> npt.NDArray[np.int64]:
-    """Return which rows a program answered: 1, otherwise 0."""
-    texts, codes, _ = labeled("simulated", cells)
-    known = {"true": 1, "1": 1, "1.0": 1, "false": 0, "0": 0, "0.0": 0, **dict.fromkeys(map(str.lower, MISSING), 0)}
-    marks = np.array([*(known.get(one.strip().lower(), -1) for one in texts), 0])[codes]
-    if (marks < 0).any():
-        rows = np.flatnonzero(marks < 0)
-        raise _wrong(rows, f"simulated is {texts[codes[rows[0]]]!r}; expected True, False or no value")
-    return marks
-
-
-def _scale(found: dict[str, Cells], orders: dict[str, Any], names: list[str], recorded: Any) -> Any:
-    """Return the categories of the response that a table itself knows, or `None`."""
-    scales = [orders.pop(name, None) for name in names]
-    numbers = [found[name] for name in names if isinstance(found.get(name), np.ndarray)]
-    if len(numbers) < len(names):
-        return scales[0] if all(scale == scales[0] for scale in scales) else None
-    if recorded is not None:
-        return recorded
-    different = np.unique(np.array(numbers, np.float64))
-    finite = different[np.isfinite(different)]
-    # An infinite number is not a category; the library names its row.
-    return finite if np.isinf(different).any() and 0 < len(finite) <= 20 else None
 
 
 @suggests
@@ -166,9 +131,10 @@ def analyze(
     ----------
     data
         A table: a DataFrame of pandas, whose named index levels count as columns, or of polars; a table of pyarrow or a
-        relation of DuckDB, through the Arrow C stream, which needs pyarrow; a structured array, or a dict of columns. Or
-        result files, folders, tables of counts, or any tables (CSV or Excel). Answers to a task are read from their folder. Ordered
-        categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked value is missing;
+        relation of DuckDB, through the Arrow C stream, which needs pyarrow and pandas; a structured array, or a dict of
+        columns. Or result files, folders, tables of counts, or any tables (CSV or Excel). Answers to a task are read from
+        their folder. Ordered categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked
+        value is missing;
         True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
         selection keeps and a merge may lose; any other table has the scale that its responses show.
     subject
@@ -245,7 +211,7 @@ def analyze(
         Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        all their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
+        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
@@ -262,68 +228,53 @@ def analyze(
     """
     if on_error not in ("raise", "drop"):
         raise Error(f"on_error is {on_error!r}; expected 'raise' or 'drop'")
-    if response is not None and wide is not None:
-        raise TypeError("analyze() got response and wide; expected one of them")
-    of_levels = dict(correct=correct, guess=guess, total=total, function=function, easier=easier, log=log or None)
-    asked = [name for name, one in of_levels.items() if one is not None]
-    if level is None and asked:
-        raise TypeError(f"analyze() got {asked[0]} without level; expected both")
-    if level is not None and (lacking := [name for name in ("correct", "guess") if name not in asked]):
-        raise TypeError(f"analyze() got level without {' and '.join(lacking)}; expected level, correct and guess")
     if level is not None and categories is not None:
         raise Error("categories does not apply to answers at levels; expected ratings, or no categories")
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
     found: dict[str, Cells] = {}
-    names: list[str] = []
     orders: dict[str, list[str]] = {}
     given_columns = columns(data)
     if given_columns is None:
-        cells: list[str] | list[tuple[str, Any]] = list(_paths(data))
-        if not cells:
-            raise Error("there are no paths; expected at least one")
+        cells: list[str] | list[tuple[str, Any]] = _paths(data)
     else:
+        recorded = getattr(data, "attrs", {})
+        if recorded.get("simulated") and "simulated" not in dict(given_columns):
+            given_columns.append(("simulated", np.ones(len(data), np.int64)))
         found = {name: encoded(name, column) for name, column in given_columns}
-        if not found:
-            raise Error("the table has no columns; expected at least a participant, a rating and a factor")
-        known = getattr(data, "attrs", {})
-        orders = {name: cell.levels for name, cell in found.items() if isinstance(cell, Levels) and cell.is_ordered}
-        twice = Counter(name for name, _ in given_columns) - Counter(list(found))
-        if "simulated" in twice:
-            raise Error("two columns are named 'simulated'; expected one")
-        if "simulated" in found:
-            found["simulated"] = _marks(found["simulated"])
-        elif known.get("simulated"):
-            found["simulated"] = np.ones(len(data), np.int64)
-        if level is None:
-            ratings = found.get("rating")
-            if response is None and "task" in found and isinstance(ratings, np.ndarray) and np.isnan(ratings).all():
-                raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
-            names = [response or "rating"] if wide is None else _names("wide", texts("wide", wide).split("=", 1)[-1])
-            is_ours = response is None and wide is None
-            scale = _scale(found, orders, names, known.get("categories") if is_ours else None)
-            categories = scale if categories is None else categories
-            if is_ours and "phase" in found:
-                # The library would assume a scale from 0 to 3.
-                response = "rating"
         # The library refuses a name that two columns have if it is used.
-        cells = [(name, cell[:2] if isinstance(cell := found[name], Levels) else cell) for name in [*found, *twice]]
-    if categories is not None and response is None and wide is None:
+        cells = [(name, one[:2] if isinstance(one := found[name], Levels) else one) for name, _ in given_columns]
+        orders = {name: one.levels for name, one in found.items() if isinstance(one, Levels) and one.is_ordered}
+    is_ours = response is None and wide is None
+    if is_ours and level is None and (found or categories is not None):
+        # Without a name, the library would assume a scale from 0 to 3.
         response = "rating"
+    asked = [response] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
+    answers = [found[name] for name in asked if name in found]
+    no_rating = all(isinstance(one, np.ndarray) and np.isnan(one).all() for one in answers)
+    if is_ours and response and "task" in found and no_rating:
+        raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
+    scales = [orders.pop(str(name), None) for name in asked]
+    if categories is None and found and level is None:
+        if is_ours and all(isinstance(one, np.ndarray) for one in answers):
+            categories = recorded.get("categories")
+        elif all(scale == scales[0] for scale in scales):
+            categories = scales[0]
     given = options(analyze, locals(), "factors", "on_error")
-    declared: dict[str, Any] = {}
-    for factor, listed in factors.items() if isinstance(factors, Mapping) else ():
-        if texts_of := ordered(factor, listed, found.get(factor), factor not in (only or {})):
-            declared[factor] = texts_of
+    # A generator draws another one each time.
+    seed = int(str(given["seed"]))
+    usual, own = options(analyze, {}, "factors", "on_error"), locals()
+    call = "".join(f", {name}={own[name]!r}" for name, one in given.items() if one != usual.get(name))
     if factors is not None:
         given["factors"] = texts("factors", factors)
-    if declared:
-        given["levels"] = levels("factors", declared)
+        call += f", factors={factors!r}"
+    if isinstance(factors, Mapping):
+        given["levels"] = levels("factors", {name: _order(name, order) for name, order in factors.items()})
     with progress("simulated studies") as show:
         try:
-            native = _machband.analyze(given, cells, [*orders.items()], on_error == "drop", show)
+            native = _machband.analyze(given, cells, [*orders.items()], on_error == "drop", call, show)
         except Error as error:
-            raise _located(error, [found[name] for name in names if name in found]) from None
+            raise _located(error, answers) from None
     paths = [one for one in cells if isinstance(one, str)]
     analysis = Analysis(native, paths, inspect.signature(analyze).parameters)
     for problem in [*analysis.warnings, *analysis.errors]:
@@ -404,6 +355,6 @@ def export(
     -------
     What was written: the names of the experiments, and the numbers of sessions, rows and pictures.
     """
-    fields = {"folder": path("folder", folder), "out": path("out", out), "format": words("format", format) or ""}
+    fields = {"folder": path("folder", folder), "out": path("out", out), "format": words("format", format)}
     experiments, counts = _machband.export({**options(export, locals()), **fields})
     return Exported(experiments, *counts)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from datetime import datetime, timezone
 from typing import Any, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from ._common import nearest, text
+from ._common import text
 from ._machband import Error
 
 Whole = npt.NDArray[np.int64]
@@ -33,73 +32,50 @@ Cells = Union[Whole, npt.NDArray[np.float64], Levels]
 
 def columns(data: Any) -> list[tuple[str, Any]] | None:
     """Return the columns of a table, and named index levels of pandas; or `None` if `data` is not a table."""
-    found = _columns(data)
-    if found is None:
+    if (found := _columns(data)) is None:
         return None
-    names = [_text("the name of a column", name if isinstance(name, bytes) else str(name)) for name, _ in found]
-    for name, (_, column) in zip(names, found, strict=True):
+    named = [(_text("the name of a column", name), column) for name, column in found]
+    for name, column in named:
         if not hasattr(column, "__len__") or isinstance(column, (str, bytes)) or getattr(column, "ndim", 1) == 0:
             raise TypeError(f"column {name!r} is {column!r}; expected a list or an array")
-    rows = [len(column) for _, column in found]
-    for name, count in zip(names, rows, strict=True):
-        if count != rows[0]:
-            raise Error(f"{name} has length {count}; expected {rows[0]}, as {names[0]} has")
-    return [(name, column) for name, (_, column) in zip(names, found, strict=True)]
+        if len(column) != (rows := len(named[0][1])):
+            raise Error(f"{name} has length {len(column)}; expected {rows}, as {named[0][0]} has")
+    return named
 
 
 def _columns(data: Any) -> list[tuple[Any, Any]] | None:
+    if hasattr(data, "__arrow_c_stream__") and not hasattr(data, "reset_index"):
+        try:
+            import pandas  # noqa: F401
+            import pyarrow
+        except ImportError:
+            raise TypeError(f"{type(data).__name__} needs pyarrow and pandas, which are not installed") from None
+        try:
+            data = pyarrow.table(data).to_pandas(ignore_metadata=True)
+        except (ValueError, NotImplementedError) as error:
+            # A single column has no table.
+            if not hasattr(data, "columns"):
+                return None
+            expected = "expected columns that Arrow has"
+            raise Error(f"{type(data).__name__} cannot be read: {error}; {expected}") from None
     if hasattr(data, "reset_index") and hasattr(data, "columns"):
         if data.columns.nlevels > 1:
             raise Error(f"the columns have {data.columns.nlevels} levels; expected one, such as after droplevel")
         named = [level for level, name in enumerate(data.index.names) if name is not None and name not in data.columns]
         data = data.reset_index(level=named) if named else data
         return [(name, data.iloc[:, place]) for place, name in enumerate(data.columns)]
-    if getattr(getattr(data, "dtype", None), "names", None):
-        return [(name, data[name]) for name in data.dtype.names]
-    if hasattr(data, "collect") and not hasattr(data, "__arrow_c_stream__"):
+    if hasattr(data, "collect"):
         raise TypeError(f"{type(data).__name__} is not computed yet; expected a DataFrame, such as from its .collect()")
-    if hasattr(data, "__arrow_c_stream__"):
-        try:
-            import pyarrow
-        except ImportError:
-            if not isinstance(data, Mapping) and not hasattr(data, "get_column"):
-                raise TypeError(
-                    f"{type(data).__name__} needs pyarrow, which is not installed; expected a DataFrame"
-                ) from None
-        else:
-            try:
-                arrow = pyarrow.table(data)
-            except pyarrow.ArrowInvalid as error:
-                if hasattr(data, "columns"):
-                    message = f"{type(data).__name__} cannot be read: {error}; expected columns that Arrow has"
-                    raise Error(message) from None
-                # A single column.
-                return None
-            for place, kind in enumerate(map(str, getattr(data, "types", ()))):
-                if kind.startswith("ENUM"):
-                    # DuckDB does not say in Arrow that it has an order.
-                    column = arrow[place].combine_chunks()
-                    column = pyarrow.DictionaryArray.from_arrays(column.indices, column.dictionary, ordered=True)
-                    arrow = arrow.set_column(place, arrow.field(place).name, pyarrow.chunked_array([column]))
-            return [*zip(arrow.column_names, arrow.columns, strict=True)]
-    if isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__")):
-        return [(name, data[name]) for name in (data if isinstance(data, Mapping) else data.columns)]
-    return None
+    names = data if isinstance(data, Mapping) else getattr(getattr(data, "dtype", None), "names", None)
+    return None if names is None else [(name, data[name]) for name in names]
 
 
 def encoded(name: str, column: Any) -> Cells:
     """Return the cells of a column. True is 1, and False 0."""
-    if hasattr(column, "combine_chunks"):
-        column = _of_arrow(name, column)
-    if isinstance(column, Levels):
-        return column
     dtype: Any = getattr(column, "dtype", None)
-    if str(dtype).startswith("Enum(") and hasattr(column, "to_physical"):
-        codes = column.to_physical().cast(int).fill_null(-1)
-        return Levels(list(dtype.categories), np.asarray(codes, np.int64), True)
     if hasattr(dtype, "categories") and hasattr(dtype, "ordered"):
         codes = np.asarray(getattr(column, "cat", column).codes, np.int64)
-        return Levels(_texts(name, dtype.categories), codes, bool(dtype.ordered))
+        return Levels(listed(name, np.asarray(dtype.categories)), codes, bool(dtype.ordered))
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
     masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None
@@ -135,71 +111,10 @@ def labeled(name: str, cells: Cells) -> Levels:
     return Levels([text(name, one) for one in found], np.where(np.isnan(cells), -1, codes))
 
 
-def _texts(name: str, values: Any) -> list[str]:
-    """Return the text of each value; it is empty if the value is missing."""
-    levels, codes, _ = labeled(name, encoded(name, np.asarray(values)))
-    return [levels[code] if code >= 0 else "" for code in codes]
-
-
-def ordered(factor: str, listed: Any, cells: Cells | None, is_complete: bool) -> list[Any]:
-    """Return the texts of a factor's levels in the order given, if its column is known to have no others.
-
-    With `is_complete`, all that the column has must be there.
-    """
-    if isinstance(listed, (str, bytes, set, frozenset)) or not isinstance(listed, Iterable):
-        raise TypeError(f"factors[{factor!r}] is {listed!r}; expected a list of levels, which has an order")
-    array = np.fromiter(listed, object)
-    if cells is None:
-        return [*array]
-    levels, codes, _ = labeled(factor, encoded(f"factors[{factor!r}]", array))
-    texts = [levels[code] if code >= 0 else "NA" for code in codes]
-
-    def key(level: str) -> object:
-        # A number can be written in several ways.
-        with suppress(ValueError):
-            return level.strip() if isinstance(cells, Levels) else float(level)
-        return level
-
-    levels, codes, _ = labeled(factor, cells)
-    occurring = [levels[code] for code in np.unique(codes) if code >= 0]
-    known = {key(level): level for level in occurring if level.strip() not in MISSING}
-    keys = [key(level) for level in texts]
-    wrong = [level for level, its in zip(texts, keys, strict=True) if its not in known]
-    problems = [f"{level!r}, which is not one of its levels" for level in wrong]
-    problems += [f"{level!r} twice" for place, level in enumerate(texts) if keys[place] in keys[:place]]
-    problems += [f"no {level!r}" for its, level in known.items() if is_complete and its not in keys]
-    if keys and known and problems:
-        expected = f"expected {', '.join([*known.values()][:20])}, each once"
-        raise Error(f"factors[{factor!r}] has {problems[0]}; {expected}{nearest(*wrong[:1], among=known.values())}")
-    return texts
-
-
-#: Texts that mean a missing value.
-MISSING = {"", "NA", "NaN", "nan", "NULL", "#N/A", "N/A", "n/a"}
-
-
-def _of_arrow(name: str, column: Any) -> Any:
-    """Return a column of Arrow as an array of numbers, or as texts."""
-    import pyarrow
-
-    kind = column.type
-    if pyarrow.types.is_null(kind):
-        return np.full(len(column), np.nan)
-    if pyarrow.types.is_nested(kind):
-        raise TypeError(f"column {name!r} has cells of type {kind}; expected numbers, texts or times")
-    if not pyarrow.types.is_dictionary(kind):
-        if not (
-            pyarrow.types.is_string(kind) or pyarrow.types.is_large_string(kind) or pyarrow.types.is_string_view(kind)
-        ):
-            return column.to_numpy()
-        column = column.cast(pyarrow.large_string()).dictionary_encode()
-    chunks = column.unify_dictionaries().chunks
-    found = chunks[0].dictionary if chunks else pyarrow.nulls(0)
-    codes = [np.asarray(chunk.indices.cast(pyarrow.int64()).fill_null(-1)) for chunk in chunks]
-    cells = np.concatenate([np.empty(0, np.int64), *codes])
-    # A dictionary may have a missing value among its levels.
-    cells[np.isin(cells, np.flatnonzero(found.is_null()))] = -1
-    return Levels(_texts(name, found), cells, bool(column.type.ordered))
+def listed(name: str, array: npt.NDArray[Any], missing: str = "") -> list[str]:
+    """Return the text of each value; that of a missing one is `missing`."""
+    levels, codes, _ = labeled(name, encoded(name, array))
+    return [levels[code] if code >= 0 else missing for code in codes]
 
 
 def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import inspect
+import json
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
 from ._common import options, path, suggests, unmasked
-from ._stimulus import Kind, Transfer, _kind, _parameters
+from ._stimulus import Kind, Transfer, _named
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -90,9 +93,7 @@ def predict(
     >>> predict(width=0.1).band_bright > predict(width=0.1, depth=3).band_bright
     True
     """
-    if window_deg is not None and ppd is not None:
-        raise TypeError("predict() got window_deg and ppd; expected one of them")
-    return Prediction(**_machband.predict(options(predict, locals()), _kind(kind), _parameters(parameters)))
+    return Prediction(*_machband.predict(options(predict, locals()), *_named(kind, parameters)))
 
 
 class Place(NamedTuple):
@@ -186,16 +187,15 @@ def compare(
     >>> compare(ramp, ramp, window_deg=5).times_threshold
     0.0
     """
-    fields = options(compare, locals())
-    _viewed("compare", window_deg, ppd)
+    request = options(compare, locals())
     given = None
-    if _is_path(picture) and _is_path(reference):
-        fields.update(picture=path("picture", picture), reference=path("reference", reference))
+    if isinstance(picture, (str, PathLike)) and isinstance(reference, (str, PathLike)):
+        request |= {"picture": path("picture", picture), "reference": path("reference", reference)}
     else:
-        fields.update(picture="picture", reference="reference")
+        request |= {"picture": "picture", "reference": "reference"}
         given = (_pixels("picture", picture), _pixels("reference", reference))
-    found = _machband.compare(fields, given)
-    return Comparison(**{**found, "places": [Place(*place) for place in found["places"]]})
+    found, map = _machband.compare(request, given)
+    return _made(Comparison, found, map=map)
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,45 +250,42 @@ def steps(
     >>> found.steps > 0
     True
     """
-    fields = {**options(steps, locals()), "steps": True}
-    _viewed("steps", window_deg, ppd)
-    if _is_path(picture):
-        return Steps(**_machband.steps({**fields, "picture": path("picture", picture)}, None))
-    found = _machband.steps({**fields, "picture": "picture"}, _pixels("picture", picture))
-    return Steps(**{**found, "light": "as asked" if {"transfer", "display"} & {*fields} else "sRGB is assumed"})
+    request = {**options(steps, locals()), "steps": True, "picture": "picture"}
+    if isinstance(picture, (str, PathLike)):
+        found, dithered = _machband.steps({**request, "picture": path("picture", picture)}, None)
+        return _made(Steps, found, picture=dithered)
+    found, dithered = _machband.steps(request, _pixels("picture", picture))
+    light = "as asked" if {"transfer", "display"} & {*request} else "sRGB is assumed"
+    return _made(Steps, found, picture=dithered, light=light)
 
 
-def _viewed(name: str, window_deg: float | None, ppd: float | None) -> None:
-    """Check that there is one visual size."""
-    if (window_deg is None) == (ppd is None):
-        which = "neither" if ppd is None else "both"
-        raise TypeError(f"{name}() got {which} of window_deg and ppd; expected one of them")
+T = TypeVar("T")
 
 
-def _is_path(given: object) -> bool:
-    return isinstance(given, (str, PathLike))
+def _made(of: Callable[..., T], found: str, **more: Any) -> T:
+    """Return a record with the values of the same names in the JSON of the command, and with more."""
+    values = {**json.loads(found, object_hook=lambda one: Place(**one) if "x" in one else one), **more}
+    return of(**{name: values[name] for name in inspect.signature(of).parameters})
 
 
-def _pixels(name: str, given: Any) -> tuple[npt.NDArray[Any], tuple[int, int]]:
-    """Return an image as a flat array of red, green and blue, with its height and width."""
-    if _is_path(given):
+def _pixels(name: str, given: Any) -> npt.NDArray[Any]:
+    """Return an image as an array of red, green and blue."""
+    if isinstance(given, (str, PathLike)):
         raise TypeError(f"{name} is a path, and the other is not; expected two paths or two arrays")
     image = np.asarray(unmasked(name, given))
     if image.ndim == 0:
         raise TypeError(f"{name} is {type(given).__name__}; expected a path or an array")
     if image.ndim == 2:
         image = np.repeat(image[:, :, np.newaxis], 3, axis=2)
-    if image.ndim != 3 or image.shape[2] != 3:
-        raise _machband.Error(f"{name} has shape {image.shape}; expected (height, width) or (height, width, 3)")
-    height, width = image.shape[:2]
-    if width == 0 or height == 0:
-        raise _machband.Error(f"{name} has shape {image.shape}; expected at least one pixel")
+    if image.ndim != 3 or image.shape[2] != 3 or not image.size:
+        expected = "expected (height, width) or (height, width, 3), and at least one pixel"
+        raise _machband.Error(f"{name} has shape {image.shape}; {expected}")
     if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
-        return np.ascontiguousarray(image, image.dtype.newbyteorder("=")).ravel(), (height, width)
+        return np.ascontiguousarray(image, image.dtype.newbyteorder("="))
     if image.dtype.kind != "f":
         raise TypeError(f"{name} has dtype {image.dtype}; expected uint8, uint16 or floats")
     if not (is_light := (image >= 0) & (image <= 1)).all():
         place = np.unravel_index(is_light.argmin(), image.shape)
         expected = "expected 0 to 1, such as codes / 255 decoded by a Transfer"
         raise _machband.Error(f"{name} has light {image[place]} in row {place[0]}, column {place[1]}; {expected}")
-    return np.ascontiguousarray(image, dtype=np.float32).ravel(), (height, width)
+    return np.ascontiguousarray(image, dtype=np.float32)

@@ -101,13 +101,10 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
 
     def set(self, **parameters: Any) -> None:
         """Change parameters of the stimulus, several at once if one depends on another."""
-        for name in parameters:
-            if name == "kind":
-                raise TypeError("kind cannot change; expected another MachBandStim")
-            if name in _VIEW:
-                raise TypeError(f"{name} is not a parameter here; expected size and units, which are set on their own")
-        found = Stimulus(self.kind, **{**self.parameters, **parameters})
-        self.__dict__["parameters"] = {name: found.parameters[name] for name in found.parameters if name not in _VIEW}
+        if wrong := {"kind", *_VIEW} & {*parameters}:
+            raise TypeError(f"{wrong.pop()} is not a parameter; expected size and units, or another MachBandStim")
+        found = Stimulus(self.kind, **{**self.parameters, **parameters}).parameters
+        self.__dict__["parameters"] = {name: value for name, value in found.items() if name not in _VIEW}
         self._transfer()
 
     @property
@@ -129,16 +126,14 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
 
     def codes(self) -> Codes:
         """Return the codes that are drawn, shape (size, size, 3), uint8."""
-        transfer, gamma = self.transfer, self.win.gamma
-        if gamma is not None:
+        transfer = self.transfer
+        if self.win.gamma is not None:
             if transfer not in (None, "linear", Transfer("linear")):
-                raise _machband.Error(
-                    f"transfer is {transfer!r}, and the window linearizes the display (gamma {gamma}); expected 'linear'"
-                )
+                problem = f"the window linearizes the display (gamma {self.win.gamma})"
+                raise _machband.Error(f"transfer is {transfer!r}, and {problem}; expected 'linear'")
             transfer = "linear"
-        return stimulus(
-            self.kind, size=self.size_px, transfer=transfer, dither=self.dither, seed=self.seed, **self.parameters
-        )
+        coding: Any = {"transfer": transfer, "dither": self.dither, "seed": self.seed}
+        return stimulus(self.kind, size=self.size_px, **coding, **self.parameters)
 
     def _transfer(self) -> None:
         """Give the codes to the graphics card, so that the next frame only draws them."""
@@ -160,14 +155,12 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         if name in type(self)._images:
             return getattr(self._image, name)
         parameters = self.__dict__.get("parameters", {})
+        known = [*self._own, *self._images, *parameters]
         # PsychoPy's experiments call setters, too.
-        setters = {f"set{known[0].upper()}{known[1:]}": known for known in [*self._own, *self._images, *parameters]}
-        if name in setters:
-            return lambda value, *_, **__: setattr(self, setters[name], value)
+        if (own := name[3:4].lower() + name[4:]) in known and name.startswith("set"):
+            return lambda value, *_, **__: setattr(self, own, value)
         if name not in parameters:
-            raise AttributeError(
-                f"{name!r} is not known; expected one of {', '.join([*self._own, *self._images, *parameters])}"
-            )
+            raise AttributeError(f"{name!r} is not known; expected one of {', '.join(known)}")
         return parameters[name]
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -177,8 +170,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
             self.set(**{name: value})
         elif name in self._images:
             setattr(self._image, name, value)
-            if name == "units":
-                self._transfer()
+            self._transfer()
         elif name in self._own:
             before = self.__dict__[name]
             self.__dict__[name] = _side(value) if name == "size" else value
@@ -189,8 +181,8 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
                 raise
         else:
             # What PsychoPy notes about any stimulus, such as its status, can be set.
-            is_other = name in {"kind", "parameters", "texRes", *_VIEW, *_STIMULUS_PARAMETERS} or any(hasattr(of, name) for of in _OTHERS)
             near = nearest(name, among=parameters, cutoff=0.75) if not hasattr(self, name) else ""
+            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS} or hasattr(GratingStim, name)
             if parameters and (near or (is_other and not hasattr(MinimalStim, name))):
                 settable = ", ".join([*self._own, *self._images, *parameters])
                 raise AttributeError(f"{name!r} cannot be set; expected one of {settable}{near}")
@@ -206,5 +198,3 @@ def _side(given: float | None) -> float | None:
 
 #: What a stimulus of its own has, and one in a window has not.
 _VIEW = ("size", "visual_size", "ppd")
-#: Stimuli of PsychoPy whose attributes somebody could expect.
-_OTHERS = (ImageStim, GratingStim)

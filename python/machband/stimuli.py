@@ -39,7 +39,6 @@ class Parameters(TypedDict, total=False):
     boundary: float
     vertex: Literal["off", "printed", "repaired"]
     reweight: Literal["off", "printed", "repaired"]
-    gradients: Literal["curvature", "ring", "quadric"]
     mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"]
     vertices: float
     rotate: str | Sequence[float]
@@ -299,7 +298,6 @@ def shaded_mesh(
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    gradients: Literal["curvature", "ring", "quadric"] = "curvature",
     mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"] = "blob",
     vertices: float = 313,
     rotate: str | Sequence[float] = "25,-35,0",
@@ -330,8 +328,6 @@ def shaded_mesh(
         Vertex shading, Bangay eq. 7. Expected: one of off, printed, repaired.
     reweight
         Intensity reweighting, Bangay eq. 9. Expected: one of off, printed, repaired.
-    gradients
-        How patch and c1-phong compute their slopes. Expected: one of curvature, ring, quadric.
     mesh
         Mesh. Expected: one of cube, pyramid, sphere, uv-sphere, torus, jittered-torus, blob, terrain, cylinder,
         filleted-cylinder.
@@ -365,8 +361,8 @@ def shaded_mesh(
         Degrees of visual angle of the longer side, or height and width [default: `size` / `ppd`, or 10].
     """
     return Stimulus("shaded-mesh", shader=shader, depth=depth, boundary=boundary, vertex=vertex, reweight=reweight,
-        gradients=gradients, mesh=mesh, vertices=vertices, rotate=rotate, light=light, highlight=highlight,
-        background=background, low=low, high=high, color=color, size=size, ppd=ppd, visual_size=visual_size)
+        mesh=mesh, vertices=vertices, rotate=rotate, light=light, highlight=highlight, background=background,
+        low=low, high=high, color=color, size=size, ppd=ppd, visual_size=visual_size)
 
 
 @suggests

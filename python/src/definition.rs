@@ -3,17 +3,17 @@
 use std::path::PathBuf;
 
 use machband::{
-    experiment::{Condition, Identity, Protocol, SECOND, Schedule},
+    experiment::{Condition, Identity, Protocol, SECOND, Schedule, Trial},
     stimulus::ParameterValue,
     store::definition,
-    text::Cell,
+    text::{Cell, Column, Table},
     work::simulate::{self as work, Simulate},
 };
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::prelude::*;
 
 use crate::{
     Field, Fields, error, job, request,
-    table::{self, Column},
+    table::{Described, described},
 };
 
 /// The definition of an experiment.
@@ -66,67 +66,58 @@ impl Definition {
         definition::hash(&self.0)
     }
 
-    /// Returns the conditions as columns: the kind, and every parameter of the stimulus.
-    fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let conditions = self.0.conditions();
-        let kind: Vec<_> = conditions.iter().map(|_| Cell::from(self.0.stimulus.kind())).collect();
-        let names = self.0.stimulus.parameters().iter().map(|parameter| parameter.name);
-        let parameters = names.map(|name| (name.to_owned(), parameter(conditions, name)));
-        table::columns(py, [("stimulus".to_owned(), Column::of(&kind))].into_iter().chain(parameters))
+    /// Returns the conditions as a table: the kind, and every parameter of the stimulus.
+    fn conditions<'py>(&self, py: Python<'py>) -> PyResult<Described<'py>> {
+        let stimulus = &self.0.stimulus;
+        let names = || stimulus.parameters().iter().map(|parameter| parameter.name);
+        let columns = std::iter::once("stimulus").chain(names()).map(|name| Column::new(name, "", "")).collect();
+        let row = |condition: &Condition| {
+            let levels = names().map(|name| parameter(condition, name));
+            std::iter::once(Cell::from(stimulus.kind())).chain(levels).collect()
+        };
+        described(py, Table::new(columns, self.0.conditions().iter().map(row)))
     }
 
-    /// Returns the trials of a session as columns. `condition` counts the conditions from 0.
-    fn schedule<'py>(
-        &self,
-        py: Python<'py>,
-        participant: &str,
-        session: &str,
-        seed: u64,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    /// Returns the trials of a session as a table. `condition` counts the conditions from 0.
+    fn schedule<'py>(&self, py: Python<'py>, participant: &str, session: &str, seed: u64) -> PyResult<Described<'py>> {
         let identity = Identity::new(participant, session).map_err(error)?;
-        let (protocol, seed) = (self.0.clone(), seed);
+        let protocol = self.0.clone();
         let schedule = job::run(py, None, false, move |_| Ok(Schedule::new(&protocol, &identity, seed)?))?;
-        let whole =
-            |of: fn(&machband::experiment::Trial) -> i64| Column::Whole(schedule.trials.iter().map(of).collect());
-        let phases = schedule.trials.iter().map(|trial| Some(trial.phase.to_string())).collect();
-        let fixed = [
-            ("phase", Column::Text(phases)),
-            ("block", whole(|trial| trial.block.into())),
-            ("trial", whole(|trial| trial.number.into())),
-            ("repetition", whole(|trial| trial.repetition.into())),
-        ];
-        let (mut first, mut second) = (Vec::new(), Vec::new());
-        for trial in &schedule.trials {
-            match (trial.planned_pair(&self.0), self.0.pairs()) {
-                (Some([left, right]), _) => {
-                    first.push(left);
-                    second.push(right);
-                }
-                (None, None) => first.push(trial.condition),
-                // The answers decide which conditions are compared.
-                (None, Some(_)) => {}
-            }
-        }
-        let planned = [("", first), (SECOND, second)].into_iter().filter(|(_, places)| !places.is_empty());
-        let shown = planned.flat_map(|(suffix, places)| {
-            let conditions: Vec<Condition> = places.iter().map(|place| schedule.conditions[*place].clone()).collect();
-            let place = Column::Whole(places.iter().map(|place| *place as i64).collect());
-            let factor = |name: &str| (format!("{name}{suffix}"), parameter(&conditions, name));
-            let factors: Vec<_> = self.0.factors.iter().map(|of| factor(&of.name)).collect();
-            std::iter::once((format!("condition{suffix}"), place)).chain(factors)
+        let shown = |trial: &Trial| match (trial.planned_pair(&self.0), self.0.pairs()) {
+            (Some(pair), _) => pair.to_vec(),
+            (None, None) => vec![trial.condition],
+            // The answers decide which conditions are compared.
+            (None, Some(_)) => Vec::new(),
+        };
+        let factors = || self.0.factors.iter().map(|factor| factor.name.as_str());
+        let number = schedule.trials.first().map_or(0, |trial| shown(trial).len());
+        let planned = ["", SECOND].into_iter().take(number).flat_map(|suffix| {
+            std::iter::once("condition").chain(factors()).map(move |name| format!("{name}{suffix}"))
         });
-        table::columns(py, fixed.map(|(name, column)| (name.to_owned(), column)).into_iter().chain(shown))
+        let names = ["phase", "block", "trial", "repetition"].map(str::to_owned).into_iter().chain(planned);
+        let row = |trial: &Trial| {
+            let mut row = vec![trial.phase.to_string().into(), trial.block.into(), trial.number.into()];
+            row.push(trial.repetition.into());
+            for place in shown(trial) {
+                row.push(place.into());
+                row.extend(factors().map(|name| parameter(&schedule.conditions[place], name)));
+            }
+            row
+        };
+        described(
+            py,
+            Table::new(names.map(|name| Column::new(name, "", "")).collect(), schedule.trials.iter().map(row)),
+        )
     }
 }
 
-/// Returns a parameter of each condition.
-fn parameter(conditions: &[Condition], name: &str) -> Column {
-    let value = |condition: &Condition| match condition.stimulus.get(name) {
+/// Returns a parameter of a condition.
+fn parameter(condition: &Condition, name: &str) -> Cell {
+    match condition.stimulus.get(name) {
         // The only word among the levels of a number is an infinite depth.
         Some(ParameterValue::Text(text)) if text == "inf" => Cell::Number(f64::INFINITY),
         value => value.into(),
-    };
-    Column::of(&conditions.iter().map(value).collect::<Vec<_>>())
+    }
 }
 
 /// Runs simulated sessions as the command does, with its options.

@@ -24,28 +24,11 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// How long a function waits for work that was stopped. Most work looks for a stop far more often.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The warnings of an operation.
-#[derive(Default)]
-pub struct Warnings(Mutex<Vec<String>>);
-
-impl Warnings {
-    /// Issues them in Python.
-    pub fn issue(&self, py: Python<'_>) -> PyResult<()> {
-        warn(py, &std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner)))
-    }
-}
-
-impl Watcher for Warnings {
-    fn warn(&self, warning: &str) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
-    }
-}
-
 /// A running computation, as it sees itself.
 pub struct Job {
     done: AtomicU64,
     total: AtomicU64,
-    warnings: Warnings,
+    warnings: Mutex<Vec<String>>,
     /// Whether it should end.
     stop: Arc<AtomicBool>,
 }
@@ -58,7 +41,7 @@ impl Watcher for Job {
     }
 
     fn warn(&self, warning: &str) {
-        self.warnings.warn(warning);
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(warning.to_owned());
     }
 
     /// Ends a simulation cleanly, whose own threads no [`checkpoint`] stops.
@@ -114,7 +97,7 @@ pub fn run<T: Send + 'static>(
     let (send, receive) = channel();
     let threads = Threads::free()?;
     let (done, total, stop) = (AtomicU64::new(0), AtomicU64::new(0), Arc::clone(&threads.stop));
-    let job = Arc::new(Job { done, total, warnings: Warnings::default(), stop });
+    let job = Arc::new(Job { done, total, warnings: Mutex::default(), stop });
     let running = Arc::clone(&job);
     threads.pool.spawn(move || {
         let _ = send.send(catch_unwind(AssertUnwindSafe(|| work(&running))));
@@ -140,7 +123,7 @@ pub fn run<T: Send + 'static>(
         Ok(Err(panic)) => Err(PyRuntimeError::new_err(panic_text(&*panic))),
         Err(_) => Err(PyRuntimeError::new_err("the computation ended without a result")),
     }?;
-    job.warnings.issue(py)?;
+    warn(py, &job.warnings.lock().unwrap_or_else(PoisonError::into_inner))?;
     Ok(result)
 }
 

@@ -40,7 +40,8 @@ fn error(error: impl std::fmt::Display) -> PyErr {
 
 /// Turns an error of an operation into a Python exception; one about data knows the rows of their table.
 fn raised(py: Python<'_>, failed: &anyhow::Error) -> PyErr {
-    let message = told(failed, str::to_owned);
+    // The order of levels is an argument of `factors`.
+    let message = told(failed, |field| if field == "levels" { "factors" } else { field }.to_owned());
     let errors = match (failed.downcast_ref(), failed.downcast_ref()) {
         (Some(StudyError::Files(errors)), _) | (_, Some(StoreError::FileErrors(errors))) => &errors.0,
         _ => return error(message),

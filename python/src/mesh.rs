@@ -59,7 +59,7 @@ pub fn shade<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Option<String>)> {
     let request: Shade = request(fields)?;
     let given = mesh.as_ref().map(mesh_of).transpose()?;
-    let wanted = Wanted { picture: true, metrics: measure, creases: false };
+    let wanted = Wanted { picture: true, metrics: measure };
     let shaded = job::run(py, None, false, move |job| request.shade(given.map(|of| of()).transpose()?, wanted, job))?;
     let idle = shaded.idle.iter().map(ToString::to_string);
     job::warn(py, &idle.chain(shaded.notes).collect::<Vec<_>>())?;

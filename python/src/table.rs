@@ -1,59 +1,57 @@
-//! Columns of tables.
+//! Tables as arrays, and columns of tables in memory.
 
-use machband::{store::Columns, text::Cell};
+use machband::{
+    store::Columns,
+    text::{Cell, Table},
+};
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::{prelude::*, types::PyDict};
 
-/// A column: whole numbers; numbers, of which missing ones are NaN; times in milliseconds since 1970; or texts, of which
-/// missing ones are `None`.
-pub enum Column {
-    Whole(Vec<i64>),
-    /// Whole numbers of which one is above `i64::MAX`, such as seeds.
-    Large(Vec<u64>),
-    Number(Vec<f64>),
-    Time(Vec<i64>),
-    Text(Vec<Option<String>>),
+/// A dict of arrays; and for each column its name, its unit and its description.
+pub type Described<'py> = (Bound<'py, PyDict>, Vec<(String, String, String)>);
+
+/// Returns a table as arrays.
+pub fn described(py: Python<'_>, table: Table) -> PyResult<Described<'_>> {
+    let columns = PyDict::new(py);
+    for column in &table.columns {
+        columns.set_item(&column.name, array(py, &column.cells)?)?;
+    }
+    let about = table.columns.into_iter().map(|column| (column.name, column.unit, column.description));
+    Ok((columns, about.collect()))
 }
 
-impl Column {
-    /// Chooses the narrowest type for these values.
-    pub fn of(values: &[Cell]) -> Self {
-        let whole = |cell: &Cell| match cell {
-            Cell::Whole(whole) => i64::try_from(*whole).ok(),
-            Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
-            _ => None,
-        };
-        let large = |cell: &Cell| if let Cell::Whole(whole) = cell { u64::try_from(*whole).ok() } else { None };
-        let time = |cell: &Cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None };
-        let number = |cell: &Cell| match cell {
-            Cell::Missing => Some(f64::NAN),
-            Cell::Level(text, number) => number_of(text, *number),
-            cell => cell.as_number(),
-        };
-        let text = |cell: &Cell| (*cell != Cell::Missing).then(|| cell.to_string());
-        all(values, whole)
-            .map(Self::Whole)
-            .or_else(|| all(values, large).map(Self::Large))
-            .or_else(|| all(values, time).map(Self::Time))
-            .or_else(|| values.iter().map(number).collect::<Option<_>>().map(Self::Number))
-            .unwrap_or_else(|| Self::Text(values.iter().map(text).collect()))
+/// Returns cells as an array of the narrowest type: whole numbers; numbers, of which missing ones are NaN; times in
+/// milliseconds; or texts, of which missing ones are `None`.
+fn array<'py>(py: Python<'py>, cells: &[Cell]) -> PyResult<Bound<'py, PyAny>> {
+    let whole = |cell: &Cell| match cell {
+        Cell::Whole(whole) => i64::try_from(*whole).ok(),
+        Cell::Level(text, number) => number_of(text, *number).and_then(|_| text.parse().ok()),
+        _ => None,
+    };
+    // Seeds may be above `i64::MAX`.
+    let large = |cell: &Cell| if let Cell::Whole(whole) = cell { u64::try_from(*whole).ok() } else { None };
+    let time = |cell: &Cell| if let Cell::Time(time) = cell { Some(time.as_millisecond()) } else { None };
+    let number = |cell: &Cell| match cell {
+        Cell::Missing => Some(f64::NAN),
+        Cell::Level(text, number) => number_of(text, *number),
+        cell => cell.as_number(),
+    };
+    if let Some(numbers) = all(cells, whole) {
+        return Ok(numbers.into_pyarray(py).into_any());
     }
-
-    pub fn into_array(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-        Ok(match self {
-            Self::Whole(numbers) => numbers.into_pyarray(py).into_any(),
-            Self::Large(numbers) => numbers.into_pyarray(py).into_any(),
-            Self::Number(numbers) => numbers.into_pyarray(py).into_any(),
-            Self::Time(times) => times.into_pyarray(py).call_method1("view", ("datetime64[ms]",))?,
-            Self::Text(texts) => {
-                let texts: Vec<Py<PyAny>> = texts
-                    .into_iter()
-                    .map(|text| Ok(text.into_pyobject(py)?.into_any().unbind()))
-                    .collect::<PyResult<_>>()?;
-                texts.into_pyarray(py).into_any()
-            }
-        })
+    if let Some(numbers) = all(cells, large) {
+        return Ok(numbers.into_pyarray(py).into_any());
     }
+    if let Some(times) = all(cells, time) {
+        return times.into_pyarray(py).call_method1("view", ("datetime64[ms]",));
+    }
+    if let Some(numbers) = cells.iter().map(number).collect::<Option<Vec<f64>>>() {
+        return Ok(numbers.into_pyarray(py).into_any());
+    }
+    let text =
+        |cell: &Cell| Ok((*cell != Cell::Missing).then(|| cell.to_string()).into_pyobject(py)?.into_any().unbind());
+    let texts: Vec<Py<PyAny>> = cells.iter().map(text).collect::<PyResult<_>>()?;
+    Ok(texts.into_pyarray(py).into_any())
 }
 
 /// Returns what `of` makes of every value; `None` if there are no values, or one is something else.
@@ -65,18 +63,6 @@ fn all<T>(values: &[Cell], of: impl Fn(&Cell) -> Option<T>) -> Option<Vec<T>> {
 fn number_of(text: &str, number: Option<f64>) -> Option<f64> {
     let digits = text.trim_start_matches(['-', '+']);
     number.filter(|_| digits.len() < 2 || !digits.starts_with('0') || digits.contains(['.', 'e', 'E']))
-}
-
-/// Returns a table as a dict of arrays.
-pub fn columns<'py>(
-    py: Python<'py>,
-    columns: impl IntoIterator<Item = (String, Column)>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let all = PyDict::new(py);
-    for (name, column) in columns {
-        all.set_item(name, column.into_array(py)?)?;
-    }
-    Ok(all)
 }
 
 /// The cells of a column.

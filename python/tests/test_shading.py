@@ -63,7 +63,7 @@ def test_a_scene_of_several_meshes(command, image, tmp_path):
         command("shade", "scene.toml", "--size", 96, "--out", "image.png", "--force", *(f"--{k}={v}" for k, v in more.items()))
         assert np.array_equal(machband.shade(scene, size=96, **more).image, image("image.png"))
     for other in [{"shader": "flat"}, {"rotate": (0, 0, 0)}, {"truth": True}, {"n_vertices": 9}]:
-        with pytest.raises(TypeError, match=f"got {next(iter(other))} for the scene .*; expected only size"):
+        with pytest.raises(machband.Error, match="does not apply to a scene; expected keys in its file"):
             machband.shade(scene, **other)
 
 
@@ -83,7 +83,7 @@ def test_a_repaired_mesh_is_a_warning():
         (([[0, 0, 0]], [[0, 0, 0]]), {}, machband.Error, "area"),
         ((TRIANGLE[0], [[0, 1, 3]]), {}, machband.Error, "refers to vertex 3"),
         ((TRIANGLE[0], [[0, 1, -1]]), {}, ValueError, "negative"),
-        ((TRIANGLE[0], [[0.0, 1, 2]]), {}, TypeError, "integers"),
+        ((TRIANGLE[0], [[0.5, 1, 2]]), {}, ValueError, "fraction"),
         ((TRIANGLE[0], np.zeros((0, 3), int)), {}, machband.Error, "at least one triangle"),
         (([[0, 0, np.nan], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), {}, machband.Error, "not finite"),
         ((*TRIANGLE, [[0, 0, 1]]), {}, ValueError, "one for each vertex"),
@@ -106,7 +106,7 @@ def test_a_repaired_mesh_is_a_warning():
         ((machband.mesh("cube"), [[0, 1, 2]]), {}, TypeError, "expected a Mesh alone"),
         (("blob",), {"shader": None}, TypeError, "neither shader nor truth"),
         (("blobb",), {}, machband.Error, "did you mean 'blob'"),
-        (("blob",), {"truth": 1}, TypeError, "truth is 1; expected True, False or a path"),
+        (("blob",), {"truth": 1}, TypeError, "truth is 1; expected a path"),
         (("blob",), {"truth": np.zeros((2, 3))}, TypeError, "truth is array"),
         (TRIANGLE, {"metrics": "no"}, TypeError, "metrics is 'no'"),
         ((np.ma.masked_less(TRIANGLE[0], 1), TRIANGLE[1]), {}, TypeError, "vertices is a masked array"),

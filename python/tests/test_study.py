@@ -64,7 +64,7 @@ def test_a_definition_can_be_saved_copied_and_compared(tmp_path):
         ({"schema": 1, "nmae": "a"}, "did you mean name"),
         ({"schema": 1, "name": "a b", "stimulus": {"kind": "mach-band"}}, "name"),
         ({}, "schema is missing"),
-        ({"schema": 1, "factors": {"depth": [-np.inf]}}, "a value is -inf"),
+        ({"schema": 1, "factors": {"depth": [-np.inf]}}, 'depth "-inf" is not a whole number'),
     ],
 )
 def test_wrong_definitions_are_refused(keys, words):
@@ -181,11 +181,10 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
     assert html.count("<svg") == len(found.figures) >= 5 and "participants" in html
     for figure in found.figures.values():
         assert xml.etree.ElementTree.fromstring(figure._repr_svg_()).tag.endswith("svg")
-        figure.save(tmp_path / "figure.png")
-        assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+        assert figure.png.startswith(b"\x89PNG")
     assert found.report.startswith("<!DOCTYPE html>") and repr(found) == found.summary()
     of_frame = machband.analyze(sessions[1], draws=99).report
-    assert "analyze(table, response=&quot;rating&quot;, categories=&quot;0,1,2,3&quot;, draws=99)" in of_frame
+    assert "analyze(table, categories=[0, 1, 2, 3], draws=99, response='rating')" in of_frame.replace("&#39;", "'")
     assert "machband analyze" not in of_frame
     written = found.save(tmp_path / "analysis")
     assert {path.name for path in written} == {*found.files, *found._report_files}
@@ -193,8 +192,6 @@ def test_a_notebook_shows_the_results(sessions, tmp_path):
         found.save(tmp_path / "analysis")
     with pytest.raises(machband.Error, match="is an input"):
         found.save(sessions[0])
-    with pytest.raises(machband.Error, match="expected a file in a folder"):
-        figure.save(tmp_path / "missing" / "figure.png")
     found.save(tmp_path / "analysis", force=True)
 
 
@@ -240,7 +237,7 @@ def test_a_scale_is_that_of_the_data_or_named():
 
 def test_codes_and_columns_that_are_levels():
     frame = pandas.DataFrame({"id": [f"p{i}" for i in range(24)], "near": [1, 2, 3, 4] * 6, "far": [2, 3, 99, 2] * 6})
-    with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing=99"):
+    with pytest.raises(ValueError, match=r"99 \(6 ratings\) is far from the other values.*missing=.99"):
         machband.analyze(frame, subject="id", wide="near,far", draws=99)
     with pytest.warns(UserWarning, match="6 of 48 rows have no response"):
         found = machband.analyze(frame, subject="id", wide=["near", "far"], missing=99, draws=99)
@@ -275,20 +272,20 @@ def test_generators_of_numpy_are_seeds():
     ("data", "given", "error", "words"),
     [
         ("missing", {}, machband.Error, "missing"),
-        (7, {}, TypeError, "int is not a path"),
-        ([], {}, ValueError, "no paths"),
-        ({}, {}, ValueError, "no columns"),
-        (pandas.Series([1, 2]), {}, TypeError, "Series is not a path"),
+        (7, {}, TypeError, "data is 7; expected paths, or one DataFrame or dict of columns"),
+        ([], {}, ValueError, "required arguments were not provided: <FILE.DIR>"),
+        ({}, {}, ValueError, "required arguments were not provided"),
+        (pandas.Series([1, 2]), {}, TypeError, "(?s)data is .*; expected paths"),
         ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),
         ({"a": [1], "b": [1, 2]}, {}, ValueError, "b has length 2; expected 1, as a has"),
         ({"a": [[1]]}, {}, ValueError, "one dimension"),
         ({"a": np.array("b")}, {}, TypeError, "column 'a' is array.* expected a list or an array"),
         ({b"subject_id": ["a"], b"rating": [7]}, {"factors": "c"}, machband.Error, "expected one of subject_id, rating"),
-        ({"subject_id": [*"ab"] * 9, "rating": [0, 1, 2] * 5 + [-99] * 3, "w": [*"xy"] * 9}, {"factors": "w"}, machband.DataError, "such as missing=-99$"),
+        ({"subject_id": [*"ab"] * 9, "rating": [0, 1, 2] * 5 + [-99] * 3, "w": [*"xy"] * 9}, {"factors": "w"}, machband.DataError, "such as missing=.-99.$"),
         ({"subject_id": ["a"], "rating": [1]}, {"link": "lgoit"}, machband.Error, "logit"),
         ({"subject_id": ["a"], "rating": [1]}, {"lnik": "logit"}, TypeError, "did you mean 'link'"),
         ({"subject_id": ["a", "b"], "rating": [1, 2]}, {"terms": "depht"}, machband.Error, "^table: .* depht"),
-        ([{"subject_id": "a", "rating": 1}], {}, TypeError, "dict is not a path; expected .* dict of columns"),
+        ([{"subject_id": "a", "rating": 1}], {}, TypeError, "data is {.*; expected .* dict of columns"),
         (pandas.DataFrame([[1, 2, 3]], columns=["subject_id", "rating", "rating"]), {"terms": "w"}, machband.Error, "rating appears twice"),
         (pandas.DataFrame([[1]], columns=pandas.MultiIndex.from_tuples([("a", "b")])), {}, machband.Error, "2 levels"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
@@ -460,9 +457,9 @@ def test_answers_at_levels():
     with pytest.raises(machband.Error, match="row 3 .counted from 0.: right is .99.; expected no more correct answers than trials") as caught:
         machband.analyze({**table, "right": [*right[:3], 99, *right[4:]]}, level="level", correct="right", total="n", guess=0.5)
     assert caught.value.rows.tolist() == [3] and isinstance(caught.value, machband.DataError)
-    with pytest.raises(TypeError, match="level without guess"):
+    with pytest.raises(machband.Error, match="required arguments were not provided: guess"):
         machband.analyze(table, level="level", correct="right", total="n")
-    with pytest.raises(TypeError, match="total without level"):
+    with pytest.raises(machband.Error, match="required arguments were not provided: .*level"):
         machband.analyze(table, total="n")
     # The usual column has the participants, and rows without an answer or, if asked, with a wrong one are left out.
     people = pandas.DataFrame({**table, "right": [*right[:12], None]}).iloc[[*range(12)] * 5 + [12]]

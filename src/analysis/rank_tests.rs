@@ -94,8 +94,6 @@ pub struct Friedman {
     /// Kendall's coefficient of concordance W, corrected for ties: 0 is no agreement, and 1 means that all participants
     /// rank the levels alike.
     pub w: f64,
-    /// The smallest probability that any ratings by this number of participants could give.
-    pub least_p: f64,
 }
 
 /// Up to this number of participants, the probability of Friedman's statistic is that over the participants' possible
@@ -131,7 +129,7 @@ pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     let asymptotic = (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
     let (p, method) = if n > EXACT_PARTICIPANTS { asymptotic } else { permutation_probability(&rows, permutations) };
     let w = chi_squared / (subjects * df as f64);
-    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w, least_p: least_friedman_p(n, k) })
+    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w })
 }
 
 /// Returns the smallest probability that Friedman's test can give: all participants agree on one order, and each order

@@ -88,7 +88,6 @@ pub fn settings(ctx: &Context, settings: &mut Settings, notice: Option<&str>) ->
         let title = |zoom: &f32| format!("{:.0} %", zoom * 100.0);
         Field::new("Size").column(120.0).width(110.0).choice(ui, &mut settings.zoom, &ZOOMS, title);
         hint(ui, "Also with Ctrl + and Ctrl −. Stimuli keep their size.");
-        ui.checkbox(&mut settings.greeting, "Explain Mach bands on the page Studies");
         ui.checkbox(&mut settings.full_screen, "Run sessions full screen");
         match notice {
             Some(notice) => notice.lines().for_each(|line| super::ui::note(ui, line)),
@@ -123,52 +122,37 @@ fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
 /// The question before the window is closed during a session or a measurement.
 #[derive(Default)]
 pub struct Quit {
-    asked: bool,
+    /// The open question, its text, and the answer that keeps the window open.
+    question: Option<(&'static str, String, &'static str)>,
     agreed: bool,
-    /// Whether the question is about a measurement, which was paused for it.
-    measured: bool,
 }
 
 impl Quit {
     /// Keeps the window open, and asks whether to quit during the measurement that was just paused.
     pub fn ask(&mut self, ctx: &Context) {
         ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        self.measured = true;
+        let text = "Readings and matches are saved; the intervals of a stopped timing are not.".to_owned();
+        self.question = Some(("Quit during the measurement?", text, "Stay"));
     }
 
     /// Handles a request to close the window, and draws the question if there is one. Closing the window a second time
     /// answers it. While an answer is only in memory, the window cannot be closed, because it would be lost.
     pub fn show(&mut self, ctx: &Context, trials: Option<&mut Trials>) {
-        if self.measured {
-            let text = "Readings and matches are saved; the intervals of a stopped timing are not.";
-            let answer = ask(ctx, "Quit during the measurement?", text, ["Stay", "Quit"]);
-            self.measured = answer.is_none();
-            if answer == Some(true) {
-                ctx.send_viewport_cmd(ViewportCommand::Close);
-            }
-        }
         let requested = ctx.input(|input| input.viewport().close_requested());
-        let Some(trials) = trials else {
-            self.asked = false;
-            return;
-        };
-        let again = requested && self.asked;
-        if requested && (trials.is_unsaved() || !(again || self.agreed)) {
+        if let Some(trials) = trials.filter(|_| requested)
+            && (trials.is_unsaved() || !(self.question.is_some() || self.agreed))
+        {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.asked = !trials.is_unsaved();
             trials.pause(ctx);
+            let question = || ("Quit during the session?", trials.how_to_resume(), "Continue the session");
+            self.question = (!trials.is_unsaved()).then(question);
         }
-        if !self.asked {
-            return;
-        }
-        let answers = ["Continue the session", "Quit"];
-        match ask(ctx, "Quit during the session?", &trials.how_to_resume(), answers) {
-            Some(false) => self.asked = false,
-            Some(true) => {
-                self.agreed = true;
+        let Some((question, text, keep)) = &self.question else { return };
+        if let Some(quits) = ask(ctx, question, text, [*keep, "Quit"]) {
+            (self.question, self.agreed) = (None, quits);
+            if quits {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
-            None => {}
         }
     }
 }

@@ -3,12 +3,11 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{Context, Panel, ThemePreference, Ui};
-
+use eframe::egui::{Context, ThemePreference};
 use toml::{Table, Value};
 
 use crate::{
-    app::ui::{note, theme},
+    app::ui::complain,
     report::terminal::message,
     store::settings::{Settings, SettingsFile, ThemeChoice},
 };
@@ -24,15 +23,13 @@ pub struct Memory {
     file: Option<SettingsFile>,
     /// Why the settings are not remembered, if a file was requested.
     pub problem: Option<String>,
-    /// Whether the user has hidden the problem.
-    hidden: bool,
     /// The settings in the last frame, and when they last changed.
     last: Option<(Settings, f64)>,
 }
 
 impl Memory {
     /// Reads the settings. A file that cannot be read is reported and left as it is.
-    pub fn open(path: Option<PathBuf>) -> Self {
+    pub fn open(ctx: &Context, path: Option<PathBuf>) -> Self {
         match path.map(|path| SettingsFile::open(&path)) {
             None => Self::default(),
             Some(Ok((file, settings))) => Self { settings, file: Some(file), ..Self::default() },
@@ -42,6 +39,7 @@ impl Memory {
                     "{errors}\nThe default settings are used, and changes are not remembered until you correct or \
                         remove this file."
                 );
+                complain(ctx, &problem);
                 Self { problem: Some(problem), ..Self::default() }
             }
         }
@@ -55,18 +53,6 @@ impl Memory {
     /// Remembers the settings of a page.
     pub fn set_page(&mut self, name: &str, settings: Table) {
         self.settings.pages.insert(name.to_owned(), Value::Table(settings));
-    }
-
-    /// Says at the top of the page why the settings are not remembered, until the user hides it.
-    pub fn show_problem(&mut self, ui: &mut Ui) {
-        let Some(problem) = self.problem.as_ref().filter(|_| !self.hidden) else { return };
-        let frame = theme::card(ui).outer_margin(theme::GAP);
-        let panel = Panel::top("problem").resizable(false).show_separator_line(false).frame(frame);
-        let hidden = panel.show(ui, |ui| {
-            problem.lines().for_each(|line| note(ui, line));
-            ui.button("Understood").clicked()
-        });
-        self.hidden = hidden.inner;
     }
 
     /// Applies the theme and the zoom to the window; the zoom may also have been changed with its keys. Sessions are
@@ -99,18 +85,19 @@ impl Memory {
             }
         };
         if now - changed_s >= SETTLED_S {
-            self.save_now();
+            if let Some(problem) = self.save_now() {
+                complain(ctx, problem);
+            }
             // Settings that cannot be saved are tried again with the next change, and when the window closes.
             self.last = Some((self.settings.clone(), f64::INFINITY));
         }
     }
 
-    /// Writes the settings if they have changed.
-    pub fn save_now(&mut self) {
-        let Some(file) = &mut self.file else { return };
-        if let Err(error) = file.save(&self.settings) {
-            message("warning", &error.to_string());
-            self.problem = Some(format!("The settings cannot be saved. {error}"));
-        }
+    /// Writes the settings if they have changed; returns why that is not possible.
+    pub fn save_now(&mut self) -> Option<&str> {
+        let error = self.file.as_mut()?.save(&self.settings).err()?;
+        message("warning", &error.to_string());
+        self.problem = Some(format!("The settings cannot be saved. {error}"));
+        self.problem.as_deref()
     }
 }

@@ -38,7 +38,7 @@ use crate::{display::DisplayProfile, store::settings::remember};
 pub use display::timing;
 pub use session::Request;
 pub use ui::{Monitor, logo::icon, platform::is_resampled};
-pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
+pub use window::{Input, Pressed, Stamps, WindowError};
 
 /// How the window starts.
 #[derive(Debug, Default)]
@@ -89,13 +89,10 @@ pub struct App {
     shading: Option<Box<explore::shading::ShadingPage>>,
     display: Option<Box<display::Display>>,
     analysis: Option<Box<analysis::Analysis>>,
-    /// The last page of a session, to which the analysis of its results leads back.
-    behind: Option<Box<Runner>>,
     /// Whether the window was started with a session, so that leaving the session closes the window.
     direct: bool,
     dialog: Option<SideDialog>,
     quit: Quit,
-    monitors: Vec<Monitor>,
     memory: Memory,
     /// Keys and clicks with their arrival times.
     input: Input,
@@ -106,7 +103,7 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
-        Self { direct, memory: Memory::open(launch.settings), ..Self::at(cc, view) }
+        Self { direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::at(cc, view) }
     }
 
     /// Creates the window of `machband timing`, which only measures frames.
@@ -117,7 +114,6 @@ impl App {
 
     fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
-        ui::blit::install(cc);
         Self { view, ..Self::default() }
     }
 
@@ -126,16 +122,14 @@ impl App {
         let step = match &mut self.view {
             View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
             View::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
-            View::Places => return self.draw_places(ui, frame, &monitor),
+            View::Places => return self.draw_places(ui, &monitor),
         };
         match step {
             Step::Stay => return,
             Step::Next(data_set) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
-                self.place = Place::Analyze;
-                if let View::Session(session) = std::mem::replace(&mut self.view, View::Places) {
-                    self.behind = Some(session);
-                }
+                // From here, one can go anywhere.
+                (self.view, self.place, self.direct) = (View::Places, Place::Analyze, false);
             }
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
@@ -143,10 +137,8 @@ impl App {
                 let completed = finish.is_some_and(|finish| finish.complete);
                 if let Some(finish) = finish {
                     let how = if completed { "finished" } else { "interrupted" };
-                    // It may have been rescued, and is then not in the grid.
-                    let is_there = finish.path.starts_with(self.studies.results());
-                    let place = if is_there { String::new() } else { format!(" in {}", finish.path.display()) };
-                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved{place}."));
+                    let path = finish.path.display();
+                    ui::say(ui.ctx(), format!("The session is {how}; every answer is saved in {path}."));
                 }
                 self.view = View::Places;
                 self.go(Place::Studies, completed);
@@ -156,9 +148,9 @@ impl App {
     }
 
     /// Draws the current place and, below it, the status line, which Tab reaches last.
-    fn draw_places(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
+    fn draw_places(&mut self, ui: &mut egui::Ui, monitor: &Monitor) {
         if self.measured().is_some() {
-            return self.draw_place(ui, frame, monitor);
+            return self.draw_place(ui, monitor);
         }
         let (page, line) = ui.max_rect().split_top_bottom_at_y(ui.max_rect().bottom() - ui::theme::ROW);
         ui.scope_builder(egui::UiBuilder::new().max_rect(page), |ui| {
@@ -167,19 +159,15 @@ impl App {
             {
                 self.go(place, false);
             }
-            self.draw_place(ui, frame, monitor);
+            self.draw_place(ui, monitor);
         });
         ui.scope_builder(egui::UiBuilder::new().max_rect(line), |ui| self.draw_status(ui));
     }
 
-    fn draw_place(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame, monitor: &Monitor) {
+    fn draw_place(&mut self, ui: &mut egui::Ui, monitor: &Monitor) {
         let step = match self.place {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
-            Place::Studies => {
-                self.memory.show_problem(ui);
-                self.monitors = Monitor::all(frame);
-                self.studies.show(ui, monitor, &self.monitors, &mut self.memory.settings)
-            }
+            Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli => {
                 let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();
@@ -239,11 +227,7 @@ impl App {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
                 self.place = Place::Analyze;
             }
-            Step::Next(Destination::Place(place)) => self.go(place, false),
-            Step::Back => match self.behind.take().filter(|_| self.place == Place::Analyze) {
-                Some(session) => self.view = View::Session(session),
-                None => self.go(Place::Studies, false),
-            },
+            Step::Back => self.go(Place::Studies, false),
         }
         ui.ctx().request_repaint();
     }
@@ -263,10 +247,7 @@ impl App {
                 (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
             }
         };
-        // A message of one study is not shown with another.
-        let study = if self.place == Place::Studies { self.studies.chosen() } else { "" };
-        let page = format!("{:?} {study}", self.place);
-        ui::status_line(ui, &page, (!about.is_empty()).then_some((icon, &about)));
+        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {
@@ -287,7 +268,6 @@ impl App {
     /// Goes to a place. `completed`: the last session is complete, so that the next participant is entered.
     fn go(&mut self, place: Place, completed: bool) {
         self.place = place;
-        self.behind = None;
         match place {
             Place::Studies => self.studies.refresh(completed, &self.memory.settings),
             Place::Analyze => {

@@ -10,14 +10,14 @@ use super::{
 };
 use crate::{
     report::{
-        AnalysisOutput, Predicted, Provenance, check_folder,
+        Predicted, Provenance, check_folder,
         document::Document,
         prediction::StudyPrediction,
         skins,
         study::{Parts, document, shell_command},
-        task_files,
+        study_files, task_files,
         tasks::{self, TaskResults, TaskStudy},
-        write_all, write_files,
+        write_files,
     },
     store::Writer,
     system::now,
@@ -56,8 +56,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     progress.stage(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
     let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
     let provenance = Provenance::new(shell_command(words), now());
-    let AnalysisOutput { files, prediction } =
-        write_all(writer, &study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+    let (contents, prediction) = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+    let files = write_files(writer, &arguments.out, contents)?;
     progress.clear();
     super::print_line(&sentence(&study.source, &results.measured))?;
     print_summary(&document(&study.source, &results, Parts::default()))?;

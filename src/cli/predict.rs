@@ -54,8 +54,6 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
             "criterion": found.criterion,
             "criterion_intervals": found.intervals,
             "rank_correlation": found.rank_correlation,
-            "rank_correlation_with_participants": found.with_subjects,
-            "noise_ceiling": found.ceiling,
         }))?)?;
     } else {
         print_comparison(&found, &source)?;
@@ -76,12 +74,7 @@ fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
         found.criterion.spread
     ))?;
     print_line(&told(found, source))?;
-    print_line(&format!("rank correlation between prediction and mean rating: {}", number(found.rank_correlation)))?;
-    let ceiling = found.ceiling.map_or_else(
-        || "noise ceiling unknown: only one participant".to_owned(),
-        |[low, high]| format!("noise ceiling from agreement between participants: {low:.3} to {high:.3}"),
-    );
-    print_line(&format!("mean for individual participants: {}; {ceiling}", number(found.with_subjects)))
+    print_line(&format!("rank correlation between prediction and mean rating: {}", number(found.rank_correlation)))
 }
 
 /// Says how certain the criterion is, and what it rests on.

@@ -55,7 +55,7 @@ pub fn xyy_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 /// δ of CIE 15:2004: the cube root becomes a straight line below δ³ = (6/29)³.
-pub const LAB_DELTA: f64 = 6.0 / 29.0;
+const LAB_DELTA: f64 = 6.0 / 29.0;
 
 /// f of CIE 15:2004 §8.2.1.1: t^⅓ above (6/29)³, t/(3·(6/29)²) + 4/29 below.
 fn lab_root(t: f64) -> f64 {
@@ -74,18 +74,11 @@ pub fn lab_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// f(X/Xn), f(Y/Yn) and f(Z/Zn) of [`lab_from_xyz`]: the cube roots from which Lab is computed. They are linear
-/// functions of L\*, a\* and b\*.
-#[inline]
-pub fn cube_roots([lightness, a, b]: [f64; 3]) -> [f64; 3] {
-    let y = (lightness + 16.0) / 116.0;
-    [y + a / 500.0, y, y - b / 200.0]
-}
-
 /// The inverse of [`lab_from_xyz`]. CIE 15:2004 appendix D.
 #[inline]
-pub fn xyz_from_lab(lab: [f64; 3]) -> [f64; 3] {
-    let roots = cube_roots(lab);
+pub fn xyz_from_lab([lightness, a, b]: [f64; 3]) -> [f64; 3] {
+    let y = (lightness + 16.0) / 116.0;
+    let roots = [y + a / 500.0, y, y - b / 200.0];
     [0, 1, 2].map(|i| lab_cube(roots[i]) * WHITE[i])
 }
 

@@ -42,15 +42,6 @@ impl LinearImage {
         let i = sample_index(self.width, self.height, x, y);
         [self.data[i], self.data[i + 1], self.data[i + 2]]
     }
-
-    /// Sets the pixel in column `x` and row `y`.
-    ///
-    /// # Panics
-    /// Panics if the pixel is outside the image.
-    pub fn set_pixel(&mut self, x: u32, y: u32, light: [f32; 3]) {
-        let i = sample_index(self.width, self.height, x, y);
-        self.data[i..i + 3].copy_from_slice(&light);
-    }
 }
 
 /// An image of codes, ready for a file or a texture. Made by [`Quantizer::quantize`](super::Quantizer::quantize).

@@ -227,7 +227,7 @@ impl Interpolation {
 
 /// x^n by squaring. The precision of `f64::powi` is unspecified; this gives the same result on every machine.
 #[inline]
-fn power(x: f64, n: usize) -> f64 {
+pub(crate) fn power(x: f64, n: usize) -> f64 {
     let (mut result, mut square, mut n) = (1.0, x, n);
     while n > 0 {
         if n & 1 == 1 {

@@ -112,25 +112,24 @@ impl ChannelQuantizer {
 pub struct Quantizer {
     transfers: Transfers,
     bits: Bits,
-    /// Channels with the same transfer function share one.
+    /// Alike channels share one.
     channels: [Arc<ChannelQuantizer>; 3],
 }
 
 impl Quantizer {
     /// Makes a quantizer for a display that `transfers` describes. This takes about 0.1 ms for 8 bits and 5 ms for 16
-    /// bits for each channel that differs from the others, so reuse the quantizer.
+    /// bits, and three times as long if the channels differ, so reuse the quantizer.
     pub fn new(transfers: impl Into<Transfers>, bits: Bits) -> Self {
         let transfers = transfers.into();
         let made = |transfer: &Transfer| Arc::new(ChannelQuantizer::new(transfer, bits));
-        let [red, green, blue] = transfers.channels();
-        let first = made(red);
-        let second = if green == red { Arc::clone(&first) } else { made(green) };
-        let third = match () {
-            () if blue == red => Arc::clone(&first),
-            () if blue == green => Arc::clone(&second),
-            () => made(blue),
+        let channels = match transfers.uniform() {
+            Some(all) => {
+                let one = made(all);
+                [one.clone(), one.clone(), one]
+            }
+            None => transfers.channels().each_ref().map(made),
         };
-        Self { transfers, bits, channels: [first, second, third] }
+        Self { transfers, bits, channels }
     }
 
     /// Returns the number of bits in a code.

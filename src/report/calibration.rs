@@ -1,37 +1,32 @@
 //! The tables of a display's calibration.
 
-use super::document::{Shown, TextTable};
+use super::document::{Shown, TableOf, TextTable};
 use crate::display::photometer::{Calibration, Family, FittedChannel};
 
 /// Returns the fitted models, channel by channel, and how well each predicts levels that were left out.
 pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
-    let models = calibration.models.iter();
-    let channels = models.clone().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
-    let fits = TextTable {
-        caption: "fitted models".to_owned(),
-        header: ["model", "channel", "gamma", "gain", "offset", "R²", "largest codes", "cd/m²"]
-            .map(str::to_owned)
-            .into(),
-        texts: 2,
-        rows: channels.collect(),
-    };
-    let validated = models.map(|model| {
-        let found = &model.validation;
-        vec![
-            model.family.name().into(),
-            decimals(found.rms_codes, 2),
-            decimals(found.rms_cd_m2, 3),
-            decimals(found.largest_codes, 2),
-            known(found.score, &|score| format!("{:.2}", score.sqrt())),
-        ]
-    });
-    let validation = TextTable {
-        caption: "leave-one-level-out error".to_owned(),
-        header: ["model", "rms codes", "rms cd/m²", "largest codes", "relative to misfit"].map(str::to_owned).into(),
-        texts: 1,
-        rows: validated.collect(),
-    };
-    [fits, validation]
+    let models = &calibration.models;
+    let channels = models.iter().flat_map(|model| model.channels.iter().map(|channel| (model.family, channel)));
+    let channels: Vec<(Family, &FittedChannel)> = channels.collect();
+    let fits = TableOf::new("fitted models", &channels)
+        .text("model", |(family, _)| family.name())
+        .text("channel", |(_, own)| own.channel.name())
+        .number("gamma", |(_, own)| {
+            let se = own.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
+            known(own.curve.gamma(), &|gamma| format!("{gamma:.4}{se}"))
+        })
+        .number("gain", |(_, own)| known(own.curve.gain_and_offset().map(|both| both.0), &|gain| format!("{gain:.4}")))
+        .number("offset", |(_, own)| {
+            // Adding 0 turns −0 into 0.
+            let text = |offset: f64| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0);
+            known(own.curve.gain_and_offset().map(|both| both.1), &text)
+        })
+        .number("R²", |(_, own)| decimals(own.r_squared, 6))
+        .number("largest codes", |(_, own)| decimals(own.largest_codes, 2));
+    let validation = TableOf::new("leave-one-level-out error", models)
+        .text("model", |model| model.family.name())
+        .number("rms codes", |model| decimals(model.validation.rms_codes, 2));
+    [fits.into(), validation.into()]
 }
 
 /// Formats a number with this many decimals.
@@ -42,20 +37,4 @@ fn decimals(number: f64, decimals: usize) -> Shown {
 /// Formats a number if it is known.
 fn known(value: Option<f64>, text: &dyn Fn(f64) -> String) -> Shown {
     Shown::new(value, value.map_or_else(|| "—".to_owned(), text))
-}
-
-fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
-    let se = channel.gamma_se.map_or_else(String::new, |se| format!(" ± {se:.4}"));
-    let (gain, offset) = channel.curve.gain_and_offset().unzip();
-    vec![
-        family.name().into(),
-        channel.channel.name().into(),
-        known(channel.curve.gamma(), &|gamma| format!("{gamma:.4}{se}")),
-        known(gain, &|gain| format!("{gain:.4}")),
-        // Adding 0 turns −0 into 0.
-        known(offset, &|offset| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0)),
-        decimals(channel.r_squared, 6),
-        decimals(channel.largest_codes, 2),
-        decimals(channel.largest_cd_m2, 3),
-    ]
 }

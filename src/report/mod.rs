@@ -2,7 +2,7 @@
 //!
 //! [`Study`] contains what was read, and [`analyze`](crate::analysis::analyze) computes its results. [`study`] turns
 //! the results into blocks of a [`document`](mod@document), with sentences and [`figures`], and [`skins`] display the
-//! document. [`tables`] contain the results as CSV and JSON, and [`terminal`] prints lines. [`write_all`] writes
+//! document. [`tables`] contain the results as CSV and JSON, and [`terminal`] prints lines. [`write_files`] writes
 //! everything into a folder. [`calibration`] has the tables of a display.
 
 pub mod calibration;
@@ -19,7 +19,6 @@ pub mod tasks;
 pub mod terminal;
 
 pub use output::{
-    AnalysisOutput, Contents, Predicted, check_folder, png, report_files, table_files, task_files, write_all,
-    write_files,
+    Contents, Predicted, check_folder, png, report_files, study_files, table_files, task_files, write_files,
 };
 pub use study::{Provenance, Study, StudyError};

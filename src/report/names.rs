@@ -3,7 +3,11 @@
 
 use super::document::Shown;
 use crate::{
-    analysis::{counts::MISSING, number_of, terms::Terms},
+    analysis::{
+        counts::MISSING,
+        number_of,
+        terms::{TermPart, Terms},
+    },
     stimulus::{MachBand, Parameter},
     text::Cell,
 };
@@ -32,6 +36,15 @@ pub(crate) fn term(known: Known, text: &str) -> String {
     let terms = text.parse::<Terms>().unwrap_or_default();
     let variables = terms.iter().flat_map(|term| &term.variables).map(|variable| factor(known, variable.name()));
     variables.collect::<Vec<_>>().join(" × ")
+}
+
+/// Returns a coefficient, such as `depth ∞` or `width 0.4 × depth 2`.
+pub(crate) fn coefficient(known: Known, parts: &[TermPart]) -> String {
+    let part = |TermPart { variable, level: own }: &TermPart| {
+        let name = factor(known, variable.name());
+        own.as_ref().map_or_else(|| name.clone(), |own| format!("{name} {}", level(known, variable.name(), own)))
+    };
+    parts.iter().map(part).collect::<Vec<_>>().join(" × ")
 }
 
 /// Formats a level, such as `45°`, `∞` or `−0.4`; `(none)` if the value is missing.

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use super::{
+    document::Document,
     figures::{self, Figure},
     prediction::{PredictionError, StudyPrediction},
     script, skins,
@@ -29,39 +30,27 @@ const CELLS: &str = "cells.csv";
 /// What the vision model predicted, or why it could not.
 pub type Predicted = Result<StudyPrediction, PredictionError>;
 
-/// The files that were written, and the prediction.
-#[derive(Debug)]
-pub struct AnalysisOutput {
-    pub files: Vec<PathBuf>,
-    /// The vision model's prediction; `None` if only tables were requested.
-    pub prediction: Option<Predicted>,
-}
-
 /// The files of an analysis: their names and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
-/// Writes an analysis into a folder: the tables and the model and, unless `tables_only` is set, the figures and the
-/// report. Writes nothing if one of the files cannot be written.
+/// Returns the files of an analysis: the tables and the model and, unless `tables_only` is set, the figures and the report,
+/// with the prediction in it. `folder` is where they will be, for error messages.
 ///
 /// # Errors
-/// The same errors as [`Writer::write_all`].
-pub fn write_all(
-    writer: &Writer,
+/// A figure cannot be drawn.
+pub fn study_files(
     study: &Study,
     results: &Results,
     provenance: &Provenance,
     folder: &Path,
     tables_only: bool,
-) -> Result<AnalysisOutput, StoreError> {
-    check_folder(writer, folder)?;
-    let mut contents = table_files(study, results);
-    let mut prediction = None;
-    if !tables_only {
-        let (further, predicted) = report_files(study, results, provenance, folder)?;
-        contents.extend(further);
-        prediction = Some(predicted);
+) -> Result<(Contents, Option<Predicted>), StoreError> {
+    let tables = table_files(study, results);
+    if tables_only {
+        return Ok((tables, None));
     }
-    Ok(AnalysisOutput { files: write_files(writer, folder, contents)?, prediction })
+    let (report, predicted) = report_files(study, results, provenance, folder)?;
+    Ok(([tables, report].concat(), Some(predicted)))
 }
 
 /// Writes the files of an analysis into a folder, or none if one of them cannot be written. Returns their paths.
@@ -90,10 +79,7 @@ pub fn report_files(
     let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
-    let page = skins::html(&document(&study.source, results, parts), provenance);
-    let mut contents = vec![("report.html".to_owned(), page.into_bytes())];
-    let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-    contents.extend(pictures?.into_iter().flatten());
+    let contents = page(&document(&study.source, results, parts), &figures, provenance, folder)?;
     Ok((contents, predicted))
 }
 
@@ -112,10 +98,12 @@ pub fn task_files(
     let mut contents = csv_files(tasks::tables(study, results));
     if !tables_only {
         let figures = tasks::figures(study, results);
-        let page = skins::html(&tasks::document(study, results, &figures, Some(provenance)), provenance);
-        contents.push(("report.html".to_owned(), page.into_bytes()));
-        let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-        contents.extend(pictures?.into_iter().flatten());
+        contents.extend(page(
+            &tasks::document(study, results, &figures, Some(provenance)),
+            &figures,
+            provenance,
+            folder,
+        )?);
     }
     Ok(contents)
 }
@@ -128,6 +116,19 @@ pub fn check_folder(writer: &Writer, folder: &Path) -> Result<(), StoreError> {
     writer.check_folder(folder)?;
     let found = found(folder).map_err(|error| StoreError::io(folder, "access", error))?;
     found.map_or(Ok(()), |_| writer.check([folder.join(CELLS).as_path()]))
+}
+
+/// Returns a document as a page, and its figures.
+fn page(
+    document: &Document,
+    figures: &[Figure],
+    provenance: &Provenance,
+    folder: &Path,
+) -> Result<Contents, StoreError> {
+    let mut contents = vec![("report.html".to_owned(), skins::html(document, provenance).into_bytes())];
+    let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
+    contents.extend(pictures?.into_iter().flatten());
+    Ok(contents)
 }
 
 fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {

@@ -41,12 +41,6 @@ pub struct Comparison {
     pub ratings: u64,
     /// Spearman's correlation between the prediction and the mean rating, over conditions.
     pub rank_correlation: Option<f64>,
-    /// The same correlation computed for each participant separately and averaged over participants.
-    pub with_subjects: Option<f64>,
-    /// The noise ceiling: the correlation of each participant's ratings with the mean of the other participants (lower
-    /// end) and with the mean of all (upper end), each averaged over participants (Nili et al. 2014, PLoS Comput. Biol.
-    /// 10:e1003553). `None` for a single participant.
-    pub ceiling: Option<[f64; 2]>,
 }
 
 /// The reasons why there is no prediction.
@@ -194,16 +188,9 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
     }
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
     let means = means_by_subject(counts, places.len(), |row| places.binary_search(&row.condition).ok());
-    let means: Vec<Vec<f64>> =
-        means.iter().map(|own| own.iter().map(|mean| mean.unwrap_or(f64::NAN)).collect()).collect();
-    let everyone: Vec<&[f64]> = means.iter().map(Vec::as_slice).collect();
-    let pooled_means = pooled(&everyone);
-    let with = |other: &dyn Fn(usize) -> Vec<f64>| {
-        mean(everyone.iter().enumerate().filter_map(|(i, own)| rank_correlation(own, &other(i))))
-    };
-    // The mean over the other participants, and the mean over all.
-    let others = |i: usize| pooled(&[&everyone[..i], &everyone[i + 1..]].concat());
-    let ceiling = with(&others).zip(with(&|_| pooled_means.clone())).filter(|_| everyone.len() > 1);
+    // A participant counts equally, whatever the number of ratings; NaN if nobody rated a condition.
+    let of = |place: usize| mean(means.iter().filter_map(|own| own[place])).unwrap_or(f64::NAN);
+    let means: Vec<f64> = (0..places.len()).map(of).collect();
     let (criterion, intervals) = criterion(counts, predicted)?;
     Ok(Comparison {
         criterion,
@@ -211,9 +198,7 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
         participants: counts.subjects.len(),
         conditions: places.len(),
         ratings: ratings.sum(),
-        rank_correlation: rank_correlation(&pooled_means, &model),
-        with_subjects: with(&|_| model.clone()),
-        ceiling: ceiling.map(<[f64; 2]>::from),
+        rank_correlation: rank_correlation(&means, &model),
     })
 }
 
@@ -256,12 +241,6 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, Predi
         half.is_finite().then(|| [(log - half).exp(), (log + half).exp()])
     });
     Ok((Criterion { thresholds: logs.map(f64::exp), spread: 1.0 / slope }, intervals))
-}
-
-/// Computes the mean over the participants who rated a condition; NaN if nobody did.
-fn pooled(means: &[&[f64]]) -> Vec<f64> {
-    let of = |condition: usize| mean(means.iter().map(|own| own[condition]).filter(|value: &f64| value.is_finite()));
-    (0..means.first().map_or(0, |own| own.len())).map(|condition| of(condition).unwrap_or(f64::NAN)).collect()
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {

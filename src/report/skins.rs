@@ -27,7 +27,7 @@ pub fn html(document: &Document, provenance: &Provenance) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light";
-                meta name="generator" content={ "machband " (provenance.version) };
+                meta name="generator" content={ "machband " (env!("CARGO_PKG_VERSION")) };
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
@@ -36,7 +36,7 @@ pub fn html(document: &Document, provenance: &Provenance) -> String {
                     h1 { (title) }
                     p {
                         (subtitle) " · made " (provenance.made_at.strftime("%Y-%m-%d").to_string())
-                        " with machband " (provenance.version)
+                        " with machband " (env!("CARGO_PKG_VERSION"))
                     }
                 }
                 nav aria-label="Contents" {
@@ -129,7 +129,7 @@ fn table_markup(table: &TextTable) -> Markup {
 
 fn figure_markup(figure: &Figure) -> Markup {
     markup! {
-        figure.wide[figure.wide] {
+        figure {
             div.scroll { (PreEscaped(&figure.svg)) }
             figcaption { strong { (figure.title) "." } " " (figure.caption) }
         }

@@ -12,7 +12,7 @@
 //! | [`cubic`] | fields with a continuous slope over triangles; programmers copy this file |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, slopes at vertices |
 //! | [`shaders`] | one file per shader: how light spreads over a triangle |
-//! | [`draw`] | drawing: fast, and in f64 as the reference |
+//! | [`draw`] | drawing one mesh, or several |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 
 pub mod cubic;
@@ -21,13 +21,11 @@ pub mod frame;
 pub mod lighting;
 pub mod measure;
 pub mod mesh;
-mod number;
 pub mod shaders;
 
-pub use draw::{Body, Composition, Encoder, Prepared, Reference, picture};
+pub use draw::{Body, Composition, image};
 pub use frame::{
-    Fan, Field, Frame, FrameTriangle, FrameVertex, Gradients, Highlight, Mirrors, Neighbor, Patches, Scene, View,
-    coverage,
+    Fan, Field, Frame, FrameTriangle, FrameVertex, Highlight, Mirrors, Neighbor, Patches, Scene, View, coverage,
 };
 pub use lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Specular, Transparency};
 pub use measure::{self as crease, Creases, EdgeCrease, Truth};
@@ -35,5 +33,4 @@ pub use mesh::{
     Coat, Edge, EdgeKind, Edges, Mesh, MeshError, Normals, Paint, PaintedCorner, Polygons, Smooth, Surface, Texture,
     Vertex, Wrap, shapes,
 };
-pub use number::Channels;
-pub use shaders::{Correction, Shade, Shader};
+pub use shaders::{Correction, Shade, Shader, Shading};

@@ -4,9 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::light::color::{
-    cmy_from_rgb, cmyk_from_rgb, hls_from_rgb, hsv_from_rgb, hue, lab_from_xyz, luv_from_xyz, rgb_from_cmyk,
-    rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb,
-    xyz_from_xyy,
+    cmy_from_rgb, hsv_from_rgb, hue, rgb_from_cmyk, rgb_from_hls, rgb_from_hsv, rgb_from_xyz, wrapped_deg,
+    xyy_from_xyz, xyz_from_lab, xyz_from_luv, xyz_from_rgb, xyz_from_xyy,
 };
 use crate::{light::Transfer, text::names::serde_as_text};
 
@@ -162,22 +161,6 @@ impl StimulusColor {
     /// Returns the light of this color at the relative luminance `luminance`.
     pub(super) fn light(self, luminance: f64) -> [f64; 3] {
         self.rgb.map(|weight| weight * luminance)
-    }
-
-    /// Returns this color in every model, to three decimals. A gray has no hue and is written with hue 0.
-    pub fn in_models(self) -> Vec<String> {
-        let (rgb, xyz) = (self.rgb, xyz_from_rgb(self.rgb));
-        let models: [(&str, &[f64]); 8] = [
-            ("", &rgb),
-            ("hsv:", &hsv_from_rgb(rgb)),
-            ("xyY:", &xyy_from_xyz(xyz)),
-            ("hls:", &hls_from_rgb(rgb)),
-            ("cmy:", &cmy_from_rgb(rgb)),
-            ("cmyk:", &cmyk_from_rgb(rgb)),
-            ("lab:", &lab_from_xyz(xyz)),
-            ("luv:", &luv_from_xyz(xyz)),
-        ];
-        models.map(|(model, numbers)| written(model, numbers, 1e3)).into()
     }
 
     /// Returns strings from which this color may have been read: `hsv:` and `xyY:` with an increasing number of

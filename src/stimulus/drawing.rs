@@ -36,16 +36,10 @@ pub(super) trait Profile {
     /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
     fn is_level(&self, x: f64) -> bool;
 
-    /// Returns whether the turning points are known. If they are not, every pixel is computed.
+    /// Returns whether the turning points are known. If they are not, as in the colors between two hues, every pixel is
+    /// computed.
     fn is_plain(&self) -> bool {
         true
-    }
-
-    /// Returns the minimum and the maximum of the light between two positions that have no turning point between them;
-    /// `light` is the light at the two positions.
-    fn bounds(&self, _positions: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-        let [a, b] = light;
-        [[0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i]))]
     }
 }
 
@@ -257,7 +251,8 @@ struct Search<'a> {
 impl Search<'_> {
     /// Searches between two positions; `light` is the light there.
     fn between(&mut self, positions: [f64; 2], light: [[f64; 3]; 2]) {
-        let ([from, to], [least, most]) = (positions, self.profile.bounds(positions, light));
+        let ([from, to], [a, b]) = (positions, light);
+        let (least, most) = ([0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i])));
         let error = if self.level { 0.0 } else { ERROR_LIGHT };
         // An 8-bit code fits.
         let codes = |light: [f64; 3], off: f64| {

@@ -151,13 +151,7 @@ impl Profile for Ramp<'_> {
     }
 
     fn is_plain(&self) -> bool {
-        self.band.rounding == 0.0 && self.band.nulling == 0.0
-    }
-
-    fn bounds(&self, [from, to]: [f64; 2], light: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
-        match &self.color_ramp {
-            Some(color_ramp) => color_ramp.bounds(self.fraction_at(from), self.fraction_at(to)),
-            None => light,
-        }
+        let is_straight = self.color_ramp.is_none_or(|color_ramp| color_ramp.is_straight());
+        is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0
     }
 }

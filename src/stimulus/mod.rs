@@ -28,6 +28,6 @@ pub use predicted::Visible;
 pub use profiles::{Chevreul, Cornsweet, Cylinder, Shading};
 pub use ramp_space::{RampSpace, RampSpaceError};
 pub use shaded_mesh::{ShadedMesh, Triple};
-pub use shot::{Renderer, Shot, Undershoot, describe_scene};
+pub use shot::{along, describe_scene, emitted};
 pub use smooth::{Judged, Residual, SurfaceDifference};
 pub use viewing::ViewingConditions;

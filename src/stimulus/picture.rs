@@ -4,10 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap as _};
 
-use super::{
-    color::StimulusColor,
-    parameter::{Parameter, ParameterError, ParameterValue},
-};
+use super::parameter::{Parameter, ParameterError, ParameterValue};
 use crate::{
     light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Samples, Transfer},
     text::names::{expected_one_of, named},
@@ -105,8 +102,6 @@ impl Default for Gallery {
 pub struct Picture {
     /// All of them.
     pub gallery: Arc<Gallery>,
-    /// The color of the uniform field: gray.
-    pub color: StimulusColor,
     chosen: Option<usize>,
 }
 
@@ -155,7 +150,7 @@ impl<'de> Deserialize<'de> for Picture {
 
 impl From<Gallery> for Picture {
     fn from(gallery: Gallery) -> Self {
-        Self { gallery: Arc::new(gallery), color: StimulusColor::GRAY, chosen: None }
+        Self { gallery: Arc::new(gallery), chosen: None }
     }
 }
 
@@ -249,11 +244,6 @@ impl Picture {
         Some(self.chosen()?.levels.get(index).cloned().unwrap_or_else(|| "".into()))
     }
 
-    /// Every picture that was read can be shown.
-    pub(super) fn validate(&self) -> Result<(), Vec<ParameterError>> {
-        Ok(())
-    }
-
     /// Returns the side of the smallest square that holds every picture pixel for pixel, if the pictures are shown so.
     pub fn side(&self) -> Option<u32> {
         let sides = self.files().filter_map(|picture| picture.content.as_ref());
@@ -268,7 +258,7 @@ impl Picture {
 
     /// Returns the light of a square window of `side` pixels with the picture in its middle.
     pub(super) fn linear(&self, side: u32) -> LinearImage {
-        let background = self.color.light(self.gallery.background).map(|light| light as f32);
+        let background = [self.gallery.background as f32; 3];
         let Some(content) = self.chosen().and_then(|picture| picture.content.as_ref()) else {
             return LinearImage::from_fn(side, side, |_, _| background);
         };
@@ -288,7 +278,7 @@ impl Picture {
         let Some(content) = content.filter(|_| quantizer.bits() == Bits::Eight) else {
             return quantizer.quantize(&self.linear(side));
         };
-        let background = quantizer.codes(self.color.light(self.gallery.background).map(|light| light as f32));
+        let background = quantizer.codes([self.gallery.background as f32; 3]);
         let codes = match (self.gallery.show, self.gallery.size) {
             (ShownAs::Codes, PictureSize::Pixels) => content.codes.clone(),
             (ShownAs::Codes, PictureSize::Degrees) => {

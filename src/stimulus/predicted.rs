@@ -7,7 +7,7 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{catalog::Stimulus, parameter::ParameterValue, smooth::Judged, viewing::ViewingConditions};
+use super::{catalog::Stimulus, parameter::ParameterValue, shot::emitted, smooth::Judged, viewing::ViewingConditions};
 use crate::{
     text::Cell,
     vision::{
@@ -114,7 +114,7 @@ impl ViewingConditions {
             }
             let Stimulus::ShadedMesh(shaded) = stimulus else { return Ok(Visible::Unknown) };
             let Some(frame) = shaded.frame(px) else { return Ok(Visible::Unknown) };
-            let difference = Judged::known(&frame).difference(self, &shaded.shot(&frame).emitted())?;
+            let difference = Judged::known(&frame).difference(self, &emitted(&frame, &shaded.shade()))?;
             Ok(difference.map_or(Visible::Unknown, |difference| Visible::Surface(difference.largest)))
         })
     }

@@ -2,8 +2,7 @@
 
 use super::{color::StimulusColor, parameter::text_field};
 use crate::light::color::{
-    LAB_DELTA, WHITE, cube_roots, hsv_from_rgb, hue, lab_from_xyz, rgb_from_hsv, rgb_from_xyz, wrapped_deg,
-    xyz_from_lab, xyz_from_rgb,
+    hsv_from_rgb, hue, lab_from_xyz, rgb_from_hsv, rgb_from_xyz, wrapped_deg, xyz_from_lab, xyz_from_rgb,
 };
 use crate::text::names::named;
 
@@ -82,36 +81,8 @@ impl ColorRamp {
         rgb.map(|value| value.clamp(0.0, 1.0))
     }
 
-    /// Returns a lower and an upper bound on the light between two fractions.
-    pub fn bounds(&self, from: f64, to: f64) -> [[f64; 3]; 2] {
-        let (half, steepness) = (0.5 * (to - from), self.steepness());
-        let light = self.light_at_fraction(0.5 * (from + to));
-        [-half, half].map(|half| [0, 1, 2].map(|channel| light[channel] + half * steepness[channel]))
-    }
-
-    /// Returns an upper bound on how fast each channel changes along the way, per unit of `fraction`.
-    fn steepness(&self) -> [f64; 3] {
-        let (from, difference) = (self.from, self.difference.map(f64::abs));
-        let to = [0, 1, 2].map(|i| from[i] + self.difference[i]);
-        match self.space {
-            RampSpace::Rgb => difference,
-            RampSpace::Hsv => {
-                // Each channel is V, V(1 − S), V(1 − S·t) or V(1 − S·(1 − t)), where t is the position within a sixth
-                // of a turn, 0…1.
-                let (value, saturation) = (from[2].max(to[2]), from[1].max(to[1]));
-                [difference[2] + value * difference[1] + value * saturation * difference[0] / 60.0; 3]
-            }
-            RampSpace::Lab => {
-                // The cube roots of X, Y and Z are linear in Lab. Each channel is a weighted sum of their cubes. Below
-                // [`LAB_DELTA`], a straight line replaces the cube; it is no steeper than the cube at that point.
-                let [from, to] = [from, to].map(cube_roots);
-                let steepest = [0, 1, 2].map(|i| {
-                    let root = from[i].abs().max(to[i].abs()).max(LAB_DELTA);
-                    WHITE[i] * 3.0 * root * root * (to[i] - from[i]).abs()
-                });
-                let by_xyz = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(rgb_from_xyz);
-                [0, 1, 2].map(|channel| (0..3).map(|i| by_xyz[i][channel].abs() * steepest[i]).sum())
-            }
-        }
+    /// Returns whether every channel changes evenly along the way.
+    pub fn is_straight(&self) -> bool {
+        self.space == RampSpace::Rgb
     }
 }

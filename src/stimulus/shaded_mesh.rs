@@ -8,12 +8,12 @@ use super::{
     color::{self, StimulusColor},
     drawing::Area,
     parameter::{ParameterError, Range, kind, parameter_error, text_field},
-    shot::{Renderer, Shot},
+    shot::along,
 };
 use crate::{
-    light::{Depth, LinearImage, Transfer},
+    light::{Depth, LinearImage},
     shading::{
-        Correction, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface,
+        Correction, Frame, Mesh, Scene, Shade, Shader, Surface, image,
         shapes::{self, Shape, ShapeError},
     },
     text::names::serde_as_text,
@@ -45,7 +45,7 @@ impl FromStr for Triple {
     }
 }
 
-text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES, Gradients: Self::NAMES);
+text_field!(Triple: &[], Shape: Self::NAMES, Shader: Self::NAMES, Correction: Self::NAMES);
 
 serde_as_text!(Triple);
 
@@ -54,15 +54,13 @@ kind! {
     /// left for future work: how visible are the bands of each shader?
     ///
     /// The luminance of the surface is `low` where only ambient light reaches it and `high` at normal incidence; a
-    /// highlight adds up to `highlight`. The f64 reference renders it in linear light, so that equal parameters give
-    /// equal bytes on every machine.
+    /// highlight adds up to `highlight`. Equal parameters give equal bytes on every machine.
     ShadedMesh = "shaded-mesh" where contradictions {
         shader: Shader = Shader::Gouraud, Range::Any, "", "Shader", Shader::EXPECTED, ["flat", "gouraud", "phong", "fixed", "patch", "c1-phong"];
         depth: Depth = Depth::Finite(3), Range::Any, "", "Continuity depth n of the strips at the edges", "a whole number from 1 to 32, or inf", ["1", "3", "5"];
         boundary: f64 = 0.2, Range::Within(0.0, 1.0), "1", "Width b of the strips at the edges, as a barycentric weight", "a width from 0 to 1; values above 1/3 act as 1/3", ["0.05", "0.2", "0.33"];
         vertex: Correction = Correction::Off, Range::Any, "", "Vertex shading, Bangay eq. 7", Correction::EXPECTED, ["off", "repaired"];
         reweight: Correction = Correction::Off, Range::Any, "", "Intensity reweighting, Bangay eq. 9", Correction::EXPECTED, ["off", "repaired"];
-        gradients: Gradients = Gradients::Curvature, Range::Any, "", "How patch and c1-phong compute their slopes", Gradients::EXPECTED, ["curvature", "ring"];
         mesh: Shape = Shape::Blob, Range::Any, "", "Mesh", Shape::EXPECTED, ["cube", "sphere", "blob"];
         vertices: u32 = 313, Range::Within(4.0, 20_000.0), "1", "Number of vertices; exact for a blob, approximate for other round shapes", "a whole number from 4 to 20000", ["313", "771"];
         rotate: Triple = Triple([25.0, -35.0, 0.0]), Range::Any, "°", "Rotation about x, then y, then z", "three angles in degrees, such as 25,-35,0", ["25,-35,0"];
@@ -103,7 +101,6 @@ impl ShadedMesh {
             boundary: self.boundary,
             vertex: self.vertex,
             reweight: self.reweight,
-            gradients: self.gradients,
         }
     }
 
@@ -133,24 +130,17 @@ impl ShadedMesh {
     pub(super) fn frame(&self, size: u32) -> Option<Frame> {
         Some(self.scene().frame(&Surface::new(self.mesh().ok()?), size, size))
     }
-
-    /// Draws `frame` with the shader of this stimulus.
-    pub(super) fn shot<'f>(&self, frame: &'f Frame) -> Shot<'f> {
-        Renderer::new(self.shade()).shoot(frame, &Transfer::Linear.into())
-    }
 }
 
 impl Area for ShadedMesh {
     fn linear(&self, size: u32) -> LinearImage {
-        // Rendered in f64, not in the faster f32 lanes, because the hash of a stimulus is recorded with its ratings.
-        self.frame(size)
-            .map_or_else(|| LinearImage::new(size, size), |frame| Reference::new(&frame, &self.shade()).image())
+        self.frame(size).map_or_else(|| LinearImage::new(size, size), |frame| image(&frame, &self.shade()))
     }
 
     fn profile(&self, size: u32) -> Vec<[f32; 3]> {
         let Some(frame) = self.frame(size) else { return vec![[0.0; 3]; size as usize] };
         let ends = [0.0, f64::from(size)].map(|x| DVec2::new(x, f64::from(size) / 2.0));
-        let lights = self.shot(&frame).along(ends, size as usize);
+        let lights = along(&frame, &self.shade(), ends, size as usize);
         lights.iter().map(|light| light.unwrap_or(frame.background).as_vec3().to_array()).collect()
     }
 }

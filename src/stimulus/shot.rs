@@ -1,88 +1,15 @@
-//! A projected and lit mesh as one renderer draws it for one display: its light, codes, creases and description.
-
-use std::borrow::Cow;
+//! What can be seen of a shaded mesh, and its description.
 
 use glam::{DVec2, DVec3};
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::{
-    light::{LinearImage, Transfer, Transfers},
+    light::LinearImage,
     shading::{
-        Creases, Frame, Reference, Scene, Shade, Shader, Specular, coverage,
+        Frame, Scene, Shade, Shading, Specular, image,
         lighting::{Facets, Microfacets},
-        picture,
     },
 };
-
-/// A shader and whether it ignores gamma.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Renderer {
-    /// The shader with its options.
-    pub shade: Shade,
-    /// True to encode the light at the vertices and interpolate the encoded values, as a renderer that ignores gamma
-    /// does.
-    pub naive: bool,
-}
-
-/// The output of a renderer for a frame on a display.
-pub struct Shot<'f> {
-    /// The frame. If the renderer ignores gamma, its light values are encoded.
-    pub frame: Cow<'f, Frame>,
-    /// The shader with its options.
-    pub shade: Shade,
-    /// Turns the values that the shader computes into codes.
-    pub transfers: Transfers,
-}
-
-impl Renderer {
-    /// Creates a renderer that draws `shade` in linear light.
-    pub const fn new(shade: Shade) -> Renderer {
-        Renderer { shade, naive: false }
-    }
-
-    /// Returns Gouraud's shader in linear light, the baseline for all comparisons.
-    pub const fn gouraud() -> Renderer {
-        Renderer::new(Shade::new(Shader::Gouraud))
-    }
-
-    /// Returns whether this renderer draws the same image as [`Renderer::gouraud`]. Options that only other shaders use
-    /// may differ.
-    pub fn is_gouraud(&self) -> bool {
-        let Shade { depth, boundary, gradients, .. } = self.shade;
-        *self == Renderer::new(Shade { depth, boundary, gradients, ..Renderer::gouraud().shade })
-    }
-
-    /// Returns whether this renderer interpolates encoded values. Shaders that light every pixel never do: they encode
-    /// the result.
-    pub fn is_naive(&self) -> bool {
-        self.naive && !self.shade.shader.lights_pixels()
-    }
-
-    /// Draws `frame` for a display with `transfers`.
-    pub fn shoot<'f>(&self, frame: &'f Frame, transfers: &Transfers) -> Shot<'f> {
-        let shade = self.shade;
-        if self.is_naive() {
-            let frame = Cow::Owned(frame.clone().encoded(transfers));
-            Shot { frame, shade, transfers: Transfer::Linear.into() }
-        } else {
-            Shot { frame: Cow::Borrowed(frame), shade, transfers: transfers.clone() }
-        }
-    }
-
-    /// Returns every option, so that anyone can reproduce the rendering.
-    pub fn describe(&self) -> Value {
-        let Shade { shader, depth, boundary, vertex, reweight, gradients } = self.shade;
-        json!({
-            "shader": shader.name(),
-            "depth": depth,
-            "boundary": boundary,
-            "vertex": vertex.name(),
-            "reweight": reweight.name(),
-            "gradients": gradients.name(),
-        })
-    }
-}
 
 /// Returns every setting of a scene, so that anyone can reproduce it.
 pub fn describe_scene(scene: &Scene) -> Value {
@@ -111,92 +38,39 @@ pub fn describe_scene(scene: &Scene) -> Value {
     all
 }
 
-/// Rounding errors of the light.
-const ROUNDING: f32 = 1e-5;
-
-/// How far a shader's light falls below what the lighting can give, which is at least the ambient light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Undershoot {
-    /// The share of the surface's pixels that are darker than the ambient light, 0…1.
-    pub below_ambient: f64,
-    /// The most light that is missing, in linear light.
-    pub most: f64,
-    /// The share of the surface's pixels with light below 0, which the display shows as black, 0…1.
-    pub clipped: f64,
+/// Returns the picture of a frame, limited to the range from black to white, as a display emits it.
+pub fn emitted(frame: &Frame, shade: &Shade) -> LinearImage {
+    let mut image = image(frame, shade);
+    // NaN becomes black, as on the screen.
+    image.data.iter_mut().for_each(|light| *light = if *light > 0.0 { light.min(1.0) } else { 0.0 });
+    image
 }
 
-impl Shot<'_> {
-    /// Returns what the shader computes: linear light, or encoded values if gamma is ignored. [`Shot::transfers`] turns
-    /// either into codes.
-    pub fn image(&self) -> LinearImage {
-        picture(&self.frame, &self.shade)
-    }
-
-    /// Returns the light that the display emits, limited to the range from black to white.
-    pub fn emitted(&self) -> LinearImage {
-        // NaN becomes black, as on the screen.
-        self.light(|light| if light > 0.0 { light.min(1.0) as f32 } else { 0.0 })
-    }
-
-    /// Returns the light that the display would emit if it could emit any amount.
-    fn light(&self, shown: impl Fn(f64) -> f32) -> LinearImage {
-        let mut image = self.image();
-        for pixel in image.data.chunks_exact_mut(3) {
-            let light = self.frame.emitted(DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into()));
-            pixel.copy_from_slice(&light.to_array().map(&shown));
+/// Divides the line from `from` to `to`, in pixels from the top left, into `count` equal segments and returns the light at
+/// the center of each, or `None` where there is no surface.
+pub fn along(frame: &Frame, shade: &Shade, [from, to]: [DVec2; 2], count: usize) -> Vec<Option<DVec3>> {
+    let line = to - from;
+    let mut nearest: Vec<Option<(f64, usize, [f64; 3])>> = vec![None; count];
+    for triangle in 0..frame.triangles.len() {
+        let corners = frame.corners(triangle);
+        let across = corners.map(|v| (v.screen - from).perp_dot(line));
+        if across.iter().all(|a| *a > 0.0) || across.iter().all(|a| *a < 0.0) {
+            continue;
         }
-        image
-    }
-
-    /// Returns how far the shader's light falls below what the lighting can give.
-    pub fn undershoot(&self) -> Undershoot {
-        let (light, ambient) =
-            (self.light(|light| light as f32), self.frame.lighting.ambient_light().as_vec3().to_array());
-        let pixels = light.data.chunks_exact(3).zip(coverage::visible(&self.frame));
-        let shown: Vec<&[f32]> = pixels.filter(|(_, t)| *t != coverage::NONE).map(|(pixel, _)| pixel).collect();
-        let missing = |pixel: &&[f32]| (0..3).map(|c| ambient[c] - pixel[c]).fold(0.0, f32::max);
-        let share = |is: &dyn Fn(&&[f32]) -> bool| {
-            shown.iter().filter(|pixel| is(pixel)).count() as f64 / shown.len().max(1) as f64
-        };
-        Undershoot {
-            below_ambient: share(&|pixel| missing(pixel) > ROUNDING),
-            most: shown.iter().map(missing).fold(0.0, f32::max).into(),
-            clipped: share(&|pixel| pixel.iter().any(|light| *light < -ROUNDING)),
-        }
-    }
-
-    /// Returns the creases in the light that the display emits.
-    pub fn creases(&self) -> Creases {
-        Creases::of(&self.frame, &self.shade)
-    }
-
-    /// Divides the line from `from` to `to`, in pixels from the top left, into `count` equal segments and returns the
-    /// light that the display emits at the center of each, or `None` where there is no surface.
-    pub fn along(&self, [from, to]: [DVec2; 2], count: usize) -> Vec<Option<DVec3>> {
-        let line = to - from;
-        let mut nearest: Vec<Option<(f64, usize, [f64; 3])>> = vec![None; count];
-        for triangle in 0..self.frame.triangles.len() {
-            let corners = self.frame.corners(triangle);
-            let across = corners.map(|v| (v.screen - from).perp_dot(line));
-            if across.iter().all(|a| *a > 0.0) || across.iter().all(|a| *a < 0.0) {
+        // Visit only the segments that the triangle can cover.
+        let along = corners.map(|v| (v.screen - from).dot(line) / line.length_squared() * count as f64);
+        let (low, high) = along.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), a| (l.min(*a), h.max(*a)));
+        for (i, found) in nearest.iter_mut().enumerate().take((high as usize).saturating_add(1)).skip(low as usize) {
+            let w = frame.weights(triangle, from.lerp(to, (i as f64 + 0.5) / count as f64));
+            if !w.iter().all(|w| *w >= 0.0) {
                 continue;
             }
-            // Visit only the segments that the triangle can cover.
-            let along = corners.map(|v| (v.screen - from).dot(line) / line.length_squared() * count as f64);
-            let (low, high) = along.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), a| (l.min(*a), h.max(*a)));
-            for (i, found) in nearest.iter_mut().enumerate().take((high as usize).saturating_add(1)).skip(low as usize)
-            {
-                let w = self.frame.weights(triangle, from.lerp(to, (i as f64 + 0.5) / count as f64));
-                if !w.iter().all(|w| *w >= 0.0) {
-                    continue;
-                }
-                let depth = w[0] * corners[0].depth + w[1] * corners[1].depth + w[2] * corners[2].depth;
-                if found.is_none_or(|(other, ..)| depth < other) {
-                    *found = Some((depth, triangle, w));
-                }
+            let depth = w[0] * corners[0].depth + w[1] * corners[1].depth + w[2] * corners[2].depth;
+            if found.is_none_or(|(other, ..)| depth < other) {
+                *found = Some((depth, triangle, w));
             }
         }
-        let shader = Reference::new(&self.frame, &self.shade);
-        nearest.into_iter().map(|found| found.map(|(_, t, w)| self.frame.emitted(shader.light(t, w)))).collect()
     }
+    let shading = Shading::new(frame, shade);
+    nearest.into_iter().map(|found| found.map(|(_, t, w)| shading.light(t, w))).collect()
 }

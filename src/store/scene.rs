@@ -14,8 +14,8 @@ use super::{
 use crate::{
     light::Depth,
     shading::{
-        Body, Composition, Correction, Gradients, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals,
-        Shade, Shader, Surface, Transparency, View,
+        Body, Composition, Correction, Highlight, Lamp, LampPosition, Material, Mesh, Mirrors, Normals, Shade, Shader,
+        Surface, Transparency, View,
         shapes::{self, Shape},
     },
     system::found,
@@ -91,7 +91,6 @@ struct MeshTable {
     boundary: Option<f64>,
     vertex: Correction,
     reweight: Correction,
-    gradients: Gradients,
     color: [f64; 3],
     specular_color: [f64; 3],
     ambient: f64,
@@ -124,7 +123,6 @@ impl Default for MeshTable {
             boundary: None,
             vertex: Correction::Off,
             reweight: Correction::Off,
-            gradients: Gradients::Curvature,
             color: [1.0; 3],
             specular_color: [1.0; 3],
             ambient: material.ambient,
@@ -286,7 +284,6 @@ fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
     let rules = [
         ("depth", table.depth.is_some() && !shade.has_strip(), on_shader.as_str()),
         ("boundary", table.boundary.is_some() && !shade.has_strip(), &on_shader),
-        ("gradients", table.gradients != default.gradients && !shade.has_gradients(), &on_shader),
         ("vertices", table.vertices != default.vertices && !has_vertices, "on this mesh; expected none"),
         ("crease", table.crease != default.crease && shape.is_some(), "on a built-in shape; expected none"),
         ("specular_color", table.specular_color != default.specular_color && is_dull, on_dull),
@@ -319,7 +316,6 @@ impl MeshTable {
             boundary: self.boundary.unwrap_or(plain.boundary),
             vertex: self.vertex,
             reweight: self.reweight,
-            gradients: self.gradients,
             ..plain
         }
     }

@@ -37,29 +37,27 @@ pub struct Settings {
     pub theme: ThemeChoice,
     /// Factor by which text and controls are enlarged, 0.2…5.
     pub zoom: f32,
-    /// Whether the start page explains what a Mach band is.
-    pub greeting: bool,
     /// Whether sessions fill the screen.
     pub full_screen: bool,
     /// The results folder.
     pub results: String,
     /// The study chosen last: its name if it is built in, or the path of its definition; empty for the first one.
     pub study: String,
-    pub screen: ScreenSettings,
+    pub screen: ScreenFields,
     pub recent: Recent,
     /// The settings of each page, by its name.
     pub pages: ::toml::Table,
 }
 
-/// The remembered screen.
+/// The screen, as typed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ScreenSettings {
-    /// Name and size of the monitor. The width is used only on the same monitor.
+pub struct ScreenFields {
+    /// Name and size of the monitor. The width is remembered only for the same monitor.
     pub monitor: String,
-    /// Width of the visible screen, cm, as typed; empty if it is not known.
-    pub width_cm: String,
-    /// Viewing distance, cm, as typed; empty to use the distance that a definition plans.
+    /// Width of the visible screen, cm; empty to assume what the system does.
+    pub screen_width_cm: String,
+    /// Viewing distance, cm; empty to use the distance that a definition plans.
     pub distance_cm: String,
     /// Path of the display profile; empty for sRGB.
     pub profile: String,
@@ -80,11 +78,10 @@ impl Default for Settings {
         Self {
             theme: ThemeChoice::default(),
             zoom: 1.0,
-            greeting: true,
             full_screen: true,
             results: "results".to_owned(),
             study: String::new(),
-            screen: ScreenSettings::default(),
+            screen: ScreenFields::default(),
             recent: Recent::default(),
             pages: ::toml::Table::new(),
         }

@@ -39,5 +39,5 @@ pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
 pub use ratings::{Only, Ratings, check_order, explained};
 pub use repair::Repair;
-pub use request::{Request, RequestError, changed, from_names, named, told, words};
+pub use request::{Request, RequestError, from_names, named, told, words};
 pub use watcher::{Found, Watcher};

@@ -10,10 +10,10 @@ use super::{RequestError, named, request::paths};
 use crate::{
     light::Depth,
     shading::{
-        self, Correction, Frame, Gradients, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
+        self, Correction, Frame, Highlight, Mirrors, Normals, Scene, Shader, Surface, Truth,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, StimulusColor, Triple, ViewingConditions, describe_scene},
+    stimulus::{StimulusColor, Triple, ViewingConditions, describe_scene},
     store::{self, mesh::MeshFile},
     system::found,
     text::number::{whole, within},
@@ -56,9 +56,6 @@ pub struct OneMesh {
     /// Intensity reweighting correction (Bangay, eq. 9).
     #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
     pub reweight: Correction,
-    /// How patch and c1-phong compute their slopes.
-    #[arg(long, default_value = "curvature", value_parser = named::<Gradients>(Gradients::NAMES))]
-    pub gradients: Gradients,
     /// Rotation of the mesh about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
     pub rotate: Triple,
@@ -101,9 +98,6 @@ pub struct OneMesh {
     /// Distance of the eye in mesh radii, 1.05 to 1e6; inf for a parallel projection.
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, value_parser = distance)]
     pub distance: f64,
-    /// Interpolate encoded values, like a renderer that ignores gamma.
-    #[arg(long)]
-    pub naive: bool,
     /// Width of the image in degrees of visual angle, for the difference from the smooth surface, 0.5 to 170.
     #[arg(long = "window", value_name = "DEG", default_value_t = ViewingConditions::WINDOW_DEG, value_parser = within(0.5, 170.0))]
     pub window_deg: f64,
@@ -122,10 +116,10 @@ fn distance(text: &str) -> Result<f64, String> {
 
 impl OneMesh {
     pub(super) fn shade(&self) -> shading::Shade {
-        let Self { depth, boundary, vertex, reweight, gradients, .. } = *self;
+        let Self { depth, boundary, vertex, reweight, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
-        shading::Shade { shader, depth, boundary, vertex, reweight, gradients }
+        shading::Shade { shader, depth, boundary, vertex, reweight }
     }
 
     /// Names what draws the picture.
@@ -133,11 +127,11 @@ impl OneMesh {
         self.shader.map_or_else(|| "the smooth surface".to_owned(), |shader| format!("the shader {shader}"))
     }
 
-    pub(super) fn renderer(&self) -> Result<Renderer, RequestError> {
+    pub(super) fn checked_shade(&self) -> Result<shading::Shade, RequestError> {
         let shade = self.shade();
         match shade.idle_correction(&self.drawn()) {
             Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
-            None => Ok(Renderer { shade, naive: self.naive }),
+            None => Ok(shade),
         }
     }
 
@@ -207,15 +201,15 @@ impl OneMesh {
     }
 
     /// Describes all parameters of the image.
-    pub(super) fn describe(&self, scene: &Scene, renderer: &Renderer, size: u32) -> Value {
+    pub(super) fn describe(&self, scene: &Scene, size: u32) -> Value {
         let vertices = self.named().is_some_and(Shape::has_vertices).then_some(self.vertices);
         let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
-        append(&mut all, renderer.describe());
+        append(&mut all, json!(self.shade()));
         if let Some(file) = &self.truth {
             append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
         }
         append(&mut all, describe_scene(scene));
-        append(&mut all, json!({ "color": self.color.to_string(), "naive": self.naive, "size": size }));
+        append(&mut all, json!({ "color": self.color.to_string(), "size": size }));
         all
     }
 }

@@ -92,7 +92,7 @@ impl RequestError {
                 let lines =
                     text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
                 let lines: Vec<&str> = lines.map(str::trim).filter(|line| !line.is_empty()).collect();
-                return Self::whole(lines.join("; ").trim_start_matches("error: "));
+                return Self::whole(lines.join("; ").replace(":; ", ": ").trim_start_matches("error: "));
             }
         };
         Self { field, text: format!(" {message}"), hint: None }

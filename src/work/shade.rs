@@ -17,10 +17,10 @@ use super::{
     request::{self, paths},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
+    light::{CodeImage, Dither, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
-    shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
-    stimulus::{Judged, Renderer, Residual, SurfaceDifference, Undershoot, ViewingConditions},
+    shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image, shapes::Shape},
+    stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
     vision::VisionError,
@@ -67,8 +67,6 @@ pub struct Wanted {
     pub picture: bool,
     /// The measurements, which take longer than the picture.
     pub metrics: bool,
-    /// A picture of the change of slope at each edge.
-    pub creases: bool,
 }
 
 /// A shaded mesh or scene.
@@ -76,7 +74,6 @@ pub struct Wanted {
 pub struct Shaded {
     pub picture: Option<CodeImage>,
     pub metrics: Option<Metrics>,
-    pub creases: Option<CodeImage>,
     /// The display's transfer functions, for which the picture was made.
     pub transfers: Transfers,
     /// Every parameter, as image files record them.
@@ -124,7 +121,6 @@ pub struct Metrics {
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
     pub masked: Option<f64>,
-    pub undershoot: Undershoot,
 }
 
 /// How visible the difference from the smooth surface is, in times threshold: the largest value, and the one that a
@@ -164,7 +160,6 @@ struct Measured {
     creases: Creases,
     difference: Option<SurfaceDifference>,
     residual: Option<Residual>,
-    undershoot: Undershoot,
 }
 
 impl Shade {
@@ -185,7 +180,7 @@ impl Shade {
             )?;
             return self.scene(scene, encoded.transfers);
         }
-        if one.shader.is_none() && (wanted.metrics || wanted.creases) {
+        if one.shader.is_none() && wanted.metrics {
             let message = format!("is missing, but the measurements need one; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
@@ -198,25 +193,22 @@ impl Shade {
         let mut notes = Vec::new();
         let drawing = Drawing::new(one, found, self.image.size, encoded.transfers, viewing, &mut notes)?;
         let picture = wanted.picture.then(|| {
-            let (image, transfers) = drawing.image();
+            let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&drawing.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
-        let creases = wanted.creases.then(|| drawing.creases());
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, creases, transfers, description, idle: self.idle(wanted), notes })
+        Ok(Shaded { picture, metrics, transfers, description, idle: self.idle(wanted), notes })
     }
 
     /// Names the options that were given but have no effect.
     fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
         let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
         let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
-        let rules: [(&[&str], bool, &str); 11] = [
+        let rules: [(&[&str], bool, &str); 9] = [
             (&["depth", "boundary"], shade.has_strip(), &shader),
-            (&["gradients"], shade.has_gradients(), &shader),
-            (&["naive"], shade.shader.interpolates_light(), &shader),
             (&["crease"], shape.is_none(), &mesh),
             (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
             (
@@ -250,14 +242,14 @@ impl Shade {
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
         let idle = self.idle(Wanted { picture: true, ..Wanted::default() });
-        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, idle, notes })
+        Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, idle, notes })
     }
 }
 
 /// A mesh in its place, with everything that determines how it looks.
 struct Drawing<'a> {
     one: &'a OneMesh,
-    renderer: Renderer,
+    shade: shading::Shade,
     scene: Scene,
     viewing: ViewingConditions,
     transfers: Transfers,
@@ -279,7 +271,7 @@ impl<'a> Drawing<'a> {
         viewing: ViewingConditions,
         notes: &mut Vec<String>,
     ) -> anyhow::Result<Self> {
-        let (renderer, scene) = (one.renderer()?, one.scene()?);
+        let (shade, scene) = (one.checked_shade()?, one.scene()?);
         notes.extend(file.note(&one.mesh));
         let surface = Surface::new(file.mesh.estimated(one.normals));
         let frame = scene.frame(&surface, size, size);
@@ -299,24 +291,15 @@ impl<'a> Drawing<'a> {
             anyhow::Ok(Surface::new(file.mesh))
         };
         let fine = one.fine_file().map(fine).transpose()?;
-        let description = one.describe(&scene, &renderer, size);
-        Ok(Drawing { one, renderer, scene, viewing, transfers, surface, frame, fine, description })
+        let description = one.describe(&scene, size);
+        Ok(Drawing { one, shade, scene, viewing, transfers, surface, frame, fine, description })
     }
 
-    /// Returns the light of the picture, or values that are encoded already, and what turns them into codes.
-    fn image(&self) -> (LinearImage, Transfers) {
-        let shot = self.renderer.shoot(&self.frame, &self.transfers);
+    /// Returns the light of the picture.
+    fn image(&self) -> LinearImage {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
         let truth = self.one.draws_truth().then(truth).flatten();
-        (truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame)), shot.transfers)
-    }
-
-    /// Returns the codes of a picture of the change of slope at each edge.
-    fn creases(&self) -> CodeImage {
-        let plain = self.frame.clone().unpainted();
-        let creases = self.renderer.shoot(&plain, &self.transfers).creases();
-        let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
-        Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
+        truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
     /// Says what is doubtful about the comparison with the smooth surface.
@@ -350,7 +333,7 @@ impl<'a> Drawing<'a> {
 
     /// Measures this picture and Gouraud's.
     fn metrics(&self, notes: &mut Vec<String>) -> anyhow::Result<Metrics> {
-        let Self { one, renderer, viewing, transfers, surface, frame, .. } = self;
+        let Self { one, shade, viewing, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
@@ -362,18 +345,16 @@ impl<'a> Drawing<'a> {
             };
             RequestError::value(field, format!("{value}: {error}"))
         };
-        let measured = |renderer: &Renderer| {
-            let shot = renderer.shoot(&seen, transfers);
-            let emitted = shot.emitted();
+        let measured = |shade: &shading::Shade| {
+            let emitted = emitted(&seen, shade);
             Ok::<_, RequestError>(Measured {
-                creases: renderer.shoot(&plain, transfers).creases(),
+                creases: Creases::of(&plain, shade),
                 difference: judged.difference(viewing, &emitted).map_err(unseen)?,
                 residual: judged.residual(viewing, &emitted),
-                undershoot: shot.undershoot(),
             })
         };
-        let own = measured(renderer)?;
-        let gouraud = if renderer.is_gouraud() { own.clone() } else { measured(&Renderer::gouraud())? };
+        let own = measured(shade)?;
+        let gouraud = if shade.is_gouraud() { own.clone() } else { measured(&shading::Shade::new(Shader::Gouraud))? };
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
         let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
         let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| ResidualMetrics {
@@ -414,7 +395,6 @@ impl<'a> Drawing<'a> {
             residual,
             residual_unit: "linear light, filtered by contrast sensitivity, against the smooth surface",
             masked: judged.not_compared(),
-            undershoot: own.undershoot,
         })
     }
 }

@@ -102,22 +102,12 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
     }
 }
 
-/// Repeated ratings whose order is unknown are counted apart from pairs, and a long column of numbers is a term.
+/// Ratings without a level of some factor are of no condition, and a long column of numbers is a term.
 #[test]
-fn repeats_without_order_and_too_many_levels_are_said() {
-    // Ratings without a level of some factor are of no condition.
+fn ratings_without_a_level_have_no_retests_and_too_many_levels_are_said() {
     let mut builder = add(add(empty(), &ROWS), &[("S1", ["", "1"], "0", 1), ("S1", ["", "1"], "0", 2)]);
     builder.add_counts("S10", &["", "1"], "3", 2).unwrap();
-    assert_eq!(
-        (builder.clone().finish().retests().concat().len(), builder.clone().finish().repeats_without_order()),
-        (2, 0)
-    );
-    builder.add_counts("S10", &["0.1", "1"], "3", 1).unwrap();
-    builder.add_counts("S10", &["0.9", "1"], "3", 1).unwrap();
-    assert_eq!(
-        (builder.clone().finish().retests().concat().len(), builder.clone().finish().repeats_without_order()),
-        (2, 1)
-    );
+    assert_eq!(builder.clone().finish().retests().concat().len(), 2);
     (0..130).for_each(|i| builder.add_counts("S1", &[&i.to_string(), "1"], "1", 1).unwrap());
     let error = builder.finish().counts.check_size().unwrap_err();
     assert!(error.ends_with("or, because all levels are numbers, the term num:width"), "{error}");

@@ -173,7 +173,7 @@ fn charts_of_the_model_count_its_ratings() {
         (0..ratings).for_each(|n| builder.add_counts(&format!("S{person}"), &[level], &rating(n), 1).unwrap());
     }
     let all = figures::all(&analyze(builder.finish(), &Options::default()));
-    for (name, sample) in [("effects", 18), ("predictive", 18), ("proportions", 36)] {
+    for (name, sample) in [("effects", 18), ("proportions", 36)] {
         let caption = &named(&all, name).caption;
         assert!(caption.contains(&format!("; 6 participants, {sample} ratings.")), "{caption}");
     }
@@ -183,14 +183,14 @@ fn charts_of_the_model_count_its_ratings() {
 #[test]
 fn a_study_has_every_chart_that_its_data_allow() {
     for (people, expected) in [
-        (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "predictive", "times"][..]),
-        (1, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "predictive", "times"]),
+        (6, &["figure4a", "figure4b", "proportions", "subjects", "orientation", "effects", "times"][..]),
+        (1, &["figure4a", "figure4b", "proportions", "orientation", "effects", "times"]),
     ] {
         let all = figures::all(&bands(people));
         assert_eq!(all.iter().map(|figure| figure.name).collect::<Vec<_>>(), expected);
         let texts = check(&all);
         let title = "Ramp width (proportion of the window)";
-        for text in [title, "Continuity depth n", "∞", "Mean visibility rating", "0.02"] {
+        for text in [title, "Continuity depth n", "∞", "Mean rating", "0.02"] {
             assert!(texts.contains(text), "{text} is not in {texts:?}");
         }
         for figure in ["figure4a", "figure4b", "orientation"].map(|name| named(&all, name)) {
@@ -199,8 +199,8 @@ fn a_study_has_every_chart_that_its_data_allow() {
             assert!(figure.caption.ends_with(sample), "{}", figure.caption);
             assert_eq!(figure.caption.contains("over the trials of the only participant"), people == 1);
         }
-        // One point for each of the four orientations and of the two distances from the axes.
-        assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4 + 2);
+        // One point for each of the four orientations.
+        assert_eq!(circles(named(&all, "orientation"), BLUE).len(), 4);
     }
 }
 
@@ -230,14 +230,14 @@ fn charts_show_what_the_table_says() {
         assert!(is_at(ends[0].1, interval.low) && is_at(ends[1].1, interval.high), "{ends:?} {group:?}");
         assert_eq!([ends[0].0, ends[1].0], [point.0, point.0]);
     }
-    // The bars come after the sheet and the four samples of the legend.
-    let bars = elements(named(&figures, "proportions"), "rect", "#", ["y", "width"]).split_off(5);
+    // The bars come after the sheet.
+    let bars = elements(named(&figures, "proportions"), "rect", "#", ["x", "height"]).split_off(1);
     let shares = table.iter().flat_map(|group| &group.summary.proportions).filter(|share| **share > 0.0);
     let shares: Vec<f64> = shares.copied().collect();
-    let whole: f64 = bars.iter().filter(|(y, _)| *y == bars[0].0).map(|(_, width)| width).sum();
+    let whole: f64 = bars.iter().filter(|(x, _)| *x == bars[0].0).map(|(_, height)| height).sum();
     assert_eq!(bars.len(), shares.len());
-    for ((_, width), share) in bars.iter().zip(shares) {
-        assert!((width / whole - share).abs() < 1e-3, "{width} of {whole} for {share}");
+    for ((_, height), share) in bars.iter().zip(shares) {
+        assert!((height / whole - share).abs() < 1e-3, "{height} of {whole} for {share}");
     }
 }
 
@@ -312,9 +312,9 @@ fn any_name_is_drawn_and_stays_on_the_sheet() {
         },
     );
     let figures = figures::all(&results);
-    assert_eq!(figures.len(), 7);
+    assert_eq!(figures.len(), 6);
     let texts = check(&figures);
-    for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\"", "no ratings"] {
+    for text in ["x & y", "<z>", "A & B <tag>", "\"quoted\""] {
         assert!(texts.contains(text), "{text} is not in {texts:?}");
     }
     // Long names keep both ends, because they often differ at the end.
@@ -338,13 +338,13 @@ fn odd_studies_are_drawn() {
     let model = quick();
     let studies = [
         ("no factor", results(&[], 3, 4, &model, rating), 2),
-        ("one cell", results(&[("width", &["0.1"])], 1, 1, &model, same), 4),
+        ("one cell", results(&[("width", &["0.1"])], 1, 1, &model, same), 3),
         ("all the same", results(&[("width", WIDTHS), ("depth", DEPTHS)], 3, 1, &model, same), 5),
-        ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 7),
-        ("200 subjects", results(&[("a", &["x", "y"])], 200, 2, &no_model(), rating), 5),
-        ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 6),
-        ("40 words", results(&[("b", &long), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 6),
-        ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 6),
+        ("a single level", results(&[("width", WIDTHS), ("depth", &["1"])], 3, 2, &model, rating), 6),
+        ("200 subjects", results(&[("a", &["x", "y"])], 200, 2, &no_model(), rating), 4),
+        ("30 levels", results(&[("a", &many), ("b", &many)], 3, 1, &no_model(), rating), 5),
+        ("40 words", results(&[("b", &long), ("a", &["1", "2"])], 3, 1, &no_model(), rating), 5),
+        ("60 angles", results(&[("orientation_deg", &fine)], 3, 1, &no_model(), rating), 4),
         ("nothing", analyze(MeasuredBuilder::new(&["width"]).finish(), &model), 0),
     ];
     for (what, results, expected) in &studies {

@@ -89,9 +89,9 @@ fn other_signs_bring_back_what_the_model_explains() {
     }
 }
 
-/// In the overall mean, people and conditions count equally, and nothing is said about people with one rating.
+/// In the overall mean, people and conditions count equally.
 #[test]
-fn people_count_equally_and_few_ratings_say_nothing() {
+fn people_count_equally() {
     let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2", "3"]);
     for person in 0..6 {
         builder.add_counts(&format!("S{person}"), &["a"], "3", 9).unwrap();
@@ -99,10 +99,6 @@ fn people_count_equally_and_few_ratings_say_nothing() {
     }
     let lead = said(&analyze(builder.finish(), &options(None))).lead;
     assert!(lead.iter().any(|text| text == "Their overall mean is 1.75."), "{lead:?}");
-    let one = |person: usize, row: usize| (person % 2 == row).then_some(row as f64);
-    let results = analyze(study(&["cond"], &[["a"], ["b"]], (24, 1, 2), one), &options(None));
-    let html = page(&source(&["cond"]), &results);
-    assert!(html.contains("No participant gave 10 ratings") && !html.contains("Every participant used"), "{html}");
 }
 
 /// Three of twelve people rate both levels, and two of them rate b far higher; nine rate one level. Without a slope, p is
@@ -171,12 +167,8 @@ fn a_report_says_which_p_is_simulated() {
     let draws: Vec<bool> = results.model.as_ref().unwrap().terms.iter().map(|test| test.draws.is_some()).collect();
     assert_eq!(draws, [true, false]);
     let html = page(&source(&["group", "light"]), &results);
-    for expected in [
-        "The p values of light come from the χ² distribution, the others come from",
-        "so p (that of light from the χ² distribution)",
-    ] {
-        assert!(html.contains(expected), "{expected}: {html}");
-    }
+    let expected = "The p values of light come from the χ² distribution, the others come from";
+    assert!(html.contains(expected), "{html}");
 }
 
 const CROSSED: [[&str; 2]; 4] = [["p", "x"], ["p", "z"], ["q", "x"], ["q", "z"]];
@@ -597,7 +589,7 @@ fn a_turn_is_no_linear_trend() {
     );
     let cautions = cautions.join(" ");
     assert!(cautions.contains("no clear effect of x as a linear trend"), "{cautions}");
-    assert!(cautions.contains("perhaps because the effect of x is not linear: without num:"), "{cautions}");
+    assert!(cautions.contains("does not describe the ratings"), "{cautions}");
     // A rank test is of all levels.
     let flat = study(&["x"], &[["1"], ["2"], ["3"]], (8, 8, 5), |_, _| Some(0.0));
     let by_ranks = Options { slopes: Slopes::None, ..options(Some("num:x")) };
@@ -614,9 +606,9 @@ fn a_turn_is_no_linear_trend() {
     assert!(finding.contains("a linear trend this steep") && finding.contains("From x 1 to 3, the odds"), "{finding}");
 }
 
-/// Ratings spread more at one level, on both sides alike: no interaction explains that.
+/// Ratings spread more at one level, on both sides alike.
 #[test]
-fn what_no_test_shows_is_not_suspected() {
+fn a_model_that_does_not_fit_is_told() {
     let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]);
     for (person, side, (level, rating)) in (0..8).flat_map(|person| {
         let of_level = [("p", 0), ("p", 3), ("q", 1), ("q", 2)].into_iter().map(move |own| (person, own));
@@ -626,7 +618,6 @@ fn what_no_test_shows_is_not_suspected() {
     }
     let cautions = said(&analyze(builder.finish(), &options(None))).cautions.join(" ");
     assert!(cautions.contains("does not describe the ratings"), "{cautions}");
-    assert!(cautions.contains("perhaps because effects differ along the scale."), "{cautions}");
 }
 
 /// Means that differ by rounding alone are the same, and there is no step between them.
@@ -982,7 +973,7 @@ fn an_interaction_of_three_is_seen() {
     let measured = study(&["a", "b", "c"], &rows, (8, 8, 5), |_, row| Some(sign(row)));
     let additive = analyze(measured.clone(), &options(None));
     let cautions = said(&additive).cautions.join(" ");
-    assert!(cautions.contains("does not describe the ratings") && cautions.contains("a*b*c has all"), "{cautions}");
+    assert!(cautions.contains("does not describe the ratings"), "{cautions}");
     let full = analyze(measured, &fewer_draws(Some("a*b*c")));
     let report = full.model.as_ref().unwrap();
     assert!(report.terms.len() == 7 && report.terms.iter().all(|test| test.p.is_some()), "{:?}", report.terms);

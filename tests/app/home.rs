@@ -527,7 +527,7 @@ fn another_window_takes_a_participant() {
     second.run_steps(3);
     assert_eq!(value(&second, "Participant"), "P002");
     click(&mut third, "Start");
-    third.get_by_label_contains("Another window has just begun session 1 of P001.");
+    third.get_by_label_contains("Another window or program has just changed this study.");
     assert_eq!(value(&third, "Participant"), "P002");
     // A folder that cannot be listed may have any participant.
     let data = folder.path().join("results/quick/data");
@@ -622,5 +622,5 @@ fn the_gallery_shows_every_kind_and_explains_errors() {
     click(&mut harness, "Copy as command");
     harness.get_by_label_contains("--shading phong");
     leave(&mut harness);
-    wait_for(&mut harness, "Do you see a bright line?");
+    wait_for(&mut harness, "New session");
 }

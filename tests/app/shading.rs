@@ -7,8 +7,8 @@ use machband::{
         App, Launch,
         explore::shading::{Comparison, MeshChoice},
     },
-    light::{CodeImage, Samples},
-    shading::{Encoder, Prepared, Scene, Shader, Surface, shapes::Shape},
+    light::{Bits, CodeImage, Quantizer},
+    shading::{Scene, Shader, Surface, image, shapes::Shape},
 };
 
 use crate::window::{Window, builder, choose, click, type_into, value};
@@ -71,11 +71,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 
 fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
-    let mut rgba = vec![0; 4 * (width * height) as usize];
-    let prepared = Prepared::new(&frame, &compared.sides[which].shade);
-    prepared.codes(&Encoder::new(&compared.transfer), &mut rgba);
-    let codes = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    CodeImage { width, height, samples: Samples::Eight(codes) }
+    Quantizer::new(&compared.transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 
 /// Compares both halves at the start and with another shader on the right.
@@ -86,7 +82,7 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
         let mut compared = Comparison::default();
         for (shader, title) in [(Shader::Patch, "Patch"), (Shader::Flat, "Flat")] {
             choose(&mut window, "Right shader", title);
-            compared.sides[1].shade.shader = shader;
+            compared.sides[1].shader = shader;
             window.get_by_label_contains(&format!("Gouraud on the left, {title} on the right"));
             let rect = picture(&window) * scale;
             let (width, height) = (rect.width().round() as u32, rect.height().round() as u32);

@@ -29,7 +29,7 @@ fn opened(folder: &Path, text: &str) -> Window {
     }
     let settings = folder.join("settings.toml");
     let written = format!(
-        "schema = 1\ngreeting = false\nresults = {:?}\n[recent]\nexperiments = [{:?}]\n",
+        "schema = 1\nresults = {:?}\n[recent]\nexperiments = [{:?}]\n",
         folder.join("results").display().to_string(),
         path.display().to_string()
     );
@@ -192,10 +192,10 @@ fn a_long_grid_has_its_selected_cell_in_view() {
         window.run_steps(3);
     }
     assert!(is_shown(&window));
-    // The head stays in view, and keys lead to both ends.
+    // The head stays in view, and keys lead to the first row.
     let is_head = |window: &Window| page.contains_rect(window.get_by_label("Session 1").rect());
     assert!(is_head(&window));
-    press(&mut window, Key::Home);
+    (0..101).for_each(|_| press(&mut window, Key::ArrowUp));
     window.run_steps(3);
     assert!(page.contains_rect(window.get_by_label_contains("S001, session 1: ").rect()) && is_head(&window));
 }
@@ -406,7 +406,7 @@ fn a_definition_that_was_just_changed_is_not_begun() {
     let path = folder.path().join("five.toml");
     fs::write(&path, DEFINITION.replace("0.8", "0.7")).unwrap();
     press(&mut window, Key::Enter);
-    window.get_by_label_contains("Another program changed the definition.");
+    window.get_by_label_contains("Another window or program has just changed this study.");
     assert!(!folder.path().join("results").exists());
     // Without a definition, nobody can be suggested, which is no error of the field.
     fs::remove_file(&path).unwrap();

@@ -705,14 +705,6 @@ fn conditions_are_compared_by_the_people_who_have_both() {
     let (printed, is_method) = run(&[("A", 0..5), ("B", 1..5)]);
     assert!(printed.contains("difference of the thresholds at cond A and at cond B is "), "{printed}");
     assert!(printed.contains(" over 4 participants (p") && is_method, "{printed}");
-    // Two levels of one of several factors are compared over the conditions of the others.
-    let rows =
-        of_people(&[("A,x", 0..3), ("A,y", 0..4), ("B,x", 1..4), ("B,y", 0..3)], 0.0, 1.0).replace("cond", "one,two");
-    let [printed, _] = answers(folder.path(), &rows, "--guess 0.5 --subject who --factors one,two");
-    for (factor, other) in [("one A and at one B", "two"), ("two x and at two y", "one")] {
-        let expected = format!("Over all levels of {other}, the difference of the thresholds at {factor} is ");
-        assert!(printed.contains(&expected), "{printed}");
-    }
     let (printed, is_method) = run(&[("A", 0..3), ("B", 3..6)]);
     assert!(printed.contains("at cond B is ") && !printed.contains("difference") && !is_method, "{printed}");
 }

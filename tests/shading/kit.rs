@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
-        Field, Frame, Gradients, Lighting, Mesh, Patches, Reference, Shade, Shader, Surface, Vertex, View, coverage,
+        Field, Frame, Lighting, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
         cubic::{self, Camera},
         shapes::{self, Shape},
     },
@@ -182,7 +182,7 @@ fn subjects() -> Vec<Subject> {
 #[test]
 fn plain_rust_gives_the_librarys_coefficients() {
     for subject in subjects() {
-        let theirs = Patches::new(&subject.frame, Field::Normal, Gradients::Curvature).coefficients;
+        let theirs = Patches::new(&subject.frame, Field::Normal).coefficients;
         let own = cubic::coefficients(&subject.surface, &subject.camera);
         assert_eq!(own.iter().filter(|k| k[0] != [0.0; 3]).count(), theirs.len(), "{}", subject.name);
         let mut worst = [0f64; 2];
@@ -214,7 +214,7 @@ fn a_rounded_cylinders_faces_stay_flat() {
         DVec3::ZERO,
     );
     assert!(frame.fans.len() > frame.vertices.len());
-    let cubics = Patches::new(&frame, Field::Normal, Gradients::Curvature).coefficients;
+    let cubics = Patches::new(&frame, Field::Normal).coefficients;
     let mut flat = 0;
     for (t, k) in cubics.iter().enumerate() {
         let normals = frame.corners(t).map(|v| v.normal);
@@ -463,7 +463,7 @@ fn card_gives_plain_rusts_coefficients_and_the_librarys_pixels() {
             }
         }
         let (frame, pixels) = (&subject.frame, card.drawn(&mesh, &subject.camera));
-        let image = Reference::new(frame, &Shade::new(Shader::C1Phong)).image();
+        let image = machband::shading::image(frame, &Shade::new(Shader::C1Phong));
         let codes = Quantizer::new(&Transfer::Linear, Bits::Eight).quantize(&image);
         let (mut differ, mut compared, ours) = (0, 0, codes.bytes().unwrap());
         for (i, counts) in coverage::interior_mask(frame).into_iter().enumerate() {

@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Depth, LinearImage},
-    shading::{Fan, Frame, FrameTriangle, FrameVertex, Gradients, Lighting, Neighbor, Shade, Shader, View},
+    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Neighbor, Shade, Shader, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -33,7 +33,6 @@ fn vertex(screen: DVec2, light: DVec3) -> FrameVertex {
         eye: DVec3::new(screen.x / 100.0 - 1.0, 1.0 - screen.y / 100.0, 0.0),
         normal: DVec3::Z,
         light,
-        ambient: DVec3::splat(0.1),
     }
 }
 
@@ -76,7 +75,6 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
         vertices,
         lighting,
         view: View::square(200),
-        encoding: None,
     }
 }
 
@@ -92,17 +90,14 @@ fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {
     if Frame::area2(a, b, c) > 0.0 { t } else { [t[0], t[2], t[1]] }
 }
 
-/// Returns every shader with its defaults, with these depths (0 for ∞) and widths of its strips, and with every method
-/// for the slopes.
+/// Returns every shader with its defaults and with these depths (0 for ∞) and widths of its strips.
 fn shades(strips: &[(u8, f64)]) -> Vec<Shade> {
     let depth = |n| if n == 0 { Depth::Infinite } else { Depth::Finite(n) };
     let with_options = |&shader: &Shader| {
         let plain = Shade::new(shader);
         let strips = strips.iter().filter(|_| plain.has_strip());
         let strips = strips.map(|&(n, boundary)| Shade { depth: depth(n), boundary, ..plain });
-        let slopes = Gradients::ALL.iter().filter(|_| plain.has_gradients());
-        let slopes = slopes.map(|&gradients| Shade { gradients, ..plain });
-        [plain].into_iter().chain(strips).chain(slopes).collect::<Vec<_>>()
+        [plain].into_iter().chain(strips).collect::<Vec<_>>()
     };
     Shader::ALL.iter().flat_map(with_options).collect()
 }

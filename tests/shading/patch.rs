@@ -2,15 +2,12 @@
 
 use crate::{frame, grid};
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use machband::{
-    light::Transfer,
-    shading::{
-        Channels, Field, Frame, Gradients, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
-        cubic::Gradient,
-        mesh::newell,
-        shaders::{Patch, ShaderKernel as _},
-        shapes::{self, Shape},
-    },
+use machband::shading::{
+    Field, Frame, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
+    cubic::Gradient,
+    mesh::newell,
+    shaders::ShaderKernel as _,
+    shapes::{self, Shape},
 };
 
 /// The same field in all channels, scaled differently.
@@ -22,22 +19,15 @@ fn gray_gradient(slope: DVec2) -> Gradient {
     [slope, 0.5 * slope, -2.0 * slope].map(|slope| slope.to_array())
 }
 
-/// Returns the light of the patches as a function.
-fn spread(frame: &Frame, patches: &Patches) -> impl Fn(usize, [f64; 3]) -> DVec3 + Sync + use<> {
-    let patch = Patch::<f64, 3>::new(frame, Channels::Color, patches);
-    move |triangle, w| DVec3::from_array(patch.light(triangle, w, [0.0; 3]))
-}
-
 /// Returns the largest difference between the patches and `truth` in red, over all triangles.
 fn worst(frame: &Frame, patches: &Patches, truth: impl Fn(DVec2) -> f64) -> f64 {
-    let light = spread(frame, patches);
     let mut worst = 0.0_f64;
     for t in 0..frame.triangles.len() {
         let [a, b, c] = frame.corners(t).map(|v| v.screen);
         for i in 0..=8 {
             for j in 0..=8 - i {
                 let w = [f64::from(i) / 8.0, f64::from(j) / 8.0, f64::from(8 - i - j) / 8.0];
-                worst = worst.max((light(t, w).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
+                worst = worst.max((patches.light(t, w, DVec3::ZERO).x - truth(w[0] * a + w[1] * b + w[2] * c)).abs());
             }
         }
     }
@@ -59,7 +49,7 @@ fn near_neighbors_count_more() {
     let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
     let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
-    let gradient = Patches::new(&frame, Field::Light, Gradients::Ring).gradients[0];
+    let gradient = Patches::new(&frame, Field::Light).gradients[0];
     assert!(DVec2::from(gradient[0]).distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
@@ -79,25 +69,12 @@ fn quadratic_fields_are_within_the_error_of_their_gradients() {
             [a.distance(b), b.distance(c), c.distance(a)]
         })
         .fold(0.0, f64::max);
-    for gradients in [Gradients::Ring, Gradients::Quadric] {
-        let patches = Patches::new(&frame, Field::Light, gradients);
-        let fault = frame
-            .vertices
-            .iter()
-            .zip(&patches.gradients)
-            .map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)))
-            .fold(0.0, f64::max);
-        let error = worst(&frame, &patches, field);
-        assert!(fault > 1e-6 && error > 1e-6, "{gradients}: nothing to bound");
-        assert!(error <= 0.4 * fault * longest, "{gradients}: {error} with gradients off by {fault}");
-    }
-    // A quadric needs five well-placed neighbors, which inner vertices usually have.
-    let inside = |gradients| {
-        let patches = Patches::new(&frame, Field::Light, gradients);
-        let exact = frame.vertices.iter().zip(&patches.gradients);
-        exact.filter(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)) < 1e-9).count()
-    };
-    assert!(inside(Gradients::Quadric) > 20 && inside(Gradients::Ring) < 5);
+    let patches = Patches::new(&frame, Field::Light);
+    let faults = frame.vertices.iter().zip(&patches.gradients);
+    let faults = faults.map(|(v, gradient)| DVec2::from(gradient[0]).distance(slope(v.screen)));
+    let (fault, error) = (faults.fold(0.0, f64::max), worst(&frame, &patches, field));
+    assert!(fault > 1e-6 && error > 1e-6, "nothing to bound");
+    assert!(error <= 0.4 * fault * longest, "{error} with gradients off by {fault}");
 }
 
 #[test]
@@ -122,7 +99,7 @@ fn cubics_match_numpy() {
     for (vertex, light) in frame.vertices.iter_mut().zip(lights) {
         vertex.light = light;
     }
-    let light = spread(&frame, &Patches::with_gradients(&frame, Field::Light, gradients));
+    let patches = Patches::with_gradients(&frame, Field::Light, gradients);
     assert!(samples.len() >= 100);
     for (t, first, second, expected) in samples {
         // The frame's corners may be in the opposite order.
@@ -130,7 +107,7 @@ fn cubics_match_numpy() {
             let k = triangles[t].iter().position(|own| *own == v).expect("a corner");
             [first, second, 1.0 - first - second][k]
         });
-        let light = light(t, w);
+        let light = patches.light(t, w, DVec3::ZERO);
         assert!((light - expected).abs().max_element() < 1e-11, "triangle {t}: {light}, expected {expected}");
     }
 }
@@ -155,8 +132,8 @@ fn true_sphere(vertices: usize) -> Surface {
 /// Returns the root mean square error of the gradients of a sphere under a distant lamp, relative to the root mean
 /// square of the true gradients. Counts only vertices at which the cosine of the angle between the normal and the
 /// direction to the eye exceeds `facing`.
-fn gradient_error(frame: &Frame, gradients: Gradients, facing: f64) -> f64 {
-    let patches = Patches::new(frame, Field::Light, gradients);
+fn gradient_error(frame: &Frame, facing: f64) -> f64 {
+    let patches = Patches::new(frame, Field::Light);
     let (mut error, mut size) = (0.0, 0.0);
     for (vertex, gradient) in frame.vertices.iter().zip(&patches.gradients) {
         let toward = frame.view.to_viewer(vertex.eye);
@@ -196,9 +173,8 @@ fn curvature_gives_a_spheres_gradients() {
     for distance in [f64::INFINITY, 3.0] {
         for (name, surface) in [("true", true_sphere(642)), ("estimated", sphere(642))] {
             let frame = Scene { distance, ..Scene::default() }.frame(&surface, 512, 512);
-            let [curvature, ring] = [Gradients::Curvature, Gradients::Ring].map(|g| gradient_error(&frame, g, 0.4));
-            assert!(curvature < 0.03, "eye at {distance}, {name} curvature: {curvature}");
-            assert!(curvature < 0.15 * ring, "eye at {distance}, {name} curvature: {curvature} beside {ring}");
+            let error = gradient_error(&frame, 0.4);
+            assert!(error < 0.03, "eye at {distance}, {name} curvature: {error}");
         }
     }
 }
@@ -212,10 +188,10 @@ fn lights_stay_bounded_near_the_silhouette() {
         for turn in 0..12 {
             let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let light = spread(&frame, &Patches::new(&frame, Field::Light, Gradients::Curvature));
+            let patches = Patches::new(&frame, Field::Light);
             for t in 0..frame.triangles.len() {
                 for w in WEIGHTS {
-                    let light = light(t, w).x;
+                    let light = patches.light(t, w, DVec3::ZERO).x;
                     // The lights of the surface are within 0.1…1.
                     assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
                 }
@@ -265,7 +241,7 @@ fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
         for turn in 0..12 {
             let view = View::square(512).rotated([30.0 * f64::from(turn) + 4.0, 17.0, 5.0]);
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let normals = spread(&frame, &Patches::new(&frame, Field::Normal, Gradients::Curvature));
+            let normals = Patches::new(&frame, Field::Normal);
             for t in 0..frame.triangles.len() {
                 let corners = frame.corners(t);
                 if corners.iter().all(|corner| corner.normal.z > 0.0) {
@@ -275,7 +251,7 @@ fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
                 let area = (b - a).perp_dot(c - a).abs();
                 for w in [[0.34, 0.33, 0.33], [0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]] {
                     let between: DVec3 = (0..3).map(|k| w[k] * corners[k].normal).sum();
-                    error += area * normals(t, w).angle_between(between).to_degrees().powi(2);
+                    error += area * normals.light(t, w, DVec3::ZERO).angle_between(between).to_degrees().powi(2);
                     total += area;
                 }
             }
@@ -295,7 +271,7 @@ fn slopes_do_not_jump_where_a_normal_faces_away() {
             let view = View { rotation: DMat3::from_quat(turn), ..View::square(400) };
             let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
             let own = frame.vertices.iter().position(|own| own.normal.distance(DVec3::X) < 1e-6);
-            own.map(|own| Patches::new(&frame, Field::Normal, Gradients::Curvature).gradients[own])
+            own.map(|own| Patches::new(&frame, Field::Normal).gradients[own])
         });
         let (Some(before), Some(after)) = (before, after) else { continue };
         let apart =
@@ -303,25 +279,4 @@ fn slopes_do_not_jump_where_a_normal_faces_away() {
         let size = apart(before, [[0.0; 2]; 3]);
         assert!(apart(before, after) < 1e-3 * size, "{}: {before:?}, {after:?}", vertex.position);
     }
-}
-
-/// For encoded lights, the chain rule also goes through the transfer function.
-#[test]
-fn encoded_lights_have_encoded_gradients() {
-    let frame = Scene { specular: 0.0, ..Scene::default() }.frame(&sphere(1000), 300, 300);
-    let encoded = frame.clone().encoded(&Transfer::Gamma(2.0).into());
-    let gradients = |frame: &Frame| Patches::new(frame, Field::Light, Gradients::Curvature).gradients;
-    let (linear, encoded) = (gradients(&frame), gradients(&encoded));
-    let mut compared = 0;
-    for (v, vertex) in frame.vertices.iter().enumerate() {
-        // Only lit vertices away from the rim, because the ring affects the gradients at the rim.
-        if vertex.light.x > 0.25 && vertex.normal.z > 0.7 {
-            // d√L = dL/2√L
-            let expected = DVec2::from(linear[v][0]) / (2.0 * vertex.light.x.sqrt());
-            let error = (DVec2::from(encoded[v][0]) - expected).length();
-            assert!(error < 0.02 * expected.length().max(1e-3), "vertex {v}: {:?} for {expected}", encoded[v][0]);
-            compared += 1;
-        }
-    }
-    assert!(compared > 50, "{compared}");
 }

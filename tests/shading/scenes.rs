@@ -6,8 +6,8 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::LinearImage,
     shading::{
-        Body, Coat, Composition, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Paint, PaintedCorner, Reference,
-        Shade, Shader, Surface, Transparency, View, shapes,
+        Body, Coat, Composition, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Paint, PaintedCorner, Shade,
+        Shader, Surface, Transparency, View, image, shapes,
     },
     store::{mesh, scene},
 };
@@ -59,7 +59,7 @@ fn a_scene_of_one_mesh_is_its_picture() {
         let toward = view.rotation * DVec3::new(0.3, 0.4, 0.9);
         let lighting = Lighting { lamps: vec![Lamp::directional(toward)], ..Lighting::standard() };
         let frame = Frame::new(&Surface::new(torus), &view, &lighting, alone.background);
-        let worst = apart(&alone.image(SIDE, SIDE), &Reference::new(&frame, &Shade::new(Shader::C1Phong)).image());
+        let worst = apart(&alone.image(SIDE, SIDE), &image(&frame, &Shade::new(Shader::C1Phong)));
         assert!(worst < 1e-6, "{distance}: {worst}");
     }
 }

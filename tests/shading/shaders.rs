@@ -1,9 +1,9 @@
-//! Compares the reference shaders with numbers computed elsewhere, and checks properties that they must have.
+//! Compares the shaders with numbers computed elsewhere, and checks properties that they must have.
 
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::{
-    Correction, Frame, FrameVertex, Gradients, Lamp, Lighting, Reference, Shade, Shader, Surface, View, shapes,
+    Correction, Frame, FrameVertex, Lamp, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
 };
 
 use crate::{
@@ -90,7 +90,7 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
         let b = 0.2;
         let light = |w, shader, vertex, reweight| {
             let shade = Shade { vertex, reweight, ..shade(shader, depth, b) };
-            Reference::new(&pair, &shade).light(0, w)
+            Shading::new(&pair, &shade).light(0, w)
         };
         for point in shaded[key].as_array().unwrap() {
             let w: [f64; 3] = numbers(&point["w"]);
@@ -115,7 +115,7 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     assert_eq!(compared, 2 * 12 * 9);
     let face = pair.lighting.light(DVec3::ZERO, DVec3::Z, DVec3::Z);
     close("flat", face, number(&golden["sample"]["flat_face_normal_001"]));
-    close("flat", Reference::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
+    close("flat", Shading::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
 }
 
 /// As printed, vertex shading makes a dark ring around each vertex of a uniform surface.
@@ -125,9 +125,9 @@ fn printed_vertex_shading_darkens_a_uniform_surface() {
     let surface = frame(places.map(|place| vertex(place, DVec3::ONE)).to_vec(), &[[0, 1, 2]], only_ambient());
     for (b, expected) in [(0.2, 0.979), (0.33, 0.944)] {
         let shade = Shade { vertex: Correction::Printed, ..shade(Shader::Gouraud, Depth::Finite(2), b) };
-        let reference = Reference::new(&surface, &shade);
+        let shading = Shading::new(&surface, &shade);
         let along = (0..=1000).map(|i| f64::from(i) / 1000.0);
-        let darkest = along.map(|s| reference.light(0, [1.0 - s, s, 0.0]).x).fold(1.0, f64::min);
+        let darkest = along.map(|s| shading.light(0, [1.0 - s, s, 0.0]).x).fold(1.0, f64::min);
         assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
     }
 }
@@ -143,14 +143,12 @@ fn place_of(frame: &Frame, triangle: usize, w: [f64; 3]) -> DVec2 {
 fn a_linear_field_stays_linear() {
     let field = |p: DVec2| DVec3::new(0.1 + 0.003 * p.x + 0.001 * p.y, 0.9 - 0.004 * p.y, 0.5);
     let grid = grid(6, field);
-    for &gradients in Gradients::ALL {
-        let reference = Reference::new(&grid, &Shade { gradients, ..Shade::new(Shader::Patch) });
-        for t in 0..grid.triangles.len() {
-            for w in all_weights() {
-                let p = place_of(&grid, t, w);
-                let error = (reference.light(t, w) - field(p)).abs().max_element();
-                assert!(error < 1e-12, "{gradients} {t} {w:?}: {error}");
-            }
+    let shading = Shading::new(&grid, &Shade::new(Shader::Patch));
+    for t in 0..grid.triangles.len() {
+        for w in all_weights() {
+            let p = place_of(&grid, t, w);
+            let error = (shading.light(t, w) - field(p)).abs().max_element();
+            assert!(error < 1e-12, "{t} {w:?}: {error}");
         }
     }
 }
@@ -168,10 +166,10 @@ fn a_uniform_field_stays_uniform() {
         for depth in [Depth::Finite(1), Depth::Finite(3), Depth::Infinite] {
             for vertex in [Correction::Off, Correction::Repaired] {
                 for reweight in [Correction::Off, Correction::Repaired] {
-                    let reference = Reference::new(&field, &Shade { vertex, reweight, ..shade(shader, depth, 0.3) });
+                    let shading = Shading::new(&field, &Shade { vertex, reweight, ..shade(shader, depth, 0.3) });
                     for t in 0..field.triangles.len() {
                         for w in all_weights() {
-                            let error = (reference.light(t, w) - DVec3::splat(0.1)).abs().max_element();
+                            let error = (shading.light(t, w) - DVec3::splat(0.1)).abs().max_element();
                             assert!(error < 1e-14, "{shader} {depth} {vertex} {reweight} {w:?}: {error}");
                         }
                     }
@@ -192,7 +190,7 @@ fn zero_width_is_gouraud_and_widths_are_limited() {
     let frame = grid(3, |p| DVec3::new((p.x / 30.0).sin(), (p.y / 40.0).cos(), (p.x * p.y / 4000.0).sin()) * 0.4 + 0.5);
     let light = |shader, b, t, w| {
         let shade = Shade { vertex: Correction::Repaired, ..shade(shader, Depth::Finite(2), b) };
-        Reference::new(&frame, &shade).light(t, w)
+        Shading::new(&frame, &shade).light(t, w)
     };
     for shader in [Shader::Fixed, Shader::Gradient, Shader::GradientRepaired] {
         for (t, w) in [(7, [0.02, 0.5, 0.48]), (8, [0.3, 0.34, 0.36]), (9, [0.9, 0.1, 0.0]), (3, [0.0, 0.0, 1.0])] {
@@ -216,7 +214,7 @@ fn zero_width_is_gouraud_and_widths_are_limited() {
 fn quadratic_passes_through_vertices_and_midpoints() {
     // The midpoints are lit as Phong's shader lights them.
     let frame = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
-    let light = |shader, w| Reference::new(&frame, &Shade::new(shader)).light(2, w);
+    let light = |shader, w| Shading::new(&frame, &Shade::new(shader)).light(2, w);
     for w in [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]] {
         assert!((light(Shader::Quadratic, w) - light(Shader::Phong, w)).abs().max_element() < 1e-12);
     }
@@ -280,21 +278,21 @@ fn every_shader_gives_finite_light_on_every_frame() {
         for &shader in Shader::ALL {
             for (vertex, reweight) in combinations.clone() {
                 let options = [(Depth::Finite(1), 0.0), (Depth::Finite(3), 1e-300), (Depth::Infinite, 1.0)];
-                for ((depth, b), &gradients) in options.into_iter().zip(Gradients::ALL) {
-                    let shade = Shade { vertex, reweight, gradients, ..shade(shader, depth, b) };
-                    let reference = Reference::new(frame, &shade);
+                for (depth, b) in options {
+                    let shade = Shade { vertex, reweight, ..shade(shader, depth, b) };
+                    let shading = Shading::new(frame, &shade);
                     for t in 0..frame.triangles.len() {
                         for w in all_weights() {
-                            let light = reference.light(t, w);
+                            let light = shading.light(t, w);
                             assert!(light.is_finite(), "{shader} {vertex} {reweight} {depth} {b} {t} {w:?}: {light}");
                         }
                     }
                 }
             }
-            let image = Reference::new(frame, &Shade::new(shader)).image();
-            assert!(image.data.iter().all(|light| light.is_finite()), "{shader}");
-            assert_eq!(image.pixel(0, 0), [0.25; 3]);
-            assert!(image.pixel(70, 100) != [0.25; 3], "{shader}");
+            let picture = image(frame, &Shade::new(shader));
+            assert!(picture.data.iter().all(|light| light.is_finite()), "{shader}");
+            assert_eq!(picture.pixel(0, 0), [0.25; 3]);
+            assert!(picture.pixel(70, 100) != [0.25; 3], "{shader}");
         }
     }
 }

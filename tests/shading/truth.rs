@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 use machband::{
-    light::{LinearImage, Transfer},
+    light::LinearImage,
     shading::{
         Creases, Frame, Mesh, Normals, Scene, Shade, Shader, Surface, Truth,
         shapes::{self, Shape},
     },
-    stimulus::{Judged, Renderer, ViewingConditions},
+    stimulus::{Judged, ViewingConditions, emitted},
 };
 
 const SIDE: u32 = 256;
@@ -35,7 +35,7 @@ fn scenes(rotate_deg: [f64; 3]) -> [Scene; 3] {
 }
 
 fn drawn(frame: &Frame, shader: Shader) -> LinearImage {
-    Renderer::new(Shade::new(shader)).shoot(frame, &Transfer::Linear.into()).emitted()
+    emitted(frame, &Shade::new(shader))
 }
 
 /// The residuals of the shaders over Gouraud's.

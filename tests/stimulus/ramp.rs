@@ -140,7 +140,7 @@ prop_compose! {
 /// Generates a Mach band or any other kind that varies in one direction.
 fn line() -> impl Strategy<Value = Stimulus> {
     let other = (1..catalog::all().len(), 0..3usize, orientation()).prop_map(|(entry, variant, degrees)| {
-        let mut stimulus = catalog::all()[entry].stimuli().swap_remove(variant);
+        let mut stimulus = crate::stimuli(catalog::all()[entry].kind)[variant].clone();
         // A mesh has no orientation.
         let _ = stimulus.set("orientation_deg", &degrees.into());
         stimulus

@@ -4,12 +4,12 @@ use std::error::Error;
 
 use glam::DVec3;
 use machband::{
-    light::{Depth, LinearImage, Transfer},
+    light::{Depth, LinearImage},
     shading::{
-        Frame, Gradients, Mesh, Normals, Scene, Shade, Shader, Surface, Vertex,
+        Frame, Mesh, Normals, Scene, Shade, Shader, Surface, Vertex,
         shapes::{self, Shape},
     },
-    stimulus::{Judged, Renderer, Residual, ViewingConditions},
+    stimulus::{Judged, Residual, ViewingConditions, emitted},
 };
 
 /// Pixels per side of the images.
@@ -117,17 +117,12 @@ fn rows() -> Vec<(String, Drawn)> {
         strip(Shader::Fixed, 3, 0.2),
         strip(Shader::Gradient, 3, 0.2),
         Shade::new(Shader::Patch),
-        Shade { gradients: Gradients::Ring, ..Shade::new(Shader::Patch) },
         Shade::new(Shader::C1Phong),
-        Shade { gradients: Gradients::Ring, ..Shade::new(Shader::C1Phong) },
     ];
     let named = |shade: Shade| {
         let plain = format!("`{}`", shade.shader);
-        let name = match (shade.has_strip(), shade.gradients) {
-            (true, _) => format!("{plain} ({}, {:.2})", shade.depth, shade.boundary),
-            (_, Gradients::Ring) => format!("{plain}, slopes from the ring"),
-            _ => plain,
-        };
+        let strips = format!(" ({}, {:.2})", shade.depth, shade.boundary);
+        let name = if shade.has_strip() { plain + &strips } else { plain };
         (name, Drawn::Shade(shade))
     };
     let mut rows: Vec<(String, Drawn)> = shades.into_iter().map(named).collect();
@@ -166,7 +161,7 @@ impl Subject {
 
     /// Returns the residual, and the largest visible difference from the smooth surface.
     fn judge(&self, frame: &Frame, shade: &Shade) -> Result<(Residual, f64), Box<dyn Error>> {
-        let image: LinearImage = Renderer::new(*shade).shoot(frame, &Transfer::Linear.into()).emitted();
+        let image: LinearImage = emitted(frame, shade);
         let residual = self.judged.residual(&viewing(), &image).ok_or("the surface is not known")?;
         let difference = self.judged.difference(&viewing(), &image)?.ok_or("the surface is not known")?;
         Ok((residual, difference.largest))

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use machband::{
     light::Depth,
-    shading::{Creases, Frame, Gradients, Mesh, Reference, Scene, Shade, Shader, Surface, shapes},
+    shading::{Creases, Frame, Mesh, Scene, Shade, Shader, Shading, Surface, shapes},
 };
 
 use crate::slopes::at_vertices;
@@ -14,10 +14,7 @@ const CREASES_PX: u32 = 1024;
 
 /// Shader, n and b.
 fn head(shade: &Shade, boundary: String) -> [String; 3] {
-    let name = match shade.shader {
-        shader if shade.has_gradients() => format!("{shader} ({})", shade.gradients),
-        shader => shader.to_string(),
-    };
+    let name = shade.shader.to_string();
     if shade.has_strip() { [name, shade.depth.to_string(), boundary] } else { [name, String::new(), String::new()] }
 }
 
@@ -73,9 +70,6 @@ pub fn creases() -> Result<(), Box<dyn Error>> {
 /// Each shader with the depths and widths at which its creases are compared.
 fn families() -> Vec<Vec<Shade>> {
     let family = |&shader: &Shader| match shader {
-        Shader::Patch | Shader::C1Phong => {
-            Gradients::ALL.iter().map(|&gradients| Shade { gradients, ..Shade::new(shader) }).collect()
-        }
         _ if Shade::new(shader).has_strip() => crossed(shader, &[2, 3, 5], &[0.05, 0.2, 0.33]),
         _ => vec![Shade::new(shader)],
     };
@@ -127,7 +121,7 @@ fn ratio(value: f64) -> String {
 
 /// How far the luminance is from having a single slope at each vertex: root mean square over the vertices.
 fn spread(frame: &Frame, shade: &Shade) -> f64 {
-    let reference = Reference::new(frame, shade);
-    let vertices = at_vertices(frame, |triangle, weights| reference.light(triangle, weights));
+    let shading = Shading::new(frame, shade);
+    let vertices = at_vertices(frame, |triangle, weights| shading.light(triangle, weights));
     (vertices.iter().map(|spread| spread * spread).sum::<f64>() / vertices.len() as f64).sqrt()
 }

@@ -368,18 +368,6 @@ impl Measured {
         retests
     }
 
-    /// Returns how often a participant rated a condition more than once without a known order of these ratings, so that
-    /// [`Self::retests`] has no pair for them. If this is 0 and there are no retests, no condition was rated twice. The
-    /// order is known only from the columns `session_id` and `repetition`, never from the order of the rows.
-    pub fn repeats_without_order(&self) -> usize {
-        let same = |a: &CountRow, b: &CountRow| (a.subject, a.condition) == (b.subject, b.condition);
-        let all = self.counts.rows.chunk_by(same);
-        all.filter(|rows| self.counts.is_complete(rows[0].condition))
-            .filter(|rows| rows.iter().map(|row| row.count).sum::<u64>() > 1)
-            .count()
-            .saturating_sub(self.retests().iter().map(Vec::len).sum())
-    }
-
     /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
     /// any.
     pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<Quartiles>> {

@@ -113,7 +113,7 @@ fn scrolled(ui: &mut egui::Ui, id: &str, add: impl FnOnce(&mut egui::Ui)) {
     });
 }
 
-/// Draws blocks. Two ordinary figures that follow each other are side by side if there is room.
+/// Draws blocks. Two figures that follow each other are side by side if there is room.
 fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut BlockView>) {
     let two = ui.available_width() >= TWO_COLUMNS;
     let mut blocks = blocks.into_iter().enumerate().peekable();
@@ -129,9 +129,7 @@ fn show_blocks<'a>(ui: &mut egui::Ui, blocks: impl IntoIterator<Item = &'a mut B
             }
             BlockView::Figure(left) => left,
         };
-        let fits = |next: &(usize, &mut BlockView)| matches!(&next.1, BlockView::Figure(right) if !right.is_wide());
-        let beside = two && !left.is_wide();
-        match blocks.next_if(|next| beside && fits(next)) {
+        match blocks.next_if(|next| two && matches!(&next.1, BlockView::Figure(_))) {
             Some((_, BlockView::Figure(right))) => ui.columns(2, |columns| {
                 for (column, figure) in columns.iter_mut().zip([left, right]) {
                     // Columns would stretch the spaces of captions.

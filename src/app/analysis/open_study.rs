@@ -23,7 +23,7 @@ use crate::{
         figures::{self, Figure},
         prediction::StudyPrediction,
         study::{Parts, document},
-        write_all,
+        study_files, write_files,
     },
     store::ratings::{Reason, SessionRead, Source, column_names},
     work::Analyze,
@@ -364,7 +364,8 @@ impl Opened for OpenStudy {
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-                    Ok(write_all(writer, &shown, &results, made, folder, false)?.files.len())
+                    let (contents, _) = study_files(&shown, &results, made, folder, false)?;
+                    Ok(write_files(writer, folder, contents)?.len())
                 }),
             }
         });

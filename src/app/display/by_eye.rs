@@ -100,12 +100,12 @@ impl Method for ByEye {
 }
 
 /// Returns the color and marker of a channel in plots.
-fn series(ink: &Ink, channel: Channel) -> (Color32, MarkerShape) {
+fn series((ink, dark): (&Ink, bool), channel: Channel) -> (Color32, MarkerShape) {
     match channel {
         Channel::Red => (color(VERMILION), MarkerShape::Square),
         Channel::Green => (color(GREEN), MarkerShape::Up),
         // The second color is a blue in both themes.
-        Channel::Blue => (ink.series[1], MarkerShape::Diamond),
+        Channel::Blue => (theme::series(dark, 1).0, MarkerShape::Diamond),
         Channel::Gray => (ink.text, MarkerShape::Circle),
     }
 }
@@ -161,7 +161,7 @@ impl Findings for MatchFindings {
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
-        let ink = theme::ink(ui);
+        let ink = (theme::ink(ui), ui.visuals().dark_mode);
         let plot = still_plot(ui, "matching", ["code", "proportion of full light"]).height(260.0);
         let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
             for found in self.found() {

@@ -32,7 +32,9 @@ impl GeometryPage {
     fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) {
         let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
         Field::new("Width of the display area, cm").show(ui, |ui, label| {
-            ui.add(TextEdit::singleline(&mut fields.screen_width_cm).desired_width(90.0)).labelled_by(label);
+            let assumed = format!("{:.1}", monitor.assumed_width_cm());
+            let edit = TextEdit::singleline(&mut fields.screen_width_cm).desired_width(90.0).hint_text(assumed);
+            ui.add(edit).labelled_by(label);
             if ui.button("Measure with a card…").clicked() {
                 let known = number(&fields.screen_width_cm).unwrap_or_else(|| monitor.assumed_width_cm());
                 self.card = Some(CardHelper::new(known, monitor.width_px));
@@ -46,7 +48,7 @@ impl GeometryPage {
                 fields.screen_width_cm = format!("{cm:.1}");
             }
         });
-        if fields.width_is_assumed(monitor) {
+        if fields.width_is_assumed() {
             let per_inch = monitor.assumed_per_inch();
             note(
                 ui,

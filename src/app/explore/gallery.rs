@@ -234,7 +234,7 @@ impl Gallery {
             seed: 1,
             display_sha256: self.display.measured.is_some().then(|| store::profile::hash(&self.display)),
         };
-        if self.settings.kind().no_bands.is_none() {
+        if self.settings.kind().has_bands {
             self.prediction.refresh(ctx, stimulus, recipe.size);
         }
         if self.shown.as_ref().is_some_and(|shown| shown.recipe == recipe) {
@@ -353,7 +353,7 @@ impl Gallery {
         let Some(shown) = &self.shown else { return };
         let Recipe { stimulus, size, .. } = &shown.recipe;
         let kind = self.settings.kind();
-        let is_predicted = kind.no_bands.is_none();
+        let is_predicted = kind.has_bands;
         let room = ui.clip_rect().width();
         let side = *size as f32 / ui.ctx().pixels_per_point();
         if AXIS + side > room {
@@ -366,9 +366,10 @@ impl Gallery {
         let mut numbers = |ui: &mut Ui, width: f32| {
             ui.vertical(|ui| {
                 ui.set_width(width.min(theme::COLUMN));
-                match kind.no_bands {
-                    None => self.prediction.show(ui, stimulus, *size),
-                    Some(why) => ui::paragraph(ui, format!("No Mach bands. {why}")),
+                if is_predicted {
+                    self.prediction.show(ui, stimulus, *size);
+                } else {
+                    ui::paragraph(ui, "Nothing is predicted: this effect is none of Mach bands.");
                 }
             });
         };

@@ -28,19 +28,22 @@ const SAMPLES: u32 = 64;
 fn same_as_before(before: &Sitting, display: &DisplayProfile, now_px: u32) -> Option<PreflightNote> {
     let (used, size_px) = (before.display.as_ref()?, before.viewing.as_ref()?.stimulus_px);
     let same = used.sha256 == profile::hash(display) && size_px == now_px;
-    let sentence = match same {
-        true => "The display profile and the stimulus size are the same as in the previous sitting.".to_owned(),
-        false => format!(
-            "The previous sitting used the display profile {} ({}) and a stimulus of {size_px} pixels. Go back and \
-                restore them, unless you intend to change them.",
-            used.name, used.transfer
-        ),
-    };
-    Some(note("same_as_before", same, sentence))
+    let other = format!(
+        "The previous sitting used the display profile {} ({}) and a stimulus of {size_px} pixels. Go back and restore \
+            them, unless you intend to change them.",
+        used.name, used.transfer
+    );
+    let alike = "The display profile and the stimulus size are the same as in the previous sitting.";
+    Some(either("same_as_before", same, [alike, &other]))
 }
 
 fn note(check: &str, ok: bool, sentence: impl Into<String>) -> PreflightNote {
     PreflightNote { check: check.to_owned(), ok, sentence: sentence.into() }
+}
+
+/// Returns a note with the sentence for a passed or for a failed check.
+fn either(check: &str, ok: bool, [passed, failed]: [&str; 2]) -> PreflightNote {
+    note(check, ok, if ok { passed } else { failed })
 }
 
 /// Returns all findings except the steps of light, which do not change, and the values that the session needs, or why it
@@ -120,16 +123,12 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
         None => (false, "does not report whether it uses a compositor."),
     };
     let mut notes = vec![note("compositor", ok, format!("{system} {composited}"))];
-    notes.extend(platform.ramps_straight.map(|straight| {
-        let sentence = match straight {
-            true => "The graphics card does not change the codes.",
-            false => {
-                "The graphics card's gamma ramps change the codes, because of a night light or a loaded calibration. \
-                    Switch it off, or measure the screen while it is on."
-            }
-        };
-        note("color_ramps", straight, sentence)
-    }));
+    let ramps = [
+        "The graphics card does not change the codes.",
+        "The graphics card's gamma ramps change the codes, because of a night light or a loaded calibration. Switch it \
+            off, or measure the screen while it is on.",
+    ];
+    notes.extend(platform.ramps_straight.map(|straight| either("color_ramps", straight, ramps)));
     let resolution = match (platform.resampled, platform.mode_px, platform.own_px) {
         (Some(true), Some([w, h]), _) => Some((
             false,
@@ -152,10 +151,8 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
     if platform.hdr == Some(false) {
         notes.push(note("hdr", true, format!("{system} does not support high dynamic range.")));
     }
-    notes.extend(platform.variable_refresh.map(|variable| {
-        let sentence = if variable { "The screen supports variable refresh." } else { "The refresh rate is fixed." };
-        note("variable_refresh", !variable, sentence)
-    }));
+    let refresh = ["The refresh rate is fixed.", "The screen supports variable refresh."];
+    notes.extend(platform.variable_refresh.map(|variable| either("variable_refresh", !variable, refresh)));
     notes
 }
 
@@ -166,16 +163,12 @@ fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platf
     notes.extend(display.warning(today()).filter(|_| is_measured).map(|warning| note("profile_age", false, warning)));
     if let Some([width, height]) = display.native_px {
         let here = platform.own_px.unwrap_or([monitor.width_px, monitor.height_px]);
-        let same = here == [width, height];
-        let sentence = match same {
-            true => format!("The profile is for a screen of {width} × {height} pixels, the same as this one."),
-            false => format!(
-                "The profile is for a screen of {width} × {height} pixels; this one has {} × {}. Is this a different \
-                    screen?",
-                here[0], here[1]
-            ),
-        };
-        notes.push(note("right_monitor", same, sentence));
+        let same = format!("The profile is for a screen of {width} × {height} pixels, the same as this one.");
+        let other = format!(
+            "The profile is for a screen of {width} × {height} pixels; this one has {} × {}. Is this a different screen?",
+            here[0], here[1]
+        );
+        notes.push(either("right_monitor", here == [width, height], [&same, &other]));
     }
     notes
 }
@@ -242,18 +235,14 @@ pub fn light_steps(protocol: &Protocol) -> PreflightNote {
     let lights = protocol.conditions().iter().flat_map(|condition| condition.stimulus.profile(SAMPLES));
     let steps = lights.flat_map(|light| [0, 1, 2].map(|channel| (light[channel] - field[channel]).abs()));
     let percent = 100.0 * steps.fold(0.0, f32::max);
-    let gentle = percent < 95.0;
-    let warning = match gentle {
-        true => "Nothing flickers.",
-        false => {
-            "The definition requires this; it is not suitable for people who cannot tolerate sudden changes in \
-            light."
-        }
-    };
-    let sentence = format!(
-        "Between the uniform field and the stimulus, no pixel changes by more than {percent:.0} % of the screen's range. {warning}"
+    let range = format!(
+        "Between the uniform field and the stimulus, no pixel changes by more than {percent:.0} % of the screen's range."
     );
-    note("light_steps", gentle, sentence)
+    let gentle = format!("{range} Nothing flickers.");
+    let sudden = format!(
+        "{range} The definition requires this; it is not suitable for people who cannot tolerate sudden changes in light."
+    );
+    either("light_steps", percent < 95.0, [&gentle, &sudden])
 }
 
 /// Questions that no system can answer and the person at the screen must. Each has a name, a statement to confirm by

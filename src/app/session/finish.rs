@@ -18,8 +18,6 @@ pub struct Finish {
     pub complete: bool,
     plot: Option<OwnPlot>,
     opened: Option<String>,
-    /// Whether no frame was drawn yet, so that the experimenter's section begins closed.
-    is_new: bool,
     /// One sentence about the frames of the sitting, if there were any.
     frames: Option<String>,
     /// The error if the end of the sitting could not be recorded.
@@ -37,7 +35,7 @@ impl Finish {
         error: Option<String>,
     ) -> Self {
         let plot = OwnPlot::new(&protocol, rows);
-        Self { protocol, path, complete, plot, opened: None, is_new: true, frames, error }
+        Self { protocol, path, complete, plot, opened: None, frames, error }
     }
 
     /// Draws the page. `direct`: leaving it closes the window.
@@ -63,8 +61,7 @@ impl Finish {
             }
             leave = ui::neutral_primary(ui, if direct { &texts.close } else { &texts.back }, true, "Enter");
             ui.add_space(theme::LARGE_GAP);
-            let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt("experimenter");
-            let section = section.open(std::mem::take(&mut self.is_new).then_some(false));
+            let section = egui::CollapsingHeader::new(ui::secondary(&texts.experimenter)).id_salt(&self.path);
             ui::folded(ui, section, |ui| analyze = self.details(ui));
         });
         let focused = ui.ctx().memory(|memory| memory.focused().is_some());

@@ -13,8 +13,6 @@ use crate::{
 /// Number of pages before the first trial: one about the task and one about the categories.
 pub const INSTRUCTION_PAGES: usize = 2;
 
-/// In a window of less than this height, points, the button that continues is at the lower edge.
-const LOW: f32 = 560.0;
 /// Maximum side of a category's picture, points.
 const PICTURE: f32 = 150.0;
 
@@ -56,16 +54,6 @@ pub fn instructions(
     quantizer: &Quantizer,
 ) -> Step<()> {
     let texts = &protocol.instructions;
-    let lead = |ui: &mut egui::Ui| {
-        let step = next_or_back(ui, texts, back);
-        ui.add_space(theme::SMALL_GAP);
-        let pages = INSTRUCTION_PAGES.to_string();
-        let count = texts.page_count.replace("{page}", &(page + 1).to_string()).replace("{pages}", &pages);
-        ui.label(ui::secondary(count));
-        step
-    };
-    // In a low window, the way on stays in view while the page scrolls.
-    let pinned = (ui.available_height() < LOW).then(|| ui::footer(ui, lead));
     ui::page(ui, |ui| {
         if page == 0 {
             ui.heading(&texts.welcome);
@@ -92,10 +80,13 @@ pub fn instructions(
             ui.add_space(8.0);
             ui.label(protocol.response.fill_keys(&texts.keys));
         }
-        pinned.unwrap_or_else(|| {
-            ui.add_space(theme::LARGE_GAP);
-            lead(ui)
-        })
+        ui.add_space(theme::LARGE_GAP);
+        let step = next_or_back(ui, texts, back);
+        ui.add_space(theme::SMALL_GAP);
+        let pages = INSTRUCTION_PAGES.to_string();
+        let count = texts.page_count.replace("{page}", &(page + 1).to_string()).replace("{pages}", &pages);
+        ui.label(ui::secondary(count));
+        step
     })
 }
 

@@ -15,7 +15,7 @@ use super::{
     request::{Prepared, Request},
 };
 use crate::{
-    app::{ui::Monitor, window::InputReport},
+    app::ui::Monitor,
     experiment::{
         Answers, Course, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
         TrialResponse, session_seed,
@@ -28,10 +28,17 @@ use crate::{
         frames::FrameRow,
         image,
         session::SessionStore,
-        sitting::{Pictures, PreflightNote, Sitting, UsedDisplay},
+        sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
 };
+
+/// What a timestamp means, for the sidecar.
+const STAMP: &str = "A rating with a response_uncertainty_s is timestamped when the window system delivers the key or \
+    click, before the frame that responds to it. The event may have waited since the program last read events (it reads \
+    none while it draws), for at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not \
+    included. A rating without one is timestamped at the start of the frame that receives it, and is therefore late by \
+    at most one frame interval.";
 
 /// The files of a sitting, open for writing.
 pub struct Recording {
@@ -42,7 +49,6 @@ pub struct Recording {
     pub rows: Vec<TrialRecord>,
     /// Wall-clock time at which the session's time was 0.
     origin: Timestamp,
-    input: InputReport,
     hasher: Option<Hasher>,
     closed: bool,
 }
@@ -100,7 +106,6 @@ impl Recording {
             sitting: number,
             rows,
             origin: before(now(), offset),
-            input: InputReport::default(),
             hasher: Hasher::start(),
             closed: false,
         };
@@ -109,7 +114,6 @@ impl Recording {
 
     /// Writes a row to disk; on failure, the row is kept in memory for [`SessionStore::retry`].
     pub fn record(&mut self, session: &mut Session, response: &TrialResponse) -> Result<(), StoreError> {
-        self.input.rated(response.uncertainty);
         let context = RowContext {
             protocol: session.protocol(),
             schedule: session.schedule(),
@@ -130,6 +134,21 @@ impl Recording {
         self.store.append_frames(&rows);
     }
 
+    /// Returns how the ratings of this sitting were timestamped.
+    fn input(&self) -> InputSummary {
+        let own = || self.rows.iter().filter(|row| row.sitting == self.sitting);
+        let mut waits: Vec<f64> = own().filter_map(|row| Some(row.response_uncertainty_s?.0)).collect();
+        waits.sort_by(f64::total_cmp);
+        let rounded = |wait: Option<&f64>| wait.map(|wait| (wait * 1e6).round() / 1e6);
+        InputSummary {
+            stamp: STAMP.to_owned(),
+            stamped: waits.len(),
+            unstamped: (own().count() - waits.len()) as u32,
+            median_uncertainty_s: rounded(waits.get(waits.len() / 2)),
+            max_uncertainty_s: rounded(waits.last()),
+        }
+    }
+
     /// Takes the image of a stimulus, which is hashed on another thread.
     pub fn picture(&self, stimulus: Stimulus, picture: CodeImage) {
         if let Some(hasher) = &self.hasher {
@@ -147,7 +166,7 @@ impl Recording {
         // This is the last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
-        self.store.describe_input(self.input.summary());
+        self.store.describe_input(self.input());
         let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
         self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());

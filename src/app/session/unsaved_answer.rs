@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use eframe::egui;
 
 use crate::{
-    app::ui::{self, Dialog, FileKind},
+    app::ui::{self, Dialog, Field, FileKind, theme},
     system::{data_folder, make_private_folder},
 };
 
@@ -52,11 +52,8 @@ impl UnsavedAnswerPage {
             if let Some(rescue) = &self.rescue {
                 ui.label(format!("The folder {} belongs to you, and nobody else can open it.", rescue.display()));
             }
-            let label = ui.label("Or save the entire session in another folder:");
-            ui.horizontal_wrapped(|ui| {
-                ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(380.0)).labelled_by(label.id);
-                self.dialog.browse(ui, FileKind::Folder, "Choose a folder…", &mut self.folder);
-            });
+            let field = Field::new("Or save the entire session in another folder:").column(theme::COLUMN).width(380.0);
+            field.path(ui, &mut self.folder, &mut self.dialog, (FileKind::Folder, "Choose a folder…"));
             let usable = !self.folder.trim().is_empty();
             if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
                 let folder = PathBuf::from(self.folder.trim());

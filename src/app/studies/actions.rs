@@ -164,21 +164,15 @@ impl Studies {
     fn plan(&self, protocol: &Protocol) -> RequestForm {
         let about = "Simulates studies of several sizes, and says which is large enough. Separate numbers by commas.";
         let planned = protocol.plan.participants.map_or_else(|| "8, 16, 24".to_owned(), |planned| planned.to_string());
-        let varied = protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
-        let varied = varied.and_then(|factor| Some((&factor.name, factor.levels.last()?)));
-        let [effect, deviation] = varied.map_or_else(Default::default, |(factor, level)| {
-            [format!("such as {factor}:{level}=0.5"), format!("such as {factor}=0.5")]
-        });
-        let none = String::new;
         let mut shown = vec![
-            ("participants", "Numbers of participants", planned, none()),
-            ("effects", EFFECTS, none(), effect),
-            ("deviations", DEVIATIONS, none(), deviation),
-            ("target", "Target power", none(), none()),
-            ("studies", "Simulated studies", "200".to_owned(), none()),
+            ("participants", "Numbers of participants", planned, ""),
+            ("effects", EFFECTS, String::new(), "FACTOR:LEVEL=SIZE"),
+            ("deviations", DEVIATIONS, String::new(), "FACTOR=SD"),
+            ("target", "Target power", String::new(), ""),
+            ("studies", "Simulated studies", "200".to_owned(), ""),
         ];
         if let Some(adaptive) = &protocol.adaptive {
-            shown.push(("trials", "Trials", adaptive.common.trials.to_string(), none()));
+            shown.push(("trials", "Trials", adaptive.common.trials.to_string(), ""));
         }
         let given = [("experiment", self.experiment_name())];
         RequestForm::new(["Plan", "Simulate"], about.to_owned(), &shown, &given, Job::plan)
@@ -196,14 +190,12 @@ impl Studies {
                 into the new folder {}.",
             free.display()
         );
-        let shown = [
-            ("participants", "Participants", participants, String::new()),
-            ("observer", "Observer", observer.to_owned(), String::new()),
-        ];
+        let shown =
+            [("participants", "Participants", participants, ""), ("observer", "Observer", observer.to_owned(), "")];
         let given = [("experiment", self.experiment_name()), ("results", free.display().to_string())];
         let protocol = protocol.clone();
         RequestForm::new(["Simulate a pilot", "Simulate"], about, &shown, &given, move |ctx, request| {
-            Job::pilot(ctx, request, protocol.clone()).leaving(free.clone())
+            Job::pilot(ctx, request, protocol.clone())
         })
     }
 
@@ -271,9 +263,9 @@ fn export(folder: &Path) -> RequestForm {
         _ => beside.join(format!("{name}-export-{number}")),
     });
     let shown = [
-        ("format", "Format", "psych-ds".to_owned(), String::new()),
-        ("out", "New folder", out.display().to_string(), String::new()),
-        ("complete_only", "Only finished sessions", String::new(), String::new()),
+        ("format", "Format", "psych-ds".to_owned(), ""),
+        ("out", "New folder", out.display().to_string(), ""),
+        ("complete_only", "Only finished sessions", String::new(), ""),
     ];
     let given = [("folder", folder.display().to_string())];
     RequestForm::new(["Export", "Export"], folder.display().to_string(), &shown, &given, Job::export)

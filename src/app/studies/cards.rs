@@ -1,4 +1,4 @@
-//! The greeting, the cards beside the grid, and the selected session below it.
+//! The cards beside the grid, and the selected session below it.
 
 use eframe::egui::{self, Align, Color32, Frame, Layout, Panel, RichText, Ui};
 
@@ -9,55 +9,19 @@ use super::{
 };
 use crate::{
     app::ui::{
-        self, Place, action, pixels,
+        self, action,
         theme::{self, Icon, KEY, LARGE_GAP, SECTION, ink},
     },
     experiment::{Factor, Protocol},
-    light::{Bits, Quantizer, Transfer},
     report::{document::numbers::count, names},
-    stimulus::{MachBand, ParameterValue, Stimulus},
+    stimulus::ParameterValue,
     store::{definition, session::overview::SessionState},
 };
 
-/// Side of the example image, physical pixels.
-const PICTURE_PX: u32 = 88;
-/// In a card at least this wide, in points, a session and its buttons need one line; an empty one has one more button.
-const ONE_LINE: [f32; 2] = [700.0, 800.0];
+/// In a card at least this wide, in points, a session and its buttons need one line.
+const ONE_LINE: f32 = 800.0;
 
 impl Studies {
-    /// Shows a newcomer what a Mach band is.
-    pub(super) fn greeting(&mut self, ui: &mut Ui, shown: &mut bool) -> Option<Destination> {
-        let mut next = None;
-        let frame = theme::card(ui).outer_margin(egui::Margin { bottom: LARGE_GAP as i8, ..Default::default() });
-        Panel::top("greeting").resizable(false).show_separator_line(false).frame(frame).show(ui, |ui| {
-            ui.horizontal(|ui| {
-                let texture = self.picture.get_or_insert_with(|| {
-                    let stimulus = Stimulus::MachBand(MachBand::default());
-                    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                    pixels::texture(ui.ctx(), "example", &stimulus.codes(PICTURE_PX, &quantizer))
-                });
-                pixels::picture(ui, texture, "A dark area and a bright area with a linear ramp between them");
-                ui.vertical(|ui| {
-                    ui.label(RichText::new("Do you see a bright line?").strong().size(SECTION));
-                    ui::paragraph(
-                        ui,
-                        "It is where the ramp meets the bright area, but it is not in the image: it is a Mach band. \
-                            In a session, participants rate how visible it is.",
-                    );
-                    ui.horizontal(|ui| {
-                        if ui.button("See more stimuli").clicked() {
-                            next = Some(Destination::Place(Place::Stimuli));
-                        }
-                        if ui.button("Hide").on_hover_text("Hides this permanently.").clicked() {
-                            *shown = false;
-                        }
-                    });
-                });
-            });
-        });
-        next
-    }
-
     /// Draws the card of the selected session at the lower edge.
     pub(super) fn detail(&mut self, ui: &mut Ui, cell: &Cell, now: &mut Now<'_>) -> Option<Destination> {
         let session = self.recorded(cell);
@@ -73,7 +37,6 @@ impl Studies {
                 ui::show_error(ui, error);
             }
             let name = now.checked.protocol.as_ref().map_or("", |protocol| &protocol.name);
-            let has_empty = self.sessions.of(name).any(SessionState::is_empty);
             if self.sessions.of(name).next().is_some() {
                 grid::key(ui);
             } else if self.sessions.errors().is_empty() {
@@ -83,19 +46,13 @@ impl Studies {
             theme::card(ui).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
                 // A session that needs a second line must not move what is above.
-                let one_line = ONE_LINE[usize::from(has_empty)];
-                let lines = if ui.available_width() < one_line { 2.0 } else { 1.0 };
+                let lines = if ui.available_width() < ONE_LINE { 2.0 } else { 1.0 };
                 ui.set_min_height(lines * (theme::CONTROL + theme::SMALL_GAP) - theme::SMALL_GAP);
                 ui.horizontal_wrapped(|ui| {
                     ui.label(RichText::new(cell.title()).strong().size(SECTION));
                     let Some(session) = &session else {
                         Icon::Play.show(ui, ink(ui).text);
-                        let enter = match (cell.has_keys(ui), self.form.cell == *cell) {
-                            (false, _) => "",
-                            (true, true) => " Enter begins it.",
-                            (true, false) => " Enter opens New session for it.",
-                        };
-                        ui::hint(ui, format!("Not begun.{enter}"));
+                        ui::hint(ui, "Not begun.");
                         return;
                     };
                     let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));

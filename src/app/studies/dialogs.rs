@@ -34,11 +34,7 @@ impl Studies {
                 let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
                     ui.heading("Plan");
                     ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
-                        if !planned.rows.is_empty() {
-                            let heads = ["participants", "trials", "estimate", "± (95 %)", "power"];
-                            ui::table(ui, "planned", heads, planned.rows.clone());
-                        }
-                        planned.sentences.iter().for_each(|sentence| ui::paragraph(ui, sentence));
+                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
                     });
                     ui.add_space(GAP);
                     ui.button("Close").clicked()
@@ -74,17 +70,12 @@ impl Studies {
             ui.heading("Open a definition");
             ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
             ui.add_space(GAP);
-            let browsed = Field::new("Definition").column(96.0).show(ui, |ui, label| {
-                ui.horizontal_wrapped(|ui| {
-                    let field = egui::TextEdit::singleline(&mut path).hint_text("path of a .toml file");
-                    let field = ui.add(field.desired_width(300.0)).labelled_by(label);
-                    if std::mem::take(&mut self.opening) {
-                        field.request_focus();
-                    }
-                    self.experiment.browse(ui, FileKind::Toml, "Choose a definition…", &mut path)
-                })
-                .inner
-            });
+            let field = Field::new("Definition").column(96.0).hint("path of a .toml file");
+            let browse = (FileKind::Toml, "Choose a definition…");
+            let (field, browsed) = field.path(ui, &mut path, &mut self.experiment, browse);
+            if std::mem::take(&mut self.opening) {
+                field.request_focus();
+            }
             ui.add_space(GAP);
             ui.horizontal(|ui| {
                 let ready = !path.trim().is_empty();

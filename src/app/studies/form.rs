@@ -21,7 +21,6 @@ use crate::{
         definition,
         session::{Changes, SessionStore},
     },
-    system::{found, may_write},
 };
 
 /// Width of the column of labels, points.
@@ -33,7 +32,7 @@ pub fn labels(ui: &Ui) -> f32 {
 }
 
 /// The values of the fields, as typed.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SessionForm {
     /// Name of a built-in definition, or path of a file.
     pub experiment: String,
@@ -108,36 +107,7 @@ impl Checked {
     }
 }
 
-impl Default for SessionForm {
-    fn default() -> Self {
-        Self {
-            experiment: definition::BUILT_IN[0].name.to_owned(),
-            cell: Cell::first(""),
-            screen: ScreenFields::default(),
-            gray: false,
-            results: "results".to_owned(),
-        }
-    }
-}
-
 impl SessionForm {
-    /// Fills empty fields with values from the definition; returns the next participant of the study.
-    pub fn suggest(&mut self, monitor: &Monitor) -> String {
-        if self.screen.screen_width_cm.is_empty() {
-            self.screen.screen_width_cm = format!("{:.1}", monitor.assumed_width_cm());
-        }
-        let Ok(protocol) = self.protocol() else { return String::new() };
-        if self.screen.distance_cm.is_empty() {
-            self.screen.distance_cm = protocol.viewing.distance_cm.to_string();
-        }
-        // If the folder cannot be read, the check says so.
-        let free = free_participant(&self.results(), &protocol).unwrap_or_default();
-        if self.cell.subject.is_empty() {
-            self.cell.subject.clone_from(&free);
-        }
-        free
-    }
-
     /// Returns the full path of the results folder; empty if none is given.
     pub fn results(&self) -> PathBuf {
         full(Path::new(self.results.trim()))
@@ -152,8 +122,8 @@ impl SessionForm {
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
-        if let Some(error) = results_error(&results) {
-            errors.insert(SessionField::Results, error);
+        if results.as_os_str().is_empty() {
+            errors.insert(SessionField::Results, "Enter the path of a folder.".to_owned());
         }
         let mut resume = false;
         let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
@@ -196,7 +166,7 @@ impl SessionForm {
         let coarse = seen.and_then(|(viewing, protocol)| viewing.coarseness(protocol.viewing.window_deg));
         let request = match (&protocol, &display, identity) {
             (Some(protocol), Some(display), Some(identity)) if errors.is_empty() => {
-                Some(self.request(monitor, protocol, identity, display, resume))
+                Some(self.request(protocol, identity, display, resume))
             }
             _ => None,
         };
@@ -204,14 +174,7 @@ impl SessionForm {
     }
 
     /// Returns the request for a session with the screen and the results folder of this form.
-    pub fn request(
-        &self,
-        monitor: &Monitor,
-        protocol: &Protocol,
-        identity: Identity,
-        display: &DisplayProfile,
-        resume: bool,
-    ) -> Request {
+    pub fn request(&self, protocol: &Protocol, identity: Identity, display: &DisplayProfile, resume: bool) -> Request {
         Request {
             protocol: protocol.clone(),
             identity,
@@ -219,7 +182,7 @@ impl SessionForm {
             results: self.results(),
             display: display.clone(),
             distance_cm: number(&self.screen.distance_cm).unwrap_or(protocol.viewing.distance_cm),
-            screen_width_cm: number(&self.screen.screen_width_cm).filter(|_| !self.screen.width_is_assumed(monitor)),
+            screen_width_cm: number(&self.screen.screen_width_cm),
             resume,
             changes: Changes::Refuse,
             windowed: false,
@@ -227,7 +190,7 @@ impl SessionForm {
     }
 
     /// Reads the definition; converts it to gray if requested and if it has a color.
-    fn protocol(&self) -> Result<Protocol, String> {
+    pub fn protocol(&self) -> Result<Protocol, String> {
         let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
         Ok(match protocol.in_gray() {
             Some(gray) if self.gray => gray,
@@ -237,31 +200,14 @@ impl SessionForm {
 
     /// Returns the viewing geometry, or adds the errors in its fields.
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<SessionField, String>) -> Option<Viewing> {
-        let cm =
-            |text: &str, example: &str| number(text).ok_or(format!("Enter a number of centimeters, e.g. {example}."));
-        let width = cm(&self.screen.screen_width_cm, "53.1")
+        let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
+        let width = cm(self.screen.width_cm(monitor), "53.1")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
             .map_err(|error| errors.insert(SessionField::ScreenWidth, error));
-        let distance = cm(&self.screen.distance_cm, "57").map_err(|error| errors.insert(SessionField::Distance, error));
+        let distance =
+            cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(SessionField::Distance, error));
         Viewing::new(width.ok()?, distance.ok()?)
             .map_err(|error| errors.insert(SessionField::Distance, error.to_string()))
             .ok()
     }
-}
-
-/// Returns the reason why results cannot be saved in this folder; `None` if no reason can be found without writing to
-/// it.
-fn results_error(results: &Path) -> Option<String> {
-    if results.as_os_str().is_empty() {
-        return Some("Enter the path of a folder.".to_owned());
-    }
-    let mut folders = results.ancestors().map(|folder| (folder, found(folder)));
-    let (existing, metadata) = match folders.find(|(_, found)| !matches!(found, Ok(None)))? {
-        (existing, Ok(metadata)) => (existing, metadata?),
-        (folder, Err(error)) => return Some(format!("{} cannot be read: {error}.", folder.display())),
-    };
-    if !metadata.is_dir() {
-        return Some(format!("{} is a file. Enter the path of a folder.", existing.display()));
-    }
-    (!may_write(existing)).then(|| format!("You may not write to {}. Choose another folder.", existing.display()))
 }

@@ -1,7 +1,7 @@
 //! The participants of a study and their sessions, as a grid.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
@@ -28,8 +28,6 @@ const ANSWERS: [f32; 2] = [136.0, 208.0];
 const CELL: [f32; 2] = [88.0, 280.0];
 /// Length of a dash around the next session, points.
 const DASH: f32 = 3.0;
-/// Number of participants by which Page Up and Page Down move.
-const PAGE: isize = 10;
 
 /// The sessions in a results folder, which are read on a separate thread.
 #[derive(Default)]
@@ -75,7 +73,7 @@ impl Sessions {
 }
 
 /// A participant and a session.
-#[derive(Clone, Debug, Hash, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, Default, Hash, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cell {
     pub subject: String,
     pub session: String,
@@ -100,7 +98,7 @@ impl Cell {
     }
 
     /// Returns whether keys go to the grid in which this cell is selected: no other control has the focus.
-    pub fn has_keys(&self, ui: &Ui) -> bool {
+    fn has_keys(&self, ui: &Ui) -> bool {
         ui.memory(|memory| {
             memory.focused().is_none_or(|id| id == self.id()) && memory.allows_interaction(ui.layer_id())
         }) && !Popup::is_any_open(ui.ctx())
@@ -119,7 +117,7 @@ pub enum Action {
 
 /// The grid of a study.
 pub struct Grid<'a> {
-    sessions: Vec<&'a SessionState>,
+    sessions: BTreeMap<Cell, &'a SessionState>,
     subjects: Vec<String>,
     columns: Vec<String>,
     next: Cell,
@@ -129,9 +127,15 @@ pub struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     /// Arranges the sessions of a study, and those that are planned. `next` is the next new participant.
-    pub fn new(sessions: Vec<&'a SessionState>, plan: Plan, next: Cell, wrong: &'a BTreeSet<PathBuf>) -> Self {
-        let mut subjects: Vec<String> = sessions.iter().map(|session| session.identity.subject().to_owned()).collect();
-        let mut columns: Vec<String> = sessions.iter().map(|session| session.identity.session().to_owned()).collect();
+    pub fn new(
+        sessions: impl Iterator<Item = &'a SessionState>,
+        plan: Plan,
+        next: Cell,
+        wrong: &'a BTreeSet<PathBuf>,
+    ) -> Self {
+        let sessions: BTreeMap<_, _> = sessions.map(|session| (Cell::of(&session.identity), session)).collect();
+        let mut subjects: Vec<String> = sessions.keys().map(|cell| cell.subject.clone()).collect();
+        let mut columns: Vec<String> = sessions.keys().map(|cell| cell.session.clone()).collect();
         columns.extend((1..=plan.sessions).map(|number| number.to_string()));
         columns.push(next.session.clone());
         for list in [&mut subjects, &mut columns] {
@@ -161,18 +165,15 @@ impl<'a> Grid<'a> {
         }
         let [up, down, left, right] =
             [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight].map(|key| presses(key) as isize);
-        let all = self.subjects.len() as isize;
-        let far = [(Key::Home, -all), (Key::End, all), (Key::PageUp, -PAGE), (Key::PageDown, PAGE)];
-        let far: isize = far.into_iter().map(|(key, by)| presses(key) as isize * by).sum();
         // Without participants, as in a folder that cannot be read, there is nowhere to go.
-        if up + down + left + right == 0 && far == 0 || self.subjects.is_empty() {
+        if up + down + left + right == 0 || self.subjects.is_empty() {
             return None;
         }
         let moved = |list: &[String], id: &String, by: isize| {
             let at = list.iter().position(|other| other == id).unwrap_or_default();
             list[at.saturating_add_signed(by).min(list.len() - 1)].clone()
         };
-        let subject = moved(&self.subjects, &selected.subject, down - up + far);
+        let subject = moved(&self.subjects, &selected.subject, down - up);
         let cell = Cell { subject, session: moved(&self.columns, &selected.session, right - left) };
         ui.memory_mut(|memory| {
             memory.request_focus(cell.id());
@@ -183,7 +184,7 @@ impl<'a> Grid<'a> {
 
     /// Draws the grid in the available room; returns what the user did. `has_keys`: no dialog is open.
     pub fn show(&self, ui: &mut Ui, selected: &Cell, has_keys: bool) -> Option<(Cell, Action)> {
-        let has_answers = self.sessions.iter().any(|session| !session.answers.is_empty());
+        let has_answers = self.sessions.values().any(|session| !session.answers.is_empty());
         let columns = self.columns.len() as f32;
         let room = ui.available_width() - NAMES - GAP;
         let is_wide = has_answers && ui.available_width() > 560.0;
@@ -193,50 +194,33 @@ impl<'a> Grid<'a> {
         let has_keys = has_keys && selected.has_keys(ui);
         let mut chosen = if has_keys { self.keyed(ui, selected) } else { None };
         let selected = &chosen.as_ref().map_or(selected, |(cell, _)| cell).clone();
-        let row = self.subjects.iter().position(|id| *id == selected.subject).unwrap_or_default();
-        let column = self.columns.iter().position(|id| *id == selected.session).unwrap_or_default();
-        let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), row, ui.available_height().to_bits())));
+        let (id, now) = (ui.scope_id().with("selected"), Some((selected.id(), ui.available_height().to_bits())));
         let is_new = ui.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(id), now)) != now;
         ui.spacing_mut().item_spacing = Vec2::new(GAP, 1.0);
         let (head, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CONTROL), Sense::hover());
         // What scrolls later, in the next pass, would scroll twice if that pass asks for it as well.
-        let scrolled = ScrollArea::both().id_salt("grid").auto_shrink(true).animated(false).show_rows(
-            ui,
-            CONTROL,
-            self.subjects.len(),
-            |ui, rows| {
-                let below = (row as f32 - rows.start as f32) * (CONTROL + 1.0);
-                let right = NAMES + GAP + answers + column as f32 * (width + GAP);
-                let place = ui.max_rect().left_top() + Vec2::new(right, below);
-                let place = Rect::from_min_size(place, Vec2::new(width, CONTROL));
-                if is_new {
-                    ui.scroll_to_rect(place, None);
-                }
-                if !rows.contains(&row) {
-                    // Tab reaches the selected cell also where it is not in view.
-                    let ui = &mut ui.new_child(UiBuilder::new().max_rect(place));
-                    chosen = self.cell(ui, selected, width, Some(false)).or(chosen.take());
-                }
-                for subject in &self.subjects[rows] {
-                    ui.horizontal(|ui| {
-                        let here: Vec<_> =
-                            self.sessions.iter().filter(|session| session.identity.subject() == subject).collect();
-                        let color = if here.is_empty() { ink(ui).off } else { ink(ui).text };
-                        text(ui, NAMES, RichText::new(subject).color(color));
-                        if answers > 0.0 {
-                            let told =
-                                here.iter().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
-                            text(ui, answers - GAP, RichText::new(told.unwrap_or_default()).small().color(ink(ui).dim));
+        let scrolled = ScrollArea::both().id_salt("grid").auto_shrink(true).animated(false).show(ui, |ui| {
+            for subject in &self.subjects {
+                ui.horizontal(|ui| {
+                    let cell = |session: &String| Cell { subject: subject.clone(), session: session.clone() };
+                    let here = || self.columns.iter().filter_map(|session| self.sessions.get(&cell(session)));
+                    let color = if here().next().is_none() { ink(ui).off } else { ink(ui).text };
+                    text(ui, NAMES, RichText::new(subject).color(color));
+                    if answers > 0.0 {
+                        let told = here().map(|session| session.answers.as_str()).find(|told| !told.is_empty());
+                        text(ui, answers - GAP, RichText::new(told.unwrap_or_default()).small().color(ink(ui).dim));
+                    }
+                    for cell in self.columns.iter().map(cell) {
+                        let ring = (*selected == cell).then_some(has_keys);
+                        let (rect, done) = self.cell(ui, &cell, width, ring);
+                        if is_new && ring.is_some() {
+                            ui.scroll_to_rect(rect, None);
                         }
-                        for session in &self.columns {
-                            let cell = Cell { subject: subject.clone(), session: session.clone() };
-                            let ring = (*selected == cell).then_some(has_keys);
-                            chosen = self.cell(ui, &cell, width, ring).or(chosen.take());
-                        }
-                    });
-                }
-            },
-        );
+                        chosen = done.or(chosen.take());
+                    }
+                });
+            }
+        });
         // The head stays where it is while the rows scroll.
         let head_at = head.translate(Vec2::new(-scrolled.state.clamped_offset().x, 0.0));
         let ui = &mut ui.new_child(UiBuilder::new().max_rect(head_at));
@@ -256,15 +240,13 @@ impl<'a> Grid<'a> {
     }
 
     /// Draws a cell. The selected one, the only cell that Tab reaches, has a ring, which tells whether keys go to the grid.
-    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> Option<(Cell, Action)> {
+    /// Also returns its place.
+    fn cell(&self, ui: &mut Ui, cell: &Cell, width: f32, ring: Option<bool>) -> (Rect, Option<(Cell, Action)>) {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(width, CONTROL - 1.0), Sense::hover());
         let is_selected = ring.is_some();
         let response = ui.interact(rect, cell.id(), if is_selected { Sense::click() } else { Sense::CLICK });
         let ink = ink(ui);
-        let is_here = |session: &&&SessionState| {
-            session.identity.subject() == cell.subject && session.identity.session() == cell.session
-        };
-        let session = self.sessions.iter().find(is_here);
+        let session = self.sessions.get(cell);
         let is_next = session.is_none() && *cell == self.next;
         let (icon, color, said) = match session {
             Some(session) => told(session, self.wrong, ink),
@@ -311,14 +293,15 @@ impl<'a> Grid<'a> {
             painter.text(at, egui::Align2::LEFT_CENTER, text, TextStyle::Body.resolve(ui.style()), color);
         }
         if response.double_clicked() {
-            return Some((cell.clone(), Action::Enter));
+            return (rect, Some((cell.clone(), Action::Enter)));
         }
         // Enter on the selected cell also counts as a click.
         let clicked = response.clicked_by(egui::PointerButton::Primary) && !is_selected;
-        clicked.then(|| {
+        let selects = || {
             response.request_focus();
             (cell.clone(), Action::Select)
-        })
+        };
+        (rect, clicked.then(selects))
     }
 }
 

@@ -4,7 +4,7 @@ use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{
-        Arc, Mutex, OnceLock, PoisonError,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -20,6 +20,7 @@ use crate::{
         work::{BackgroundTask, Lost, Steps},
     },
     experiment::Protocol,
+    report::document::numbers::count,
     work::{
         Export, Watcher,
         plan::Plan,
@@ -45,38 +46,29 @@ pub enum Made {
     Exported(String),
     /// The user stopped it.
     Stopped(String),
-    Planned(Planned),
+    /// What a plan found, in sentences.
+    Planned(Vec<String>),
 }
 
-/// What a plan found.
-#[derive(Clone, Debug)]
-pub struct Planned {
-    pub sentences: Vec<String>,
-    /// Of thresholds: the numbers of participants and of trials, what is estimated, half its interval, and the power.
-    pub rows: Vec<[String; 5]>,
-}
-
-impl Planned {
-    fn of(found: &Found) -> Self {
-        let planned = match found {
-            Found::Ratings(planned) => {
-                let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
-                let sentences = planned.sentences(fields.each_ref().map(String::as_str));
-                return Self { sentences, rows: Vec::new() };
-            }
-            Found::Thresholds(planned) => planned,
-        };
-        let row = |one: &Precision| {
-            // One participant has no interval, and thus no test.
-            let is_tested = one.half_width.is_some() && one.quantity.differs();
-            let half_width = one.half_width.map_or_else(String::new, |half| format!("{half:.3}"));
-            let power = if is_tested { format!("{:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
-            [one.participants.to_string(), one.trials.to_string(), planned.told(&one.quantity), half_width, power]
-        };
-        let unit = format!("Intervals are in {}.", planned.unit());
-        let sentences = planned.sentences().into_iter().chain([unit]).collect();
-        Self { sentences, rows: planned.found.iter().map(row).collect() }
-    }
+/// Returns what a plan found, in sentences.
+fn planned(found: &Found) -> Vec<String> {
+    let planned = match found {
+        Found::Ratings(planned) => {
+            let fields = [EFFECTS, DEVIATIONS].map(|label| format!("“{label}”"));
+            return planned.sentences(fields.each_ref().map(String::as_str));
+        }
+        Found::Thresholds(planned) => planned,
+    };
+    let line = |one: &Precision| {
+        let people = count(one.participants.into(), "participant");
+        // One participant has no interval, and thus no test.
+        let half_width = one.half_width.map_or_else(String::new, |half| format!(" ± {half:.3}"));
+        let is_tested = one.half_width.is_some() && one.quantity.differs();
+        let power = if is_tested { format!(", power {:.0}\u{a0}%", 100.0 * one.share().0) } else { String::new() };
+        format!("{people}, {} trials: {}{half_width}{power}", one.trials, planned.told(&one.quantity))
+    };
+    let unit = format!("Half the width of the 95 % interval follows ±, in {}.", planned.unit());
+    planned.found.iter().map(line).chain([unit]).chain(planned.sentences()).collect()
 }
 
 /// What a check found.
@@ -97,8 +89,6 @@ pub struct Checked {
 struct State {
     steps: Steps,
     stopped: AtomicBool,
-    /// The folder in which a stopped job leaves what it has made.
-    folder: OnceLock<PathBuf>,
     /// What the user should know about a result.
     warnings: Mutex<Vec<String>>,
 }
@@ -130,6 +120,8 @@ pub struct Job {
     work: BackgroundTask<Result<Made, String>>,
     /// Whether it writes files, so that it must come to its end.
     writes: bool,
+    /// The folder in which it leaves what it has made if it is stopped.
+    folder: Option<PathBuf>,
 }
 
 impl Job {
@@ -143,7 +135,7 @@ impl Job {
         let watcher = state.clone();
         let compute = move || run(&*watcher).map_err(|error| error.to_string());
         let work = if writes { BackgroundTask::start(ctx, compute) } else { BackgroundTask::stoppable(ctx, compute) };
-        Self { what, state, work, writes }
+        Self { what, state, work, writes, folder: None }
     }
 
     /// Checks the files of a study.
@@ -158,14 +150,14 @@ impl Job {
 
     /// Finds how many participants a study needs.
     pub fn plan(ctx: &Context, request: Plan) -> Self {
-        Self::start(ctx, "Planning", false, move |watcher| Ok(Made::Planned(Planned::of(&request.plan(watcher)?))))
+        Self::start(ctx, "Planning", false, move |watcher| Ok(Made::Planned(planned(&request.plan(watcher)?))))
     }
 
     /// Simulates a study in a folder of its own.
     pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
-        Self::start(ctx, "Simulating", true, move |watcher| {
-            Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder))
-        })
+        let folder = Some(request.results.clone());
+        let simulate = move |watcher: &dyn Watcher| Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder));
+        Self { folder, ..Self::start(ctx, "Simulating", true, simulate) }
     }
 
     /// Exports a study.
@@ -176,18 +168,12 @@ impl Job {
         })
     }
 
-    /// Says in which folder the job leaves what it has made if it is stopped.
-    pub fn leaving(self, folder: PathBuf) -> Self {
-        let _ = self.state.folder.set(folder);
-        self
-    }
-
     /// Returns what the job made, once it is done.
     pub fn poll(&self) -> Option<Result<Made, String>> {
         let is_left = !self.writes && self.state.stopped.load(Ordering::Relaxed);
         let made = if is_left { Ok(Err(STOPPED.to_owned())) } else { self.work.poll()? };
         let made = made.unwrap_or_else(|Lost| Err("It ended without a result.".to_owned()));
-        let kept = self.state.folder.get().map(|folder| format!(" What was made is in {}.", folder.display()));
+        let kept = self.folder.as_ref().map(|folder| format!(" What was made is in {}.", folder.display()));
         Some(match made {
             Err(error) if error == STOPPED => {
                 Ok(Made::Stopped(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))

@@ -2,14 +2,17 @@
 
 use std::path::Path;
 
-use eframe::egui::{self, Color32, Rect, Response, RichText, ScrollArea, Sense, TextStyle, Ui, Vec2, text::LayoutJob};
+use eframe::egui::{
+    self, Button, Color32, Rect, Response, ScrollArea, TextFormat, TextStyle, Ui, Vec2, text::LayoutJob,
+};
 
 use crate::{
     app::ui::{
         self,
         fonts::TextFonts,
+        page::filled_with,
         pixels::{self, Drawn},
-        theme::{FIELD_GAP, GAP, LARGE_GAP, SMALL_GAP, ink},
+        theme::{GAP, LARGE_GAP, SMALL_GAP, ink},
     },
     experiment::Protocol,
     store::definition::{self, BUILT_IN},
@@ -17,8 +20,6 @@ use crate::{
 
 /// Side of a picture, points.
 const PICTURE: f32 = 40.0;
-/// Maximum number of lines of a title.
-const LINES: usize = 5;
 
 /// The rows, in the order in which they are shown.
 #[derive(Default)]
@@ -116,46 +117,25 @@ impl Row {
     fn show(&mut self, ui: &mut Ui, chosen: bool, about: impl Fn(&str) -> String) -> Response {
         let (title, line) = self.texts(about);
         let ink = ink(ui);
-        let width = ui.available_width() - 2.0 * GAP - PICTURE - FIELD_GAP;
-        let layout = |text: &str, style: TextStyle, color: Color32, lines: usize| {
-            let mut job = LayoutJob::simple(text.to_owned(), style.resolve(ui.style()), color, width);
-            job.wrap.max_rows = lines;
-            ui.painter().layout_job(job)
-        };
         let title_color = if chosen { ink.ink } else { ink.text };
         let line_color = if self.protocol.is_err() { ink.bad } else { ink.dim };
-        let above = layout(&title, TextStyle::Body, title_color, LINES);
-        let below = layout(&line, TextStyle::Small, line_color, 2);
-        let is_cut = above.elided;
-        let height = (above.size().y + below.size().y).max(PICTURE) + 2.0 * GAP;
-        let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::click());
-        let label = format!("{title}: {line}");
-        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &label));
-        if ui.is_rect_visible(rect) {
-            let fill = match (chosen, response.hovered()) {
-                (true, _) => ink.raised,
-                (false, true) => ink.hover,
-                (false, false) => Color32::TRANSPARENT,
-            };
-            ui.painter().rect_filled(rect, 4.0, fill);
-            if response.has_focus() {
-                let ring = egui::Stroke::new(2.0, ink.ink);
-                ui.painter().rect_stroke(rect, 4.0, ring, egui::StrokeKind::Inside);
-            }
-            let picture = Rect::from_min_size(rect.min + Vec2::splat(GAP), Vec2::splat(PICTURE));
-            self.draw_picture(ui, picture);
-            let at = picture.right_top() + Vec2::new(FIELD_GAP, 0.0);
-            let below_at = at + Vec2::new(0.0, above.size().y);
-            ui.painter().galley(at, above, title_color);
-            ui.painter().galley(below_at, below, line_color);
+        let mut text = LayoutJob::default();
+        for (said, style, color) in
+            [(format!("{title}\n"), TextStyle::Body, title_color), (line.clone(), TextStyle::Small, line_color)]
+        {
+            text.append(&said, 0.0, TextFormat::simple(style.resolve(ui.style()), color));
         }
-        let path = self.experiment.clone();
-        response.on_hover_ui(|ui| {
-            if is_cut {
-                ui.label(title);
-            }
-            ui.label(RichText::new(path).small());
-        })
+        let place = egui::IdSalt::new("picture");
+        let picture = egui::Atom::custom(place, Vec2::splat(PICTURE));
+        let fill = if chosen { ink.raised } else { Color32::TRANSPARENT };
+        let button = filled_with(Button::new((picture, text, egui::Atom::grow())), fill);
+        let shown = button.wrap().min_size(Vec2::new(ui.available_width(), 0.0)).atom_ui(ui);
+        if let Some(rect) = shown.rect(place) {
+            self.draw_picture(ui, rect);
+        }
+        let label = format!("{title}: {line}");
+        shown.response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, &label));
+        shown.response.on_hover_text(&self.experiment)
     }
 
     fn draw_picture(&mut self, ui: &Ui, rect: Rect) {

@@ -6,14 +6,12 @@ use std::{
     rc::Rc,
 };
 
-use eframe::egui::{
-    self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, TextureHandle, Ui, UiBuilder,
-};
+use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::{
     form::{Checked, SessionField, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job, Planned},
+    jobs::{Checked as FilesChecked, Job},
     list::StudyList,
     request_form::RequestForm,
 };
@@ -23,7 +21,7 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, Monitor, Place, ScreenFields, Step, quiet,
+            self, Dialog, Monitor, ScreenFields, Step, quiet,
             theme::{self, GAP, Icon, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE},
         },
     },
@@ -39,10 +37,8 @@ pub(super) const LIST: [f32; 2] = [288.0, 240.0];
 const CARDS: [f32; 2] = [336.0, 272.0];
 /// In a page narrower than this, in points, there is no column of cards.
 const ROOM_FOR_CARDS: f32 = 760.0;
-/// In a page lower than this, in points, there is no greeting.
-const ROOM_FOR_GREETING: f32 = 600.0;
-/// Minimum height of the grid, points. A page with less room for it scrolls.
-const GRID: f32 = 128.0;
+/// Minimum height of the place of a study, points. A page with less room for it scrolls.
+const LEAST: f32 = 480.0;
 
 /// Where the page leads.
 pub enum Destination {
@@ -52,7 +48,6 @@ pub enum Destination {
     Editor(String, Option<usize>),
     /// The analysis of a data set.
     Analysis(PathBuf),
-    Place(Place),
 }
 
 /// A dialog of the page.
@@ -62,7 +57,8 @@ pub(super) enum Open {
     Definition(String),
     /// Asks for the options of a plan, a pilot or an export.
     Request(Box<RequestForm>),
-    Planned(Planned),
+    /// What a plan found, in sentences.
+    Planned(Vec<String>),
     /// Asks whether to remove a session in which nothing was rated.
     Removal(Box<SessionState>),
 }
@@ -71,10 +67,8 @@ pub(super) enum Open {
 pub(super) struct Now<'a> {
     /// What the check of the form found.
     pub checked: Rc<Checked>,
-    /// The monitor that the session will use, and the one that shows this window.
+    /// The monitor that shows this window.
     pub monitor: &'a Monitor,
-    pub here: &'a Monitor,
-    pub monitors: &'a [Monitor],
     /// The remembered values of the fields.
     pub settings: &'a mut Settings,
 }
@@ -88,14 +82,10 @@ pub struct Studies {
     pub(super) suggested: String,
     /// The distance that the definition plans, as text.
     pub(super) planned_cm: String,
-    /// The screen width that the program filled in, and its source.
-    pub(super) width_origin: Option<(String, &'static str)>,
     pub(super) card: Option<CardHelper>,
     pub(super) experiment: Dialog,
     pub(super) profile: Dialog,
     pub(super) results: Dialog,
-    pub(super) picture: Option<TextureHandle>,
-    pub(super) monitor_choice: Option<usize>,
     pub(super) list: StudyList,
     pub(super) sessions: Sessions,
     pub(super) selected: Option<Cell>,
@@ -107,8 +97,6 @@ pub struct Studies {
     /// Why the last session that was chosen could not be resumed.
     pub(super) error: Option<String>,
     pub(super) started: bool,
-    /// The height that the page needs, points.
-    pub(super) height: f32,
     /// Whether the dialog of a session or of a definition was just opened, so that its first field gets the focus.
     pub(super) opening: bool,
 }
@@ -129,11 +117,6 @@ impl Studies {
         self.form.results()
     }
 
-    /// Returns the chosen study, as it was named.
-    pub fn chosen(&self) -> &str {
-        &self.form.experiment
-    }
-
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
@@ -152,16 +135,7 @@ impl Studies {
     }
 
     /// Draws the page. `settings` are the remembered values of its fields, which it updates.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        here: &Monitor,
-        monitors: &[Monitor],
-        settings: &mut Settings,
-    ) -> Step<Destination> {
-        // The form is for the monitor that the session will use, which may not be the monitor that shows this window.
-        let chosen = self.monitor_choice.filter(|_| settings.full_screen).and_then(|index| monitors.get(index));
-        let monitor = chosen.unwrap_or(here);
+    pub fn show(&mut self, ui: &mut Ui, monitor: &Monitor, settings: &mut Settings) -> Step<Destination> {
         if !self.started {
             self.started = true;
             self.recall(settings, monitor);
@@ -186,15 +160,9 @@ impl Studies {
             let panel = Panel::left("studies").resizable(false).exact_size(LIST[wide]).frame(frame);
             panel.show(ui, |ui| self.studies(ui));
         }
-        let room = ui.available_height() - 2.0 * MARGIN;
-        let height = room.max(self.height);
-        let mut now = Now { checked, monitor, here, monitors, settings };
-        let content = |ui: &mut Ui| {
-            if now.settings.greeting && room > ROOM_FOR_GREETING {
-                next = self.greeting(ui, &mut now.settings.greeting).or(next.take());
-            }
-            next = self.place(ui, CARDS[wide], &mut now).or(next.take());
-        };
+        let height = (ui.available_height() - 2.0 * MARGIN).max(LEAST);
+        let mut now = Now { checked, monitor, settings };
+        let content = |ui: &mut Ui| next = self.place(ui, CARDS[wide], &mut now).or(next.take());
         CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, |ui| {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
                 let size = egui::vec2(ui.available_width().min(theme::CONTENT), height);
@@ -203,8 +171,8 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), here.width_px) {
-            self.set_width(width, "Measured with a card");
+        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
+            self.form.screen.screen_width_cm = width.to_string();
         }
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
@@ -280,13 +248,7 @@ impl Studies {
         let new = Cell::first(&self.suggested);
         let selected = self.selected.clone().unwrap_or_else(|| new.clone());
         next = self.detail(ui, &selected, now).or(next);
-        let needed = (ui.max_rect().height() - ui.available_height() + GRID).round();
-        if needed != std::mem::replace(&mut self.height, needed) {
-            ui.ctx().request_discard("the page needs another height");
-            ui.ctx().request_repaint();
-        }
-        let sessions: Vec<_> = self.sessions.of(&protocol.name).collect();
-        let grid = Grid::new(sessions, protocol.plan, new, &self.found.wrong);
+        let grid = Grid::new(self.sessions.of(&protocol.name), protocol.plan, new, &self.found.wrong);
         let chosen = grid.show(ui, &selected, self.open.is_none());
         if let Some((cell, action)) = chosen {
             match action {

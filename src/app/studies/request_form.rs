@@ -2,7 +2,7 @@
 //! on the command line.
 
 use clap::{Arg, ArgAction, Command};
-use eframe::egui::{Context, Response, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Context, Response, ScrollArea, Ui};
 use serde_json::{Map, Value};
 
 use super::jobs::Job;
@@ -26,7 +26,7 @@ struct Shown {
     /// What was typed or chosen; `true` for a box that is checked.
     value: String,
     /// What is shown while nothing is typed.
-    hint: String,
+    hint: &'static str,
 }
 
 /// Starts what is requested; the request is made from the values of its fields.
@@ -54,17 +54,17 @@ impl RequestForm {
     pub fn new<T: Request>(
         [title, action]: [&'static str; 2],
         about: String,
-        shown: &[(&str, &'static str, String, String)],
+        shown: &[(&str, &'static str, String, &'static str)],
         given: &[(&str, String)],
         start: impl Fn(&Context, T) -> Job + 'static,
     ) -> Self {
         let command = T::augment_args(Command::new("machband"));
         let find = |name: &str| command.get_arguments().find(|argument| argument.get_id() == name).cloned();
-        let field = |(name, label, value, hint): &(&str, &'static str, String, String)| {
+        let field = |(name, label, value, hint): &(&str, &'static str, String, &'static str)| {
             let argument = find(name)?;
             let default = argument.get_default_values().first().map(|value| value.to_string_lossy().into_owned());
             let value = if value.is_empty() { default.unwrap_or_default() } else { value.clone() };
-            Some(Shown { label, argument, value, hint: hint.clone() })
+            Some(Shown { label, argument, value, hint })
         };
         let fields = shown.iter().filter_map(field).collect();
         let given = given.iter().map(|(name, value)| ((*name).to_owned(), value.as_str().into())).collect();
@@ -122,7 +122,7 @@ impl Shown {
         let choices = self.argument.get_possible_values();
         let names = self.argument.get_value_names().unwrap_or_default();
         let is_folder = names.first().is_some_and(|name| name == "DIR");
-        let field = Field::new(self.label).column(LABELS).width(FIELD).hint(&self.hint).slot().error(error);
+        let field = Field::new(self.label).column(LABELS).hint(self.hint).slot().error(error);
         if matches!(self.argument.get_action(), ArgAction::SetTrue) {
             let mut checked = self.value == "true";
             Field::new("").column(LABELS).slot().show(ui, |ui, _| {
@@ -135,21 +135,12 @@ impl Shown {
                 let choice = choices.iter().find(|choice| choice.get_name() == name);
                 choice.and_then(|choice| choice.get_help()).map_or_else(|| name.clone(), ToString::to_string)
             };
-            field
-                .width(ui.available_width() - LABELS - GAP)
-                .choice(ui, &mut self.value, &names, title)
-                .on_hover_text(about);
+            field.choice(ui, &mut self.value, &names, title).on_hover_text(about);
         } else if is_folder {
-            field.show(ui, |ui, label| {
-                ui.horizontal_wrapped(|ui| {
-                    // A path needs the whole line.
-                    let edit = TextEdit::singleline(&mut self.value).desired_width(ui.available_width() - GAP);
-                    ui.add(edit).labelled_by(label).on_hover_text(about);
-                    dialog.browse(ui, FileKind::Folder, "Choose the folder…", &mut self.value);
-                });
-            });
+            let browse = (FileKind::Folder, "Choose the folder…");
+            field.path(ui, &mut self.value, dialog, browse).0.on_hover_text(about);
         } else {
-            return Some(field.text(ui, &mut self.value).on_hover_text(about));
+            return Some(field.width(FIELD).text(ui, &mut self.value).on_hover_text(about));
         }
         None
     }

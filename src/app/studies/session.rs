@@ -1,6 +1,8 @@
-//! The dialog that begins a session: who takes part, and on which screen.
+//! The dialog that begins a session: who takes part, and on which screen; what its fields remember and suggest.
 
-use eframe::egui::{self, Button, ComboBox, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
+use std::{path::Path, rc::Rc};
+
+use eframe::egui::{self, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
 
 use super::{
     form::{Checked, SessionField, SessionForm, labels},
@@ -12,14 +14,16 @@ use crate::{
         display::CardHelper,
         session::Request,
         ui::{
-            self, Field, FileKind, Monitor, Place, number,
+            self, Field, FileKind, Monitor, ScreenFields, number,
             theme::{GAP, LARGE_GAP, ink},
             today,
         },
     },
     store::{
+        dataset::free_participant,
+        definition::{BUILT_IN, built_in},
         session::{Changes, SessionStore, overview::SessionState},
-        settings::Settings,
+        settings::{Settings, remember},
     },
 };
 
@@ -27,12 +31,86 @@ use crate::{
 const WIDTH: f32 = 880.0;
 /// Width of the plan of the screen, points.
 const PLAN: f32 = 184.0;
-/// Minimum width of a text field with buttons after it, points.
-const MIN_FIELD: f32 = 120.0;
-/// Padding of a text field, points.
-const PADDING: f32 = 12.0;
 
 impl Studies {
+    /// Fills the form with the remembered values.
+    pub(super) fn recall(&mut self, settings: &Settings, monitor: &Monitor) {
+        // A relative path would lead to other sessions when the program starts in another folder.
+        self.form.results = ui::full(Path::new(settings.results.trim())).display().to_string();
+        let study = if settings.study.is_empty() { BUILT_IN[0].name } else { &settings.study };
+        self.choose_experiment(study.to_owned());
+        self.form.screen = settings.screen.clone();
+        if settings.screen.monitor != monitor.title() {
+            self.form.screen.screen_width_cm.clear();
+        }
+        self.suggest();
+    }
+
+    /// Updates the remembered values. What the program suggests is not remembered.
+    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        let SessionForm { screen, results, experiment, .. } = &self.form;
+        let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
+        settings.results = absolute(results);
+        settings.screen =
+            ScreenFields { monitor: monitor.title(), profile: absolute(&screen.profile), ..screen.clone() };
+        if screen.distance_cm == self.planned_cm {
+            settings.screen.distance_cm.clear();
+        }
+        if checked.protocol.is_none() {
+            return;
+        }
+        let is_file = built_in(Path::new(experiment)).is_none();
+        settings.study.clone_from(experiment);
+        // The order of the studies stays while the user chooses among them.
+        if is_file && !settings.recent.experiments.contains(&settings.study) {
+            remember(&mut settings.recent.experiments, &settings.study);
+        }
+    }
+
+    /// Fills empty fields with values from the definition, and replaces a participant that the program suggested for
+    /// other results.
+    fn suggest(&mut self) {
+        if self.form.cell.subject == self.suggested {
+            self.form.cell.subject.clear();
+        }
+        self.suggested.clear();
+        let Ok(protocol) = self.form.protocol() else { return };
+        self.planned_cm = protocol.viewing.distance_cm.to_string();
+        // If the folder cannot be read, the check says so.
+        self.suggested = free_participant(&self.form.results(), &protocol).unwrap_or_default();
+        let fields =
+            [(&mut self.form.screen.distance_cm, &self.planned_cm), (&mut self.form.cell.subject, &self.suggested)];
+        for (field, value) in fields.into_iter().filter(|(field, _)| field.is_empty()) {
+            field.clone_from(value);
+        }
+    }
+
+    /// Checks the form if something in it has changed.
+    pub(super) fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
+        if let Some((form, seen, checked)) = &self.checked
+            && *form == self.form
+            && seen == monitor
+        {
+            return checked.clone();
+        }
+        let before = self.checked.as_ref().map(|(form, ..)| form);
+        let moved =
+            before.is_none_or(|form| form.experiment != self.form.experiment || form.results != self.form.results);
+        if moved || self.form.screen.distance_cm.is_empty() {
+            self.suggest();
+        }
+        let mut checked = self.form.check(monitor);
+        let known = checked.display.as_ref().and_then(|display| display.screen_width_cm);
+        if let Some(width) = known.filter(|_| self.form.screen.width_is_assumed()) {
+            // A profile that knows the screen's width is better than an assumption.
+            self.form.screen.screen_width_cm = width.to_string();
+            checked = self.form.check(monitor);
+        }
+        let checked = Rc::new(checked);
+        self.checked = Some((self.form.clone(), monitor.clone(), checked.clone()));
+        checked
+    }
+
     /// Draws the dialog; returns where it leads.
     pub(super) fn session_dialog(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> Option<Destination> {
         let checked = now.checked.clone();
@@ -44,22 +122,20 @@ impl Studies {
                 ui::hint(ui, format!("{} · {}", protocol.title, ui::extent(protocol)));
             }
             ui.add_space(GAP);
-            let mut measure = false;
             let room = height - 168.0;
             ScrollArea::vertical().id_salt("form").max_height(room).auto_shrink([false, true]).show(ui, |ui| {
                 let beside = ui.available_width() >= WIDTH - 2.0 * GAP;
                 ui.horizontal_top(|ui| {
                     ui.vertical(|ui| {
                         ui.set_width(ui.available_width() - if beside { PLAN + LARGE_GAP } else { 0.0 });
-                        measure = self.fields(ui, now);
+                        self.fields(ui, now);
                     });
                     if let Some((side_px, _)) = checked.stimulus_px.filter(|_| beside) {
                         plan(ui, now.monitor, side_px);
                     }
                 });
             });
-            let (start, cancel) = self.start(ui, now, entered && self.card.is_none());
-            (start.or(measure.then_some(Destination::Place(Place::Display))), cancel)
+            self.start(ui, now, entered && self.card.is_none())
         });
         let (next, cancelled) = next;
         if cancelled || closed && self.card.is_none() || next.is_some() {
@@ -68,8 +144,7 @@ impl Studies {
         next
     }
 
-    /// Draws the fields; returns whether the user wants to measure the screen.
-    fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) -> bool {
+    fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let checked = &now.checked;
         if checked.is_wrong(SessionField::Experiment) {
             checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
@@ -85,27 +160,32 @@ impl Studies {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, now);
-        let measure = self.profile_field(ui, checked);
-        checked.field(ui, SessionField::Results).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let results = &mut self.form.results;
-                let field = ui.add(TextEdit::singleline(results).desired_width(room(ui, 1))).labelled_by(label);
-                field.on_hover_text(results.as_str());
-                self.results.browse(ui, FileKind::Folder, "Choose the results folder…", results);
+        let browse = (FileKind::Toml, "Choose a display profile…");
+        let field = checked.field(ui, SessionField::Profile).hint("sRGB");
+        field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
+        if let Some(display) = &checked.display {
+            // If the profile is assumed, its description already says so.
+            let warning = display.warning(today()).filter(|_| display.measured.is_some());
+            Field::new("").column(labels(ui)).show(ui, |ui, _| {
+                ui::hint(ui, display.sentence());
+                warning.into_iter().for_each(|warning| ui::note(ui, warning));
             });
-        });
+        }
+        let browse = (FileKind::Folder, "Choose the results folder…");
+        let field = checked.field(ui, SessionField::Results);
+        let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
+        field.on_hover_text(self.form.results.as_str());
         self.monitor_field(ui, now);
-        measure
     }
 
     fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
-        let Now { checked, monitor, here, .. } = now;
+        let Now { checked, monitor, .. } = now;
         checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
                 let width = &mut self.form.screen.screen_width_cm;
-                ui.add(TextEdit::singleline(width).desired_width(90.0)).labelled_by(label);
-                let measure = ui.add_enabled(monitor == here, Button::new("Measure with a card…"));
-                if measure.on_disabled_hover_text("First move this window to that screen.").clicked() {
+                let assumed = format!("{:.1}", monitor.assumed_width_cm());
+                ui.add(TextEdit::singleline(width).desired_width(90.0).hint_text(assumed)).labelled_by(label);
+                if ui.button("Measure with a card…").clicked() {
                     let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
                     self.card = Some(CardHelper::new(width, monitor.width_px));
                 }
@@ -114,64 +194,28 @@ impl Studies {
             else {
                 return;
             };
-            let screen = &self.form.screen;
-            let origin = match &self.width_origin {
-                Some((width, origin)) if *width == screen.screen_width_cm => (*origin).to_owned(),
-                _ if screen.width_is_assumed(monitor) => monitor.assumption(),
-                _ => "As typed".to_owned(),
-            };
-            let text = format!("{origin}. {per_degree:.1} pixels per degree; the stimulus is {side} pixels wide.");
-            ui::hint(ui, text);
+            let is_assumed = self.form.screen.width_is_assumed();
+            let origin = if is_assumed { monitor.assumption() + ". " } else { String::new() };
+            ui::hint(ui, format!("{origin}{per_degree:.1} pixels per degree; the stimulus is {side} pixels wide."));
         });
     }
 
-    /// Draws the field for the profile; returns whether the user wants to measure the screen.
-    fn profile_field(&mut self, ui: &mut Ui, checked: &Checked) -> bool {
-        checked.field(ui, SessionField::Profile).show(ui, |ui, label| {
-            let path = &mut self.form.screen.profile;
-            let mut measure = false;
-            ui.horizontal_wrapped(|ui| {
-                let field = TextEdit::singleline(path).desired_width(room(ui, 2)).hint_text("sRGB");
-                ui.add(field).labelled_by(label);
-                self.profile.browse(ui, FileKind::Toml, "Choose a display profile…", path);
-                measure = ui.button("Measure…").on_hover_text("Luminance, size, and timing of the screen.").clicked();
-            });
-            if let Some(display) = &checked.display {
-                ui::hint(ui, display.sentence());
-                // If the profile is assumed, its description already says so.
-                if let Some(warning) = display.warning(today()).filter(|_| display.measured.is_some()) {
-                    ui::note(ui, warning);
-                }
-            }
-            measure
-        })
-    }
-
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
-        let Now { checked, monitor, monitors, settings, .. } = now;
+        let Now { checked, monitor, settings } = now;
         let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
-        let mut line = |ui: &mut Ui, label| {
-            if monitors.len() > 1 {
-                let list = ComboBox::from_id_salt("monitor").selected_text(monitor.title()).width(260.0).truncate();
-                let list = list.show_ui(ui, |ui| {
-                    for (i, monitor) in monitors.iter().enumerate() {
-                        ui.selectable_value(&mut self.monitor_choice, Some(i), monitor.title());
-                    }
-                });
-                list.response.labelled_by(label);
-            } else {
-                ui.label(monitor.title());
-            }
-            ui.checkbox(&mut settings.full_screen, "Full screen");
-            if self.form.gray || has_color {
-                let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                gray.on_hover_text(
-                    "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
-                );
-            }
-        };
-        let field = Field::new("Screen").column(labels(ui));
-        field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
+        Field::new("Screen").column(labels(ui)).show(ui, |ui, _| {
+            ui.horizontal_wrapped(|ui| {
+                let title = ui.label(monitor.title());
+                title.on_hover_text("To use another screen, move this window there.");
+                ui.checkbox(&mut settings.full_screen, "Full screen");
+                if self.form.gray || has_color {
+                    let gray = ui.checkbox(&mut self.form.gray, "In gray");
+                    gray.on_hover_text(
+                        "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
+                    );
+                }
+            });
+        });
     }
 
     /// Draws the buttons of the dialog; returns the session to begin, and whether the dialog is closed without one.
@@ -205,22 +249,10 @@ impl Studies {
     pub(super) fn begin_checked(&mut self, ui: &Ui, now: &mut Now<'_>) -> Option<Destination> {
         // What was typed in this frame was not checked before the fields were drawn.
         let request = self.check(now.monitor).request.clone()?;
-        let again = self.form.check(now.monitor);
-        let is_changed = again.request.as_ref().is_some_and(|again| again.protocol != request.protocol);
-        if is_changed || again.request.as_ref().is_none_or(|again| again.resume != request.resume) {
-            let (subject, session) = (request.identity.subject(), request.identity.session());
-            let is_taken =
-                (again.resume || again.is_wrong(SessionField::Session)) && !again.is_wrong(SessionField::Results);
+        let again = self.form.check(now.monitor).request;
+        if again.is_none_or(|again| again.resume != request.resume || again.protocol != request.protocol) {
             self.refresh(false, now.settings);
-            self.error = match (is_changed, is_taken) {
-                (true, _) => {
-                    Some("Another program changed the definition. Look at the study before it begins.".to_owned())
-                }
-                (_, true) => {
-                    Some(format!("Another window has just begun session {session} of {subject}. Check both fields."))
-                }
-                _ => None,
-            };
+            self.error = Some("Another window or program has just changed this study. Check the fields.".to_owned());
             return None;
         }
         self.begin(ui, request, now.settings)
@@ -238,7 +270,7 @@ impl Studies {
         };
         let found = session.to_resume().and_then(|(protocol, distance_cm)| {
             SessionStore::is_finished(&self.results(), &protocol, identity, None, Changes::Refuse)?;
-            let request = self.form.request(now.monitor, &protocol, identity.clone(), display, true);
+            let request = self.form.request(&protocol, identity.clone(), display, true);
             Ok(Request { distance_cm: distance_cm.unwrap_or(request.distance_cm), ..request })
         });
         match found {
@@ -260,11 +292,7 @@ impl Studies {
         request.windowed = !settings.full_screen;
         self.selected = Some(Cell::of(&request.identity));
         if settings.full_screen {
-            // Choosing a monitor makes the window full screen there.
-            ui.ctx().send_viewport_cmd(match self.monitor_choice {
-                Some(index) => ViewportCommand::SetMonitor(index),
-                None => ViewportCommand::Fullscreen(true),
-            });
+            ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
         }
         Some(Destination::Session(Box::new(request)))
     }
@@ -286,12 +314,4 @@ fn plan(ui: &mut Ui, monitor: &Monitor, side_px: u32) {
         ui.painter().rect_filled(egui::Rect::from_center_size(rect.center(), side).intersect(rect), 0.0, ink.dim);
         ui::hint(ui, caption);
     });
-}
-
-/// Returns the width for a text field that a number of buttons follow, on the same line if there is room.
-fn room(ui: &Ui, buttons: usize) -> f32 {
-    let Vec2 { x: padding, .. } = ui.spacing().button_padding;
-    let button = 76.0 + 2.0 * padding + ui.spacing().item_spacing.x;
-    let room = ui.available_width() - buttons as f32 * button - 2.0 * PADDING;
-    if room < MIN_FIELD { ui.available_width() - 2.0 * PADDING } else { room }
 }

@@ -2,14 +2,12 @@
 
 use std::{
     path::PathBuf,
-    sync::mpsc::{Receiver, TryRecvError, channel},
     time::{Duration, Instant},
 };
 
 use eframe::egui::{self, Role, WidgetInfo};
 
-use super::text;
-use crate::system::run_on_thread;
+use super::{text, work::BackgroundTask};
 
 /// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +22,7 @@ pub enum FileKind {
 /// A file dialog, which may be open.
 #[derive(Default)]
 pub struct Dialog {
-    open: Option<(Receiver<Option<Vec<PathBuf>>>, Instant)>,
+    open: Option<(BackgroundTask<Option<Vec<PathBuf>>>, Instant)>,
     missing: bool,
 }
 
@@ -50,25 +48,20 @@ impl Dialog {
         if self.open.is_some() {
             return;
         }
-        let (send, receive) = channel();
-        let ctx = ctx.clone();
-        let opened = run_on_thread(move || {
+        let ask = move || {
             let dialog = rfd::FileDialog::new();
             let one = |path: Option<PathBuf>| path.map(|path| vec![path]);
-            let paths = match kind {
+            match kind {
                 FileKind::Toml => one(dialog.add_filter("TOML", &["toml"]).pick_file()),
                 FileKind::Mesh => one(dialog.add_filter("mesh", &["obj", "ply", "gltf", "glb"]).pick_file()),
                 FileKind::Data => {
                     dialog.add_filter("tables", &["csv", "gz", "xlsx"]).add_filter("all files", &["*"]).pick_files()
                 }
                 FileKind::Folder => one(dialog.pick_folder()),
-            };
-            // If the window has been closed, nobody needs the answer.
-            let _ = send.send(paths);
-            ctx.request_repaint();
-        });
-        self.open = Some((receive, Instant::now()));
-        self.missing = opened.is_err();
+            }
+        };
+        self.open = Some((BackgroundTask::start(ctx, ask), Instant::now()));
+        self.missing = false;
     }
 
     /// Shows an error if the last dialog never opened.
@@ -88,16 +81,10 @@ impl Dialog {
 
     /// Takes all chosen paths.
     pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
-        let (answer, opened) = self.open.as_ref()?;
-        let paths = match answer.try_recv() {
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => None,
-            Ok(paths) => {
-                // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
-                self.missing = paths.is_none() && opened.elapsed() < Duration::from_millis(400);
-                paths
-            }
-        };
+        let (task, opened) = self.open.as_ref()?;
+        let paths = task.poll()?.unwrap_or_default();
+        // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
+        self.missing = paths.is_none() && opened.elapsed() < Duration::from_millis(400);
         self.open = None;
         paths
     }

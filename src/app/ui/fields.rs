@@ -8,8 +8,9 @@ use eframe::{
 };
 
 use super::{
+    dialog::{Dialog, FileKind},
     text,
-    theme::{MESSAGE, SMALL_GAP, focus_ring, outline_wrong},
+    theme::{GAP, MESSAGE, SMALL_GAP, focus_ring, outline_wrong},
 };
 
 /// On a page narrower than this many times the width of the label column, the labels are above the controls.
@@ -18,6 +19,9 @@ const NARROW: f32 = 2.0;
 const NUMBER: f32 = 62.0;
 /// Minimum remaining width on a line for a slider and its number, points.
 const SLIDER: f32 = 190.0;
+/// Width reserved for the button after a path, and minimum width of a path on its line, points.
+const BROWSE: f32 = 116.0;
+const PATH: f32 = 120.0;
 
 /// A control with its label. They are on one line that wraps, or the label is in a column of labels.
 #[derive(Clone, Copy)]
@@ -135,6 +139,25 @@ impl<'a> Field<'a> {
         // Errors that appear on the page change the IDs of what follows; a field must keep its focus.
         let edit = TextEdit::singleline(value).id_salt(("field", self.name.unwrap_or(self.label)));
         self.add(ui, edit.desired_width(width).hint_text(self.hint))
+    }
+
+    /// Draws a field for a path and the button that browses for it, whose name is `browse`; it is below a field that
+    /// would be too short. Also returns whether a path was chosen.
+    pub fn path(
+        self,
+        ui: &mut Ui,
+        path: &mut String,
+        dialog: &mut Dialog,
+        (kind, browse): (FileKind, &str),
+    ) -> (Response, bool) {
+        let mut line = |ui: &mut Ui, label| {
+            let room = ui.available_width() - BROWSE;
+            let width = self.width.unwrap_or(if room < PATH { ui.available_width() - GAP } else { room });
+            let edit = TextEdit::singleline(path).desired_width(width).hint_text(self.hint);
+            let field = ui.add(edit).labelled_by(label);
+            (field, dialog.browse(ui, kind, browse, path))
+        };
+        self.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)).inner)
     }
 
     /// Draws a slider. The value keeps all its digits until the slider is moved.

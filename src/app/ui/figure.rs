@@ -2,13 +2,11 @@
 
 use std::{path::PathBuf, sync::Arc};
 
-use eframe::egui::{
-    self, Color32, ColorImage, Popup, PopupCloseBehavior, Pos2, Rect, RichText, Sense, TextureHandle, Vec2,
-};
+use eframe::egui::{self, ColorImage, Popup, PopupCloseBehavior, Rect, RichText, Sense, TextureHandle, Vec2};
 
 use super::{
     fields::Field,
-    pixels::{Canvas, draw_centered},
+    pixels::{draw_centered, load, paint},
     saving::Saving,
     text::{describe, hint, name, paragraph, show_error},
     theme,
@@ -23,15 +21,14 @@ use crate::report::{
 const SAVING: f32 = 440.0;
 /// How far from its marker a value is told, in units of a figure, which is 800 wide.
 const NEAR: f32 = 8.0;
-/// Maximum width in points of an ordinary figure, and of a figure made for the full width of a page.
-const MAX_WIDTHS: [f32; 2] = [720.0, 1080.0];
+/// Maximum width in points.
+const MAX_WIDTH: f32 = 720.0;
 
 /// A figure and its pixels.
 pub struct FigureView {
     figure: Figure,
     /// By the width in pixels, and whether the theme is dark.
     drawn: Latest<(u32, bool), Arc<ColorImage>>,
-    canvas: Canvas,
     /// The last image and its requested width in pixels; the image of the previous analysis until the new one is drawn.
     shown: Option<(Option<(u32, bool)>, TextureHandle)>,
     /// The path to save it to, and the outcome.
@@ -42,7 +39,7 @@ impl FigureView {
     /// Creates a figure that has not been drawn yet.
     pub fn new(figure: Figure) -> Self {
         let saving = (format!("{}.svg", figure.name), Saving::default());
-        Self { figure, drawn: Latest::default(), canvas: Canvas::default(), shown: None, saving }
+        Self { figure, drawn: Latest::default(), shown: None, saving }
     }
 
     /// Shows the image of the previous figure until this one is drawn.
@@ -50,21 +47,15 @@ impl FigureView {
         if earlier.figure.name != self.figure.name {
             return Some(earlier);
         }
-        self.canvas = earlier.canvas;
         self.saving = earlier.saving;
         self.shown = earlier.shown.map(|(_, texture)| (None, texture));
         None
     }
 
-    /// Returns whether the figure is made for the full width of a page.
-    pub fn is_wide(&self) -> bool {
-        self.figure.wide
-    }
-
     /// Draws the figure with its title and caption.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         ui.add_space(6.0);
-        let width = ui.available_width().min(MAX_WIDTHS[usize::from(self.figure.wide)]);
+        let width = ui.available_width().min(MAX_WIDTH);
         let size = Vec2::new(width, (width * self.figure.height as f32 / 800.0).ceil());
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         describe(&response, &format!("{}. {}", self.figure.title, self.figure.caption));
@@ -129,7 +120,7 @@ impl FigureView {
         });
         match self.drawn.get(&key) {
             Some(Ok(image)) if self.shown.as_ref().is_none_or(|(made, _)| *made != Some(key)) => {
-                let texture = self.canvas.put(ui.ctx(), self.figure.name, image.clone());
+                let texture = load(ui.ctx(), self.figure.name, image.clone());
                 self.shown = Some((Some(key), texture));
             }
             Some(Err(error)) => show_error(ui, error),
@@ -137,10 +128,7 @@ impl FigureView {
         }
         match &self.shown {
             Some((Some(shown), texture)) if *shown == key => draw_centered(ui, texture, rect),
-            Some((_, texture)) => {
-                let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-                ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
-            }
+            Some((_, texture)) => paint(ui.painter(), texture.id(), rect),
             None => _ = ui.painter().rect_filled(rect, 0.0, theme::ink(ui).card),
         }
     }

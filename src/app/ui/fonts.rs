@@ -7,14 +7,14 @@ use eframe::egui::{
     epaint::text::{FontInsert, FontPriority, InsertFontFamily},
 };
 
-use super::work::BackgroundTask;
+use super::work::Latest;
 use crate::system::fonts::{self, SystemFont};
 
 /// The fonts for the texts of a page. They are looked for on another thread, and only if a character needs them.
 #[derive(Default)]
 pub struct TextFonts {
-    /// The characters that are looked for.
-    search: Option<(BTreeSet<char>, BackgroundTask<Vec<SystemFont>>)>,
+    /// The fonts for the characters that are looked for.
+    search: Latest<BTreeSet<char>, Vec<SystemFont>>,
     /// The characters that were looked for. No font has those of them that are still lacking.
     searched: BTreeSet<char>,
 }
@@ -22,22 +22,20 @@ pub struct TextFonts {
 impl TextFonts {
     /// Looks for the fonts for these texts; returns the characters that no font has, once that is known.
     pub fn find<'t>(&mut self, ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> Option<BTreeSet<char>> {
-        if let Some((wanted, task)) = &self.search {
-            let fonts = task.poll()?;
-            fonts.into_iter().flatten().for_each(|font| install(ctx, font));
-            self.searched.extend(wanted);
-            self.search = None;
-            // The new fonts are in use from the next frame on.
-            ctx.request_repaint();
-            return None;
-        }
         let lacking = lacking(ctx, texts);
         let wanted: BTreeSet<char> = lacking.difference(&self.searched).copied().collect();
         if wanted.is_empty() {
             return Some(lacking);
         }
-        let characters = wanted.clone();
-        self.search = Some((wanted, BackgroundTask::start(ctx, move || fonts::covering(&characters).0)));
+        self.search.want(ctx, wanted.clone(), || {
+            let characters = wanted.clone();
+            move || Ok(fonts::covering(&characters).0)
+        });
+        let found = self.search.get(&wanted)?;
+        found.iter().flatten().for_each(|font| install(ctx, font));
+        self.searched.extend(wanted);
+        // The new fonts are in use from the next frame on.
+        ctx.request_repaint();
         None
     }
 }
@@ -51,9 +49,9 @@ fn lacking<'t>(ctx: &Context, texts: impl IntoIterator<Item = &'t str>) -> BTree
 }
 
 /// Adds a font after all others, so that texts in other scripts keep their look.
-fn install(ctx: &Context, SystemFont { name, data, index }: SystemFont) {
+fn install(ctx: &Context, SystemFont { name, data, index }: &SystemFont) {
     let families = [FontFamily::Proportional, FontFamily::Monospace];
     let families = families.map(|family| InsertFontFamily { family, priority: FontPriority::Lowest });
-    let data = FontData { index, ..FontData::from_owned(data) };
+    let data = FontData { index: *index, ..FontData::from_owned(data.clone()) };
     ctx.add_font(FontInsert { name: format!("system {name}"), data, families: families.to_vec() });
 }

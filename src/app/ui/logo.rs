@@ -1,8 +1,8 @@
 //! The logo: a Mach band as people see it, with the dark and the bright line that are not in the light.
 
-use eframe::egui::{self, Color32, ColorImage, IconData, Pos2, Rect, Sense, TextureOptions, Ui, Vec2};
+use eframe::egui::{self, Color32, ColorImage, IconData, Sense, TextureOptions, Ui, Vec2};
 
-use super::text::describe;
+use super::{pixels::paint, text::describe};
 
 /// The ends of the ramp, as shares of the width.
 const RAMP: [f64; 2] = [0.36, 0.64];
@@ -50,5 +50,5 @@ pub fn logo(ui: &mut Ui, points: f32, gray: bool) {
     });
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(points), Sense::hover());
     describe(&response, "machband");
-    ui.painter().image(texture.id(), rect, Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0)), Color32::WHITE);
+    paint(ui.painter(), texture.id(), rect);
 }

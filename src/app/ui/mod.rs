@@ -14,11 +14,10 @@
 //! | [`figure`] | figures of the report |
 //! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
-//! | [`pixels`], [`blit`] | pictures, one pixel of the image for each pixel of the screen |
+//! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
 //! | [`work`] | long computations on separate threads |
 
-pub mod blit;
 pub mod dialog;
 pub mod fields;
 pub mod figure;
@@ -39,7 +38,7 @@ pub mod text;
 pub mod theme;
 pub mod work;
 
-pub use crate::{display::Monitor, work::today};
+pub use crate::{display::Monitor, store::settings::ScreenFields, work::today};
 pub use dialog::{Dialog, FileKind};
 pub use fields::{Field, entry, number};
 pub use history::History;
@@ -50,7 +49,7 @@ pub use page::{
 pub use parameter::parameter;
 pub use plot::{legend, still_plot, table};
 pub use saving::{Saving, full, open, saved};
-pub use screen::{ScreenFields, window_px};
+pub use screen::window_px;
 pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};
 pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};

@@ -35,7 +35,8 @@ pub struct OwnPlot {
 }
 
 impl OwnPlot {
-    /// Plots the last attempts of the main trials; `None` if there is nothing to plot.
+    /// Plots the mean ratings or settings of the main trials or, of an adaptive method, the levels; `None` if there is
+    /// nothing to plot. The last attempts count.
     pub fn new(protocol: &Protocol, rows: &[TrialRecord]) -> Option<Self> {
         // Later attempts overwrite earlier ones, because rows are in chronological order.
         let last: BTreeMap<u32, &TrialRecord> =
@@ -55,14 +56,8 @@ impl OwnPlot {
                     Answer::Key(_) => None,
                 })
             }
-            Measures::Comparisons => chosen(protocol, &rows),
-            Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
-            Measures::Proportions | Measures::Detection => {
-                let label = protocol.instructions.right.clone();
-                means(protocol, &rows, (label, [0.0, 1.0]), |row| {
-                    row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
-                })
-            }
+            Measures::Proportions | Measures::Detection => levels(protocol, &rows),
+            Measures::Comparisons => None,
         };
         plot.filter(|plot| !plot.lines.is_empty())
     }
@@ -78,7 +73,7 @@ impl OwnPlot {
         let ([low, high], log) = (self.y, self.log);
         let pad = 0.05 * (high - low);
         let last = self.places.len().saturating_sub(1) as f64;
-        let (ink, places) = (theme::ink(ui), self.places.clone());
+        let (dark, places) = (ui.visuals().dark_mode, self.places.clone());
         let titles = [self.x_label.as_str(), self.y_label.as_str()];
         let mut plot = still_plot(ui, "ratings", titles).height(height).include_y(low - pad).include_y(high + pad);
         if (2..=MAX_LEGEND).contains(&self.lines.len()) {
@@ -89,16 +84,10 @@ impl OwnPlot {
         }
         if log {
             plot = plot
-                .y_grid_spacer(move |grid| {
-                    let round: Vec<f64> = round_levels(grid.bounds).collect();
-                    // A short axis has no two round levels, so its ends are marked.
-                    let marks = if round.len() < 2 { vec![low, high] } else { round };
-                    marks.into_iter().map(|value| GridMark { value, step_size: 1.0 }).collect()
+                .y_grid_spacer(move |_| {
+                    [low, (low + high) / 2.0, high].map(|value| GridMark { value, step_size: 1.0 }).to_vec()
                 })
                 .y_axis_formatter(|mark, _| significant(f64::powf(10.0, mark.value)).to_string());
-        } else if high - low <= 11.0 && high.fract() == 0.0 && high > 1.0 {
-            let marks = low as i64..=high as i64;
-            plot = plot.y_grid_spacer(move |_| marks.clone().map(mark).collect());
         }
         if !places.is_empty() {
             plot = plot
@@ -112,19 +101,12 @@ impl OwnPlot {
         }
         plot.show(ui, |plot| {
             for (i, (name, points)) in self.lines.iter().enumerate() {
-                let (color, marker) = ink.series(i);
+                let (color, marker) = theme::series(dark, i);
                 plot.line(Line::new(name, points.clone()).color(color).width(2.0));
                 plot.points(Points::new(name, points.clone()).shape(marker).radius(5.0).color(color));
             }
         });
     }
-}
-
-/// Returns the logarithms of 1, 2 and 5 times the powers of ten between the ends of an axis.
-fn round_levels((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
-    let decades = (low.floor() as i32)..=(high.ceil() as i32);
-    let all = decades.flat_map(|decade| [1.0_f64, 2.0, 5.0].map(|digit| f64::from(decade) + digit.log10()));
-    all.filter(move |level| (low..=high).contains(level))
 }
 
 fn mark(at: i64) -> GridMark {
@@ -210,31 +192,5 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         y,
         log: common.log,
         lines: lines.into_iter().collect(),
-    })
-}
-
-/// Plots the share of comparisons that each condition won, lowest first.
-fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
-    let mut tallies: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-    for row in rows {
-        let answer = row.given(protocol)?;
-        for (place, suffix) in [(Answer::Key(0), ""), (Answer::Key(1), "_2")] {
-            let level = |factor: &Factor| row.level(protocol, &format!("{}{suffix}", factor.name));
-            let name = protocol.factors.iter().filter_map(level).collect::<Vec<_>>().join(", ");
-            let [won, all] = tallies.entry(name).or_default();
-            (*won, *all) = (*won + f64::from(u8::from(answer == place)), *all + 1.0);
-        }
-    }
-    let mut shares: Vec<(String, f64)> = tallies.into_iter().map(|(name, [won, all])| (name, won / all)).collect();
-    shares.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let points = shares.iter().enumerate().map(|(x, (_, share))| [x as f64, *share]).collect();
-    Some(OwnPlot {
-        caption: protocol.instructions.chosen.clone(),
-        x_label: protocol.factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", "),
-        y_label: protocol.instructions.share.clone(),
-        places: shares.into_iter().map(|(name, _)| name).collect(),
-        y: [0.0, 1.0],
-        log: false,
-        lines: vec![(protocol.instructions.share.clone(), points)],
     })
 }

@@ -1,14 +1,14 @@
 //! Pages, which are columns of text and controls with a heading, a main button and keys, and navigation between them.
 
 use eframe::egui::{
-    self, CentralPanel, Color32, Context, Event, Frame, Id, Key, LayerId, Modal, Panel, PointerState, Popup, RichText,
-    ScrollArea, Ui, UiBuilder, Vec2,
+    self, CentralPanel, Color32, Context, Event, Frame, Id, Key, Modal, Panel, Popup, RichText, ScrollArea, Ui,
+    UiBuilder, Vec2,
     accesskit::{Action, ActionRequest, TreeId},
 };
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, ICON, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
@@ -230,21 +230,18 @@ pub fn quiet(ui: &mut Ui, icon: Icon, text: &str, name: &str) -> egui::Response 
 }
 
 fn labeled(ui: &mut Ui, icon: Icon, text: &str, colors: Option<[Color32; 2]>) -> egui::Response {
-    let place = egui::IdSalt::new("icon");
-    let mut atoms = egui::Atoms::new(egui::Atom::custom(place, Vec2::splat(ICON)));
-    let color = colors.map_or(ink(ui).text, |[_, color]| color);
+    let [fill, color] = colors.unwrap_or([ink(ui).raised, ink(ui).text]);
+    let mut atoms = egui::Atoms::new(icon.atom(color));
     if !text.is_empty() {
         atoms.push_right(RichText::new(text).color(color));
     }
-    let mut button = egui::Button::new(atoms);
-    if let Some([fill, _]) = colors {
-        button = if fill == Color32::TRANSPARENT { button.frame_when_inactive(false) } else { button.fill(fill) };
-    }
-    let shown = button.atom_ui(ui);
-    if let Some(rect) = shown.rect(place) {
-        icon.paint(ui.painter(), rect, color);
-    }
-    shown.response
+    let button = egui::Button::new(atoms);
+    ui.add(if colors.is_some() { filled_with(button, fill) } else { button })
+}
+
+/// Sets the background of a button; if it is transparent, it appears only under the pointer.
+pub fn filled_with(button: egui::Button<'_>, fill: Color32) -> egui::Button<'_> {
+    if fill == Color32::TRANSPARENT { button.frame_when_inactive(false) } else { button.fill(fill) }
 }
 
 /// Draws what can be folded away, below its header, which shows the keyboard focus.
@@ -322,9 +319,6 @@ struct LastFrame {
     /// Whether the user is typing in a field.
     typing: bool,
     focused: Option<Id>,
-    dialog: Option<LayerId>,
-    /// The pointer, while it is hidden from the controls.
-    pointer: Option<PointerState>,
 }
 
 impl LastFrame {
@@ -333,43 +327,27 @@ impl LastFrame {
     }
 }
 
-/// Scrolls to the control that the keyboard focus moved to, and closes a tooltip below a dialog that was just opened.
-/// Call this at the beginning of each frame.
+/// Scrolls to the control that the keyboard focus moved to. Call this at the beginning of each frame.
 pub fn begin_frame(ctx: &Context) {
-    let (focused, dialog) = ctx.memory(|memory| (memory.focused(), memory.top_modal_layer()));
-    let (is_new_focus, is_new_dialog) = LastFrame::of(ctx, |last| {
-        let new = (last.focused != focused, last.dialog != dialog);
-        (last.focused, last.dialog) = (focused, dialog);
-        new
-    });
+    let focused = ctx.memory(|memory| memory.focused());
+    let before = LastFrame::of(ctx, |last| std::mem::replace(&mut last.focused, focused));
     // A control that was clicked is under the pointer, and stays there.
     let is_cut = |response: &egui::Response| {
         !response.interact_rect.contains_rect(response.rect) && !response.contains_pointer()
     };
-    let moved = focused.filter(|_| is_new_focus);
+    let moved = focused.filter(|_| before != focused);
     if let Some(id) = moved.filter(|id| ctx.read_response(*id).is_some_and(|response| is_cut(&response))) {
         let (action, target_node) = (Action::ScrollIntoView, id.accesskit_id());
         let request = ActionRequest { action, target_tree: TreeId::ROOT, target_node, data: None };
         ctx.input_mut(|input| input.events.push(Event::AccessKitActionRequest(request)));
         ctx.request_repaint();
     }
-    if is_new_dialog && dialog.is_some() {
-        // egui keeps a tooltip open as long as the pointer rests on its control.
-        let pointer = ctx.input_mut(|input| std::mem::take(&mut input.pointer));
-        LastFrame::of(ctx, |last| last.pointer = Some(pointer));
-    }
 }
 
 /// Remembers the frame for the next one. Call this at the end of each frame.
 pub fn end_frame(ctx: &Context) {
     let typing = ctx.text_edit_focused();
-    let hidden = LastFrame::of(ctx, |last| {
-        last.typing = typing;
-        last.pointer.take()
-    });
-    if let Some(pointer) = hidden {
-        ctx.input_mut(|input| input.pointer = pointer);
-    }
+    LastFrame::of(ctx, |last| last.typing = typing);
 }
 
 /// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.

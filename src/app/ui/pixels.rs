@@ -2,17 +2,11 @@
 //!
 //! A texture that is drawn at physical pixels without filtering or tint reaches the screen byte for byte.
 
-use std::{ops::Range, sync::Arc};
+use std::sync::Arc;
 
-use eframe::egui::{
-    self, Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureId, TextureOptions, Vec2, epaint::ImageDelta,
-};
+use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureId, TextureOptions, Vec2};
 
-use super::{
-    blit::{self, Piece},
-    text::describe,
-    work::Latest,
-};
+use super::{text::describe, work::Latest};
 use crate::{
     experiment::task::Layout,
     light::{Bits, CodeImage, Quantizer, Transfer},
@@ -29,36 +23,9 @@ pub fn texture(ctx: &egui::Context, name: &str, image: &CodeImage) -> TextureHan
     load(ctx, name, Arc::new(pixels))
 }
 
-fn load(ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
-    let texture = ctx.load_texture(name, pixels.clone(), TextureOptions::NEAREST);
-    blit::upload(ctx, texture.id(), &ImageDelta::full(pixels, TextureOptions::NEAREST));
-    texture
-}
-
-/// A texture whose image can change in every frame. It is created once, and each image is uploaded once.
-#[derive(Default)]
-pub struct Canvas {
-    /// The frame in which the texture was created, and the texture.
-    made: Option<(u64, TextureHandle)>,
-}
-
-impl Canvas {
-    /// Replaces the image.
-    pub fn put(&mut self, ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
-        let frame = ctx.cumulative_frame_nr();
-        // In the frame that created the texture, egui has yet to upload the first image, which would overwrite this
-        // one.
-        if let Some((made, texture)) = &self.made
-            && *made != frame
-            && texture.size() == pixels.size
-            && blit::upload(ctx, texture.id(), &ImageDelta::partial([0, 0], pixels.clone(), TextureOptions::NEAREST))
-        {
-            return texture.clone();
-        }
-        let texture = load(ctx, name, pixels);
-        self.made = Some((frame, texture.clone()));
-        texture
-    }
+/// Uploads pixels that egui draws as they are.
+pub fn load(ctx: &egui::Context, name: &str, pixels: Arc<ColorImage>) -> TextureHandle {
+    ctx.load_texture(name, pixels, TextureOptions::NEAREST)
 }
 
 /// Small pictures of stimuli as on an sRGB display, which are drawn on another thread. They stay until those of another
@@ -130,25 +97,12 @@ pub fn places(area: Rect, scale: f32, layout: Layout, side: u32) -> Vec<Rect> {
 pub fn draw_centered(ui: &egui::Ui, texture: &TextureHandle, area: Rect) {
     let scale = ui.ctx().pixels_per_point();
     let corner = ((area.min + area.max.to_vec2()).to_vec2() * scale - texture.size_vec2()) / 2.0;
-    let size = texture.size().map(|side| side as u32);
-    draw_columns(ui, texture.id(), size, 0..size[0], (corner.floor() / scale).to_pos2());
+    let place = Rect::from_min_size((corner.floor() / scale).to_pos2(), texture.size_vec2() / scale);
+    paint(ui.painter(), texture.id(), place);
 }
 
-/// Draws the columns `columns` of a texture of `size` physical pixels, pixel for pixel. The texture's upper left corner
-/// is at `min`, which must be on a whole pixel.
-pub fn draw_columns(ui: &egui::Ui, texture: TextureId, size: [u32; 2], columns: Range<u32>, min: Pos2) {
-    if columns.is_empty() {
-        return;
-    }
-    let scale = ui.ctx().pixels_per_point();
-    let [width, height] = size.map(|side| side as f32);
-    let [from, to] = [columns.start as f32, columns.end as f32];
-    let corner = (min.to_vec2() * scale).round();
-    let part = Piece { at: [corner.x + from, corner.y], from: [from, 0.0], size: [to - from, height] };
-    if blit::draw(ui, texture, part) {
-        return;
-    }
-    let rect = Rect::from_min_max(min + Vec2::new(from, 0.0) / scale, min + Vec2::new(to, height) / scale);
-    let part = Rect::from_min_max(Pos2::new(from / width, 0.0), Pos2::new(to / width, 1.0));
-    ui.painter().image(texture, rect, part, Color32::WHITE);
+/// Draws a whole texture.
+pub fn paint(painter: &egui::Painter, texture: TextureId, place: Rect) {
+    let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+    painter.image(texture, place, whole, Color32::WHITE);
 }

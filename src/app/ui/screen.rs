@@ -1,4 +1,4 @@
-//! The monitors of this computer, and the settings that the user types.
+//! The monitor that shows the window, and what the user types about the screen.
 
 use std::path::Path;
 
@@ -7,38 +7,29 @@ use eframe::egui;
 use super::fields::number;
 use crate::{
     display::{DisplayProfile, GeometryError, Monitor, Screen, Viewing},
-    store::profile,
+    store::{profile, settings::ScreenFields},
 };
-
-/// Converts the window system's description of a monitor. This is a macro, because the type belongs to the window
-/// system's library and is not named anywhere else here.
-macro_rules! described {
-    ($monitor:expr) => {{
-        let size = $monitor.size();
-        Monitor {
-            name: $monitor.name(),
-            width_px: size.width,
-            height_px: size.height,
-            refresh_hz: $monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
-            scale: $monitor.scale_factor(),
-        }
-    }};
-}
 
 impl Monitor {
     /// Returns the monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
     pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
-        if let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) {
-            return described!(monitor);
+        let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) else {
+            let (width_px, height_px) = window_px(ctx);
+            return Self {
+                name: None,
+                width_px,
+                height_px,
+                refresh_hz: None,
+                scale: f64::from(ctx.pixels_per_point()),
+            };
+        };
+        Self {
+            name: monitor.name(),
+            width_px: monitor.size().width,
+            height_px: monitor.size().height,
+            refresh_hz: monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
+            scale: monitor.scale_factor(),
         }
-        let (width_px, height_px) = window_px(ctx);
-        Self { name: None, width_px, height_px, refresh_hz: None, scale: f64::from(ctx.pixels_per_point()) }
-    }
-
-    /// Returns all monitors, in the order that [`egui::ViewportCommand::SetMonitor`] uses.
-    pub fn all(frame: &eframe::Frame) -> Vec<Self> {
-        let Some(window) = frame.winit_window() else { return Vec::new() };
-        window.available_monitors().map(|monitor| described!(monitor)).collect()
     }
 }
 
@@ -46,17 +37,6 @@ impl Monitor {
 pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
     let size = ctx.content_rect().size() * ctx.pixels_per_point();
     (size.x.round() as u32, size.y.round() as u32)
-}
-
-/// The settings of the screen, as typed; the start page and the Display pages share them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ScreenFields {
-    /// Path of the display profile; empty for sRGB.
-    pub profile: String,
-    /// Width of the visible screen, cm.
-    pub screen_width_cm: String,
-    /// Viewing distance, cm.
-    pub distance_cm: String,
 }
 
 impl ScreenFields {
@@ -76,13 +56,18 @@ impl ScreenFields {
     /// # Errors
     /// A length is impossible, or is not a number.
     pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, GeometryError> {
-        let cm = |text: &str| number(text).unwrap_or(f64::NAN);
-        let screen = Screen::new(monitor.width_px, monitor.height_px, cm(&self.screen_width_cm))?;
-        Viewing::new(screen, cm(&self.distance_cm))
+        let width_cm = self.width_cm(monitor).unwrap_or(f64::NAN);
+        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm)?;
+        Viewing::new(screen, number(&self.distance_cm).unwrap_or(f64::NAN))
     }
 
     /// Returns whether the screen's width is assumed rather than measured or typed.
-    pub fn width_is_assumed(&self, monitor: &Monitor) -> bool {
-        self.screen_width_cm.trim() == format!("{:.1}", monitor.assumed_width_cm())
+    pub fn width_is_assumed(&self) -> bool {
+        self.screen_width_cm.trim().is_empty()
+    }
+
+    /// Returns the screen's width; `None` if what was typed is not a number.
+    pub fn width_cm(&self, monitor: &Monitor) -> Option<f64> {
+        if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) }
     }
 }

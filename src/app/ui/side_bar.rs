@@ -1,10 +1,11 @@
 //! The places of the program, and the bar at the left edge that leads to them.
 
-use eframe::egui::{self, Frame, Key, KeyboardShortcut, Modifiers, Panel, Rect, RichText, Sense, Ui, Vec2};
+use eframe::egui::{self, Color32, Frame, Key, KeyboardShortcut, Modifiers, Panel, Rect, RichText, Ui, Vec2};
 
 use super::{
     logo::logo,
-    theme::{CONTROL, GAP, ICON, Icon, SECTION, SMALL_GAP, WIDE, ink},
+    page::filled_with,
+    theme::{CONTROL, GAP, Icon, SECTION, SMALL_GAP, WIDE, ink},
 };
 
 /// Width of the bar with words, and with only icons, points.
@@ -96,31 +97,20 @@ pub fn side_bar(ui: &mut Ui, here: Place, dialog: &mut Option<SideDialog>) -> Op
 
 /// Draws a place. `here`: this is the current place.
 fn item(ui: &mut Ui, icon: Icon, title: &str, narrow: bool, here: Option<Place>) -> egui::Response {
-    let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), CONTROL + SMALL_GAP), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, here.is_some(), title));
     let ink = ink(ui);
-    let (fill, color) = match (here, response.hovered()) {
-        (Some(_), _) => (ink.raised, ink.ink),
-        (None, true) => (ink.hover, ink.text),
-        (None, false) => (ink.rail, ink.text),
-    };
-    let painter = ui.painter();
-    painter.rect_filled(rect, 4.0, fill);
-    if let Some(here) = here {
-        let size = Vec2::new(2.0, rect.height() - 2.0 * GAP);
-        let mark = Rect::from_min_size(rect.left_top() + Vec2::new(0.0, GAP), size);
-        painter.rect_filled(mark, 1.0, if here.shows_stimuli() { ink.neutral } else { ink.accent });
-    }
-    if response.has_focus() {
-        painter.rect_stroke(rect, 4.0, egui::Stroke::new(2.0, ink.ink), egui::StrokeKind::Inside);
-    }
-    let left = if narrow { rect.center().x - ICON / 2.0 } else { rect.left() + 12.0 };
-    let square = Rect::from_min_size(egui::pos2(left, rect.center().y - ICON / 2.0), Vec2::splat(ICON));
-    icon.paint(painter, square, color);
+    let (fill, color) = if here.is_some() { (ink.raised, ink.ink) } else { (Color32::TRANSPARENT, ink.text) };
+    let mut atoms = egui::Atoms::new(icon.atom(color));
     if !narrow {
-        let at = egui::pos2(square.right() + 12.0, rect.center().y);
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        painter.text(at, egui::Align2::LEFT_CENTER, title, font, color);
+        atoms.push_right(RichText::new(title).color(color));
+        atoms.push_right(egui::Atom::grow());
+    }
+    let size = Vec2::new(ui.available_width(), CONTROL + SMALL_GAP);
+    let response = ui.add(filled_with(egui::Button::new(atoms), fill).min_size(size));
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, here.is_some(), title));
+    if let Some(here) = here {
+        let size = Vec2::new(2.0, response.rect.height() - 2.0 * GAP);
+        let mark = Rect::from_min_size(response.rect.left_top() + Vec2::new(0.0, GAP), size);
+        ui.painter().rect_filled(mark, 1.0, if here.shows_stimuli() { ink.neutral } else { ink.accent });
     }
     response
 }

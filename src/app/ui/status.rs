@@ -12,8 +12,6 @@ const KEPT: usize = 50;
 struct Message {
     text: String,
     failed: bool,
-    /// The page on which it was first shown; the line shows it only there.
-    page: Option<String>,
 }
 
 /// Shows a message: that something was done.
@@ -29,7 +27,7 @@ pub fn complain(ctx: &Context, text: impl Into<String>) {
 fn add(ctx: &Context, text: String, failed: bool) {
     ctx.data_mut(|data| {
         let messages: &mut Vec<Message> = data.get_temp_mut_or_default(id());
-        messages.insert(0, Message { text, failed, page: None });
+        messages.insert(0, Message { text, failed });
         messages.truncate(KEPT);
     });
     // The line may have been drawn already.
@@ -40,17 +38,11 @@ fn id() -> Id {
     Id::unique("status messages")
 }
 
-/// Draws the line of a page. `about` is what the page works on: a folder or a display, with its icon.
-pub fn status_line(ui: &mut Ui, page: &str, about: Option<(Icon, &str)>) {
+/// Draws the line. `about` is what the page works on: a folder or a display, with its icon.
+pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
     let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(egui::Margin::symmetric(LARGE_GAP as i8, 0));
     CentralPanel::default().frame(frame).show(ui, |ui| {
-        let messages: Vec<Message> = ui.data_mut(|data| {
-            let messages: &mut Vec<Message> = data.get_temp_mut_or_default(id());
-            for new in messages.iter_mut().filter(|message| message.page.is_none()) {
-                new.page = Some(page.to_owned());
-            }
-            messages.clone()
-        });
+        let messages: Vec<Message> = ui.data(|data| data.get_temp(id())).unwrap_or_default();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if let Some((icon, text)) = about {
                 ui.scope(|ui| {
@@ -60,19 +52,15 @@ pub fn status_line(ui: &mut Ui, page: &str, about: Option<(Icon, &str)>) {
                 icon.show(ui, ink(ui).dim);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let Some(Message { text, failed, page: told }) = messages.first() else { return };
+                let Some(Message { text, failed }) = messages.first() else { return };
                 ui.spacing_mut().item_spacing.x = GAP;
                 let (icon, color) = if *failed { (Icon::Warn, ink(ui).bad) } else { (Icon::Check, ink(ui).text) };
-                let is_here = told.as_deref() == Some(page);
-                let (line, color) = if is_here { (text.as_str(), color) } else { ("Messages", ink(ui).dim) };
-                if is_here {
-                    icon.show(ui, color);
-                }
-                let line = line.lines().next().unwrap_or_default();
+                icon.show(ui, color);
+                let line = text.lines().next().unwrap_or_default();
                 let label = Label::new(RichText::new(line).small().color(color)).truncate().sense(Sense::click());
                 let shown = ui.add(label);
                 egui::Popup::menu(&shown).width(480.0).show(|ui| {
-                    for Message { text, failed, .. } in &messages {
+                    for Message { text, failed } in &messages {
                         let color = if *failed { ink(ui).bad } else { ink(ui).text };
                         ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
                     }

@@ -13,11 +13,9 @@ use egui_plot::MarkerShape;
 
 use crate::report::figures::palette::{ON_DARK, ON_WHITE, Rgb};
 
-/// The spacing scale, points: between the parts of a line, between controls, between fields, between groups, around a
-/// page, and between parts of a page.
+/// The spacing scale, points: between the parts of a line, between controls, between groups, and around a page.
 pub const SMALL_GAP: f32 = 4.0;
 pub const GAP: f32 = 8.0;
-pub const FIELD_GAP: f32 = 12.0;
 pub const LARGE_GAP: f32 = 16.0;
 pub const MARGIN: f32 = 24.0;
 /// The type scale, points: the one key number of a card, the title of a page, the heading of a section, body text and
@@ -58,60 +56,64 @@ pub const SHADE: Color32 = Color32::from_black_alpha(150);
 /// Grid lines of a plot: a translucent gray, fainter than any curve in both themes.
 pub const GRID: Color32 = Color32::from_rgba_premultiplied(0x1c, 0x1c, 0x1c, 0x38);
 
-/// The colors of a theme.
-#[derive(Debug)]
-pub struct Ink {
+macro_rules! inks {
+    ($($(#[$doc:meta])* $role:ident $dark:expr, $light:expr;)*) => {
+        /// The colors of a theme.
+        #[derive(Debug)]
+        pub struct Ink {
+            $($(#[$doc])* pub $role: Color32,)*
+        }
+
+        const DARK: Ink = Ink { $($role: $dark,)* };
+        const LIGHT: Ink = Ink { $($role: $light,)* };
+    };
+}
+
+// The role of each color, in the dark and in the light theme.
+inks! {
     /// Background of the side bar and the status line.
-    pub rail: Color32,
+    rail gray(0x1a), gray(0xe4);
     /// Background of a page.
-    pub page: Color32,
+    page gray(0x22), gray(0xee);
     /// Background of a card, a dialog and a filled cell.
-    pub card: Color32,
+    card gray(0x2a), gray(0xfa);
     /// Buttons and selected rows; the same under the pointer; pressed buttons and chosen segments.
-    pub raised: Color32,
-    pub hover: Color32,
-    pub active: Color32,
+    raised gray(0x38), gray(0xd8);
+    hover gray(0x44), gray(0xcc);
+    active gray(0x50), gray(0xc0);
     /// Inside of a text field, and the track of a slider or a bar.
-    pub field: Color32,
+    field gray(0x16), gray(0xff);
     /// Outline of a card, and dividers.
-    pub line: Color32,
+    line gray(0x3c), gray(0xd0);
     /// Outline of a field or check box; its contrast with page and card is at least 3:1.
-    pub edge: Color32,
+    edge gray(0x7c), gray(0x7a);
     /// Titles, key words, and the focus ring.
-    pub ink: Color32,
+    ink gray(0xff), gray(0x00);
     /// Body text.
-    pub text: Color32,
+    text gray(0xe6), gray(0x1c);
     /// Labels, notes and axes; the contrast with page and card is at least 7:1.
-    pub dim: Color32,
+    dim gray(0xb8), gray(0x4a);
     /// Disabled controls and what is only planned.
-    pub off: Color32,
+    off gray(0x92), gray(0x68);
     /// The main button of a page, and the mark of the current place; the text on it.
-    pub accent: Color32,
-    pub on_accent: Color32,
+    accent Color32::from_rgb(0xe8, 0xd0, 0x70), Color32::from_rgb(0xf0, 0xc8, 0x48);
+    on_accent gray(0x14), gray(0x14);
     /// The main button beside a stimulus, where nothing may be colored, and in sessions; the text on it.
-    pub neutral: Color32,
-    pub on_neutral: Color32,
+    neutral gray(0xd8), gray(0x33);
+    on_neutral gray(0x14), gray(0xff);
     /// Unfinished things and notes that deserve attention.
-    pub warn: Color32,
+    warn Color32::from_rgb(0xe8, 0xc8, 0x60), Color32::from_rgb(0x6c, 0x48, 0x00);
     /// Errors and failed checks.
-    pub bad: Color32,
+    bad Color32::from_rgb(0xff, 0x9c, 0x80), Color32::from_rgb(0x9c, 0x22, 0x0c);
     /// Passed checks.
-    pub good: Color32,
+    good Color32::from_rgb(0x90, 0xd0, 0xa0), Color32::from_rgb(0x12, 0x56, 0x2c);
     /// What lies behind a dialog is covered with this color.
-    pub veil: Color32,
+    veil Color32::from_black_alpha(160), Color32::from_black_alpha(96);
     /// Every second row of a table.
-    pub stripe: Color32,
-    /// Colors of the series in a plot: the colors of the figures.
-    pub series: [Color32; 7],
+    stripe Color32::from_rgba_premultiplied(18, 18, 18, 18), Color32::from_black_alpha(14);
 }
 
 impl Ink {
-    /// Returns the color and marker of a series. Once all colors have been used, they repeat with other markers.
-    pub fn series(&self, index: usize) -> (Color32, MarkerShape) {
-        let colors = self.series.len();
-        (self.series[index % colors], MARKERS[(index + index / colors) % MARKERS.len()])
-    }
-
     /// Returns the colors of the left and the right image, or of a solid and a dashed line, beside a stimulus.
     pub fn sides(&self) -> [Color32; 2] {
         [self.ink, self.dim]
@@ -122,77 +124,12 @@ const fn gray(code: u8) -> Color32 {
     Color32::from_gray(code)
 }
 
-const DARK: Ink = Ink {
-    rail: gray(0x1a),
-    page: gray(0x22),
-    card: gray(0x2a),
-    raised: gray(0x38),
-    hover: gray(0x44),
-    active: gray(0x50),
-    field: gray(0x16),
-    line: gray(0x3c),
-    edge: gray(0x7c),
-    ink: gray(0xff),
-    text: gray(0xe6),
-    dim: gray(0xb8),
-    off: gray(0x92),
-    accent: Color32::from_rgb(0xe8, 0xd0, 0x70),
-    on_accent: gray(0x14),
-    neutral: gray(0xd8),
-    on_neutral: gray(0x14),
-    warn: Color32::from_rgb(0xe8, 0xc8, 0x60),
-    bad: Color32::from_rgb(0xff, 0x9c, 0x80),
-    good: Color32::from_rgb(0x90, 0xd0, 0xa0),
-    veil: Color32::from_black_alpha(160),
-    stripe: Color32::from_rgba_premultiplied(18, 18, 18, 18),
-    series: colors(ON_DARK),
-};
-
-const LIGHT: Ink = Ink {
-    rail: gray(0xe4),
-    page: gray(0xee),
-    card: gray(0xfa),
-    raised: gray(0xd8),
-    hover: gray(0xcc),
-    active: gray(0xc0),
-    field: gray(0xff),
-    line: gray(0xd0),
-    edge: gray(0x7a),
-    ink: gray(0x00),
-    text: gray(0x1c),
-    dim: gray(0x4a),
-    off: gray(0x68),
-    accent: Color32::from_rgb(0xf0, 0xc8, 0x48),
-    on_accent: gray(0x14),
-    neutral: gray(0x33),
-    on_neutral: gray(0xff),
-    warn: Color32::from_rgb(0x6c, 0x48, 0x00),
-    bad: Color32::from_rgb(0x9c, 0x22, 0x0c),
-    good: Color32::from_rgb(0x12, 0x56, 0x2c),
-    veil: Color32::from_black_alpha(96),
-    stripe: Color32::from_black_alpha(14),
-    series: colors(ON_WHITE),
-};
-
-/// Markers of the series of a plot. Each is different, so that readers need not distinguish colors.
-const MARKERS: [MarkerShape; 7] = [
-    MarkerShape::Circle,
-    MarkerShape::Square,
-    MarkerShape::Diamond,
-    MarkerShape::Up,
-    MarkerShape::Down,
-    MarkerShape::Cross,
-    MarkerShape::Plus,
-];
-
-const fn colors(palette: [Rgb; 7]) -> [Color32; 7] {
-    let mut colors = [Color32::BLACK; 7];
-    let mut index = 0;
-    while index < colors.len() {
-        colors[index] = color(palette[index]);
-        index += 1;
-    }
-    colors
+/// Returns the color and marker of a series in a plot: the colors of the figures. Once all have been used, they repeat
+/// with other markers.
+pub fn series(dark: bool, index: usize) -> (Color32, MarkerShape) {
+    let colors = if dark { ON_DARK } else { ON_WHITE };
+    let markers: Vec<_> = MarkerShape::all().collect();
+    (color(colors[index % colors.len()]), markers[(index + index / colors.len()) % markers.len()])
 }
 
 /// Returns a color of the figures.
@@ -434,6 +371,11 @@ impl Icon {
                 Shape::line(points, stroke)
             });
         }
+    }
+
+    /// Returns the icon as a part of a button.
+    pub fn atom<'a>(self, color: Color32) -> egui::Atom<'a> {
+        egui::Atom::paint(Vec2::splat(ICON), move |ui, args| self.paint(ui.painter(), args.rect, color))
     }
 
     /// Draws the icon in line with text.

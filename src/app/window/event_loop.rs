@@ -218,16 +218,8 @@ impl ApplicationHandler<UserEvent> for Handler<'_> {
         self.forward(events, |inner| inner.device_event(events, device, event));
     }
 
-    fn suspended(&mut self, events: &ActiveEventLoop) {
-        self.forward(events, |inner| inner.suspended(events));
-    }
-
     fn exiting(&mut self, events: &ActiveEventLoop) {
         self.forward(events, |inner| inner.exiting(events));
-    }
-
-    fn memory_warning(&mut self, events: &ActiveEventLoop) {
-        self.forward(events, |inner| inner.memory_warning(events));
     }
 }
 

@@ -11,8 +11,6 @@ use std::{
 
 use eframe::egui::Key;
 
-use crate::store::sitting::InputSummary;
-
 /// A key or a mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressed {
@@ -58,8 +56,8 @@ pub struct PressTime {
 /// The presses of a frame, with their timestamps.
 #[derive(Debug, Default)]
 pub struct Input {
-    /// Timestamps from the event loop; `None` without our own event loop.
-    stamps: Option<Stamps>,
+    /// Timestamps from the event loop; none without our own event loop.
+    stamps: Stamps,
     /// The clock's time when the window's time was 0.
     zero: Option<Instant>,
     fresh: Vec<Press>,
@@ -68,7 +66,7 @@ pub struct Input {
 impl Input {
     /// Creates input with the timestamps of an event loop.
     pub fn stamped(stamps: Stamps) -> Self {
-        Self { stamps: Some(stamps), ..Self::default() }
+        Self { stamps, ..Self::default() }
     }
 
     /// Begins a frame. `now` is the window's time in seconds, taken a moment before `clock`.
@@ -77,7 +75,7 @@ impl Input {
         if let Some(zero) = Duration::try_from_secs_f64(now).ok().and_then(|now| clock.checked_sub(now)) {
             self.zero = Some(self.zero.map_or(zero, |before| before.min(zero)));
         }
-        self.fresh = self.stamps.as_ref().map(Stamps::take).unwrap_or_default();
+        self.fresh = self.stamps.take();
     }
 
     /// Returns the timestamp of a key that was pressed before this frame, by position. Each is returned once, in order.
@@ -101,43 +99,3 @@ impl Input {
         Some(PressTime { at_s: at.saturating_duration_since(zero).as_secs_f64(), uncertainty: Some(unseen) })
     }
 }
-
-/// Counts how the ratings of a sitting were timestamped, for the sidecar.
-#[derive(Clone, Debug, Default)]
-pub struct InputReport {
-    /// Maximum wait of each rating with a timestamp.
-    waits: Vec<Duration>,
-    /// Number of ratings without a timestamp.
-    unstamped: u32,
-}
-
-impl InputReport {
-    /// Counts a rating.
-    pub fn rated(&mut self, uncertainty: Option<Duration>) {
-        match uncertainty {
-            Some(wait) => self.waits.push(wait),
-            None => self.unstamped += 1,
-        }
-    }
-
-    /// Returns the summary for the sidecar.
-    pub fn summary(&self) -> InputSummary {
-        let mut waits = self.waits.clone();
-        waits.sort_unstable();
-        let seconds = |wait: Option<&Duration>| wait.map(|wait| (wait.as_secs_f64() * 1e6).round() / 1e6);
-        InputSummary {
-            stamp: STAMP.to_owned(),
-            stamped: waits.len(),
-            unstamped: self.unstamped,
-            median_uncertainty_s: seconds(waits.get(waits.len() / 2)),
-            max_uncertainty_s: seconds(waits.last()),
-        }
-    }
-}
-
-/// What a timestamp means, for the sidecar.
-const STAMP: &str = "A rating with a response_uncertainty_s is timestamped when the window system delivers the key or \
-    click, before the frame that responds to it. The event may have waited since the program last read events (it reads \
-    none while it draws), for at most response_uncertainty_s. Delays of the keyboard, cable, and window system are not \
-    included. A rating without one is timestamped at the start of the frame that receives it, and is therefore late by \
-    at most one frame interval.";

@@ -6,5 +6,5 @@ mod input;
 mod program;
 
 pub use event_loop::{MIN_SIZE, open};
-pub use input::{Input, InputReport, PressTime, Pressed, Stamps};
+pub use input::{Input, PressTime, Pressed, Stamps};
 pub use program::{Program, WindowError};

@@ -91,7 +91,13 @@ impl<'a, R> TableOf<'a, R> {
 
     /// Adds the table to a section.
     pub fn add_to(self, section: &mut Section) {
-        section.blocks.push(Block::Table(self.table));
+        section.blocks.push(Block::Table(self.into()));
+    }
+}
+
+impl<R> From<TableOf<'_, R>> for TextTable {
+    fn from(table: TableOf<'_, R>) -> Self {
+        table.table
     }
 }
 

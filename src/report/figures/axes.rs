@@ -2,7 +2,7 @@
 //! are at round numbers.
 
 use super::{
-    labels,
+    labels::{self, TEXT},
     palette::{AXIS, GRID, Series},
     svg::{Anchor, Font, Svg, WIDTH},
 };
@@ -14,8 +14,6 @@ use crate::{
     statistics::Interval,
 };
 
-/// Text size in a chart of column width.
-pub(super) const TEXT: f64 = 29.0;
 /// Radius of a marker.
 pub(super) const MARKER: f64 = 8.0;
 /// Height of a panel in a chart of column width.
@@ -105,7 +103,7 @@ impl Values {
     }
 
     fn widest(&self) -> f64 {
-        let widths = self.ticks.iter().map(|(_, name)| labels::width(name, TEXT).min(MAX_NAME));
+        let widths = self.ticks.iter().map(|(_, name)| labels::width(name).min(MAX_NAME));
         widths.fold(0.0, f64::max)
     }
 
@@ -117,15 +115,15 @@ impl Values {
             svg.line(&[(panel.left, y), (panel.right, y)], GRID);
             svg.line(&[(panel.left - TICK, y), (panel.left, y)], AXIS);
             if title.is_some() {
-                let name = labels::fit(name, MAX_NAME, TEXT);
-                svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(TEXT, Anchor::End));
+                let name = labels::fit(name, MAX_NAME);
+                svg.text(&name, (panel.left - TICK - 8.0, y), Font::new(Anchor::End));
             }
         }
         svg.line(&[(panel.left, panel.top), (panel.left, panel.bottom)], AXIS);
         if let Some(title) = title {
             let x = (panel.left - TICK - 8.0 - self.widest() - 0.75 * TEXT).max(EDGE + 0.5 * TEXT);
-            let title = labels::fit(title, panel.bottom - panel.top + 80.0, TEXT);
-            svg.text(&title, (x, (panel.top + panel.bottom) / 2.0), Font::new(TEXT, Anchor::Middle).upright());
+            let title = labels::fit(title, panel.bottom - panel.top + 80.0);
+            svg.text(&title, (x, (panel.top + panel.bottom) / 2.0), Font::new(Anchor::Middle).upright());
         }
     }
 }
@@ -141,10 +139,10 @@ pub(super) struct Levels {
 
 impl Levels {
     /// Places numbers at their values, on a logarithmic axis if they span more than a factor of ten; directions are
-    /// always on a linear axis. Depths and all other levels are evenly spaced, in order.
+    /// always on a linear axis. All other levels are evenly spaced, in order.
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
-        let places = numbers.filter(|n| factor.name != "depth" && n.len() > 1);
+        let places = numbers.filter(|numbers| numbers.len() > 1);
         let places = places.and_then(|numbers| spread(numbers, factor.role == Role::Direction));
         let even = Self::evenly(&factor.levels, numbers.is_some());
         Self { at: places.unwrap_or(even.at), ..even }
@@ -169,7 +167,7 @@ impl Levels {
     /// Returns whether the names below a panel of this width are rotated, the names that fit, and their height. If not
     /// all names fit, unordered names are rotated; if there is still not enough room, only every nth name is kept.
     fn labels(&self, width: f64) -> (bool, Vec<Option<String>>, f64) {
-        let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name, TEXT)).collect();
+        let widths: Vec<f64> = self.names.iter().map(|name| labels::width(name)).collect();
         let fits = |each: usize, widths: &[f64]| {
             let shown: Vec<usize> = (0..widths.len()).step_by(each).collect();
             shown.windows(2).all(|pair| {
@@ -182,17 +180,16 @@ impl Levels {
         let each = (1..=widths.len()).find(|each| fits(*each, &widths)).unwrap_or(1);
         let room = if upright { MAX_UPRIGHT } else { width };
         let texts: Vec<Option<String>> = (self.names.iter().enumerate())
-            .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room, TEXT)))
+            .map(|(index, name)| (index % each == 0).then(|| labels::fit(name, room)))
             .collect();
-        let longest = texts.iter().flatten().map(|name| labels::width(name, TEXT)).fold(TEXT, f64::max);
+        let longest = texts.iter().flatten().map(|name| labels::width(name)).fold(TEXT, f64::max);
         (upright, texts, if upright { longest } else { TEXT })
     }
 
     /// Draws the axis, ticks, names and title below a panel.
     pub fn draw(&self, svg: &mut Svg, panel: &Panel, title: &str) {
         let (upright, names, height) = self.labels(panel.width());
-        let font =
-            if upright { Font::new(TEXT, Anchor::End).upright() } else { Font::new(TEXT, Anchor::Middle).below() };
+        let font = if upright { Font::new(Anchor::End).upright() } else { Font::new(Anchor::Middle).below() };
         for (at, name) in self.at.iter().zip(names) {
             if name.is_some() || self.at.len() <= MAX_TICKS {
                 tick(svg, panel, *at, name.as_deref().unwrap_or_default(), font);
@@ -207,9 +204,9 @@ pub(super) fn beside(heading: &str, series: &[(Series, &str)]) -> f64 {
     if series.len() < 2 {
         return 0.0;
     }
-    let heading = labels::fit(heading, SAMPLE + MAX_BESIDE, TEXT);
-    let names = series.iter().map(|(_, name)| SAMPLE + labels::width(name, TEXT).min(MAX_BESIDE));
-    BESIDE + names.fold(1.2 * labels::width(&heading, TEXT), f64::max)
+    let heading = labels::fit(heading, SAMPLE + MAX_BESIDE);
+    let names = series.iter().map(|(_, name)| SAMPLE + labels::width(name).min(MAX_BESIDE));
+    BESIDE + names.fold(1.2 * labels::width(&heading), f64::max)
 }
 
 /// Names series beside a panel, unless there is only one; `lined` if they have lines. The heading may be empty.
@@ -221,11 +218,11 @@ pub(super) fn legend(svg: &mut Svg, panel: &Panel, heading: &str, series: &[(Ser
     let pitch = (PANEL / (first + series.len()) as f64).min(1.35 * TEXT);
     let at = |line: usize| (panel.right + BESIDE, panel.top + 0.5 * TEXT + line as f64 * pitch);
     if first > 0 {
-        let heading = labels::fit(heading, SAMPLE + MAX_BESIDE, TEXT);
-        svg.text(&heading, at(0), Font::new(TEXT, Anchor::Start).bold());
+        let heading = labels::fit(heading, SAMPLE + MAX_BESIDE);
+        svg.text(&heading, at(0), Font::new(Anchor::Start).bold());
     }
     for (line, (series, name)) in (first..).zip(series) {
-        svg.legend_entry(at(line), *series, lined, &labels::fit(name, MAX_BESIDE, TEXT), TEXT);
+        svg.legend_entry(at(line), *series, lined, &labels::fit(name, MAX_BESIDE));
     }
 }
 
@@ -238,8 +235,8 @@ pub(super) fn below(height: f64) -> f64 {
 fn base(svg: &mut Svg, panel: &Panel, height: f64, title: &str) {
     svg.line(&[(panel.left, panel.bottom), (panel.right, panel.bottom)], AXIS);
     let center = panel.x(0.5);
-    let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE), TEXT);
-    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), Font::new(TEXT, Anchor::Middle).below());
+    let title = labels::fit(title, 2.0 * (center.min(WIDTH - center) - EDGE));
+    svg.text(&title, (center, panel.bottom + TICK + 16.0 + height), Font::new(Anchor::Middle).below());
 }
 
 fn tick(svg: &mut Svg, panel: &Panel, share: f64, name: &str, font: Font) {
@@ -255,7 +252,7 @@ pub(super) fn number_axis(svg: &mut Svg, panel: &Panel, (low, high): (f64, f64),
     for value in ticks(low, high, (panel.width() / 80.0) as usize) {
         let share = (value - low) / (high - low);
         svg.line(&[(panel.x(share), panel.top), (panel.x(share), panel.bottom)], GRID);
-        tick(svg, panel, share, &plain(value), Font::new(TEXT, Anchor::Middle).below());
+        tick(svg, panel, share, &plain(value), Font::new(Anchor::Middle).below());
     }
     base(svg, panel, TEXT, title);
 }

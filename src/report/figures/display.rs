@@ -1,72 +1,44 @@
 //! Charts of a display: its calibration readings with the chosen curves, and its frame intervals.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, Panel, TEXT, Values, below, number_axis},
+    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis},
     figure::Figure,
-    palette::{AXIS, BLACK, BLUE, GREEN, Marker, Series, Stroke, VERMILION},
+    labels::TEXT,
+    palette::{BLACK, BLUE, GREEN, Marker, Series, Stroke, VERMILION},
     svg::WIDTH,
 };
 use crate::display::{
     Channel,
     frames::Refresh,
-    photometer::{Calibration, Family, FittedChannel, FittedModel},
+    photometer::{Calibration, Family, FittedChannel},
 };
 
 /// Number of line segments in a curve.
 const STEPS: usize = 128;
-/// Heights of the upper and the lower panel.
-const HEIGHTS: (f64, f64) = (400.0, 230.0);
-/// Minimum range of the lower panel, in 8-bit codes.
-const MIN_CODES: f64 = 1.0;
 
-/// Draws `calibration`: readings, and the curves and residuals of a model.
+/// Draws `calibration`: readings, and the curves of a model.
 pub fn calibration(calibration: &Calibration, family: Family) -> Figure {
     let model = calibration.model(family);
     let caption = format!(
-        "Top: luminance by encoded value, with {} readings as markers and the chosen model ({family}) as lines. Bottom: the \
-         distance of each reading from its line, in 8-bit codes.",
+        "Luminance by encoded value, with {} readings as markers and the chosen model ({family}) as lines.",
         calibration.readings.all().len(),
     );
     let light = Values::from_zero(calibration.readings.largest_cd_m2());
-    let reach = residuals(calibration, model).map(|(_, _, codes)| codes.abs()).fold(MIN_CODES, f64::max) * 1.1;
-    let codes = Values::between(-reach, reach);
-    let (left, right) = (light.margin().max(codes.margin()), WIDTH - EDGE - TEXT);
-    let legend = EDGE + 0.6 * TEXT;
-    let upper = light.panel(left, right, legend + TEXT, HEIGHTS.0);
-    let lower = codes.panel(left, right, upper.bottom + TEXT, HEIGHTS.1);
-    Figure::draw("calibration", "Light of the display".to_owned(), caption, lower.bottom + below(TEXT), |svg| {
-        let room = (WIDTH - EDGE - left) / model.channels.len() as f64;
-        for (index, FittedChannel { channel, .. }) in model.channels.iter().enumerate() {
-            svg.legend_entry((left + index as f64 * room, legend), series(*channel), true, channel.name(), TEXT);
-        }
-        number_axis(svg, &Panel { top: upper.top, ..lower }, (0.0, 1.0), "Encoded value");
-        light.draw(svg, &upper, Some("Luminance (cd/m²)"));
-        codes.draw(svg, &lower, Some("Residual (codes)"));
-        for panel in [upper, lower] {
-            svg.line(&[(panel.left, panel.y(0.0)), (panel.right, panel.y(0.0))], Stroke { width: 1.4, ..AXIS });
-        }
+    let channels: Vec<(Series, &str)> =
+        model.channels.iter().map(|own| (series(own.channel), own.channel.name())).collect();
+    let panel = light.panel(light.margin(), WIDTH - EDGE - TEXT - beside("", &channels), EDGE, PANEL);
+    Figure::draw("calibration", "Light of the display".to_owned(), caption, panel.bottom + below(TEXT), |svg| {
+        number_axis(svg, &panel, (0.0, 1.0), "Encoded value");
+        light.draw(svg, &panel, Some("Luminance (cd/m²)"));
         for FittedChannel { channel, curve, .. } in &model.channels {
             let levels = (0..=STEPS).map(|step| step as f64 / STEPS as f64);
-            let points: Vec<_> = levels.map(|v| (upper.x(v), upper.y(curve.cd_m2(v)))).collect();
+            let points: Vec<_> = levels.map(|v| (panel.x(v), panel.y(curve.cd_m2(v)))).collect();
             svg.line(&points, Stroke { width: 2.4, ..series(*channel).line() });
         }
         for one in calibration.readings.all() {
-            svg.marker((upper.x(one.level), upper.y(one.luminance_cd_m2)), 0.7 * MARKER, series(one.channel));
+            svg.marker((panel.x(one.level), panel.y(one.luminance_cd_m2)), 0.7 * MARKER, series(one.channel));
         }
-        for (channel, level, codes) in residuals(calibration, model) {
-            svg.marker((lower.x(level), lower.y(codes)), 0.7 * MARKER, series(channel));
-        }
-    })
-}
-
-/// Returns the channel and the level of every reading, and its distance from the curve in 8-bit codes.
-fn residuals<'a>(
-    calibration: &'a Calibration,
-    model: &'a FittedModel,
-) -> impl Iterator<Item = (Channel, f64, f64)> + 'a {
-    calibration.readings.all().iter().filter_map(move |one| {
-        let fitted = model.channels.iter().find(|fitted| fitted.channel == one.channel)?;
-        Some((one.channel, one.level, 255.0 * (fitted.curve.encoded(one.luminance_cd_m2) - one.level)))
+        legend(svg, &panel, "", &channels, true);
     })
 }
 

@@ -1,26 +1,24 @@
-//! A chart of the model's coefficients with their intervals, grouped by term.
+//! A chart of the model's coefficients with their intervals.
 
 use super::{
-    axes::{EDGE, MARKER, Panel, TEXT, below, ends, number_axis, told},
+    axes::{EDGE, MARKER, Panel, below, ends, number_axis, told},
     figure::Figure,
-    labels,
-    palette::{AXIS, Series, Stroke, WHITE},
+    labels::{self, TEXT},
+    palette::{AXIS, Series, Stroke},
     svg::{Anchor, Font, Point, Svg, WIDTH},
 };
-use crate::analysis::{
-    Coefficient, Model, Note, Results,
-    terms::{TermPart, Variable},
+use crate::{
+    analysis::{Coefficient, Model, Results},
+    report::names,
+    statistics::Interval,
 };
-use crate::statistics::Interval;
 
 /// Maximum number of coefficients in a chart.
 const MAX_SHOWN: usize = 60;
 /// Distance between rows.
 const PITCH: f64 = 1.4 * TEXT;
 /// Maximum width of a row's name.
-const MAX_NAME: f64 = 290.0;
-/// Indentation of the names of levels.
-const INDENT: f64 = 18.0;
+const MAX_NAME: f64 = 300.0;
 
 /// Draws `effects`, if there is a model with coefficients.
 pub(super) fn figure(results: &Results) -> Option<Figure> {
@@ -28,11 +26,12 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     if model.coefficients.is_empty() {
         return None;
     }
-    let rows = rows(results, model);
+    let (known, shown) = (results.options.parameters, model.coefficients.iter().take(MAX_SHOWN));
+    let rows: Vec<(String, &Coefficient)> =
+        shown.map(|own| (labels::fit(&names::coefficient(known, &own.parts), MAX_NAME), own)).collect();
     let (low, high) = range(model);
-    // Headings may extend into the panel because their row is empty there.
-    let names = rows.iter().filter(|(_, one)| one.is_some()).map(|(name, _)| INDENT + labels::width(name, TEXT));
-    let left = EDGE + names.fold(120.0, f64::max).min(MAX_NAME) + 14.0;
+    let widest = rows.iter().map(|(name, _)| labels::width(name)).fold(120.0, f64::max);
+    let left = EDGE + widest.min(MAX_NAME) + 14.0;
     let bottom = EDGE + PITCH * rows.len() as f64 + 8.0;
     let panel = Panel { left, right: WIDTH - EDGE - 8.0, top: EDGE, bottom, low: 0.0, high: 1.0 };
     let share = |value: f64| (value - low) / (high - low);
@@ -43,16 +42,8 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         svg.line(&[(zero, panel.top), (zero, bottom)], Stroke { dash: Some((9.0, 6.0)), ..AXIS });
         for (index, (name, coefficient)) in rows.iter().enumerate() {
             let y = panel.top + PITCH * (index as f64 + 0.5);
-            let Some(coefficient) = coefficient else {
-                let name = labels::fit(name, WIDTH - 2.0 * EDGE, 1.05 * TEXT);
-                let end = EDGE + labels::width(&name, 1.05 * TEXT);
-                svg.rectangle((EDGE, y - 0.5 * PITCH), (end, y + 0.45 * PITCH), WHITE);
-                svg.text(&name, (EDGE, y), Font::new(TEXT, Anchor::Start).bold());
-                continue;
-            };
-            let name = labels::fit(name, MAX_NAME - INDENT, TEXT);
-            svg.text(&name, (left - 14.0, y), Font::new(TEXT, Anchor::End));
-            effect(svg, &panel, coefficient, share, y, &name);
+            svg.text(name, (left - 14.0, y), Font::new(Anchor::End));
+            effect(svg, &panel, coefficient, share, y, name);
         }
     }))
 }
@@ -60,7 +51,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
 fn caption(model: &Model) -> String {
     let mut text = format!(
         "Coefficients of the cumulative-link {}model ({} link), with 95\u{a0}% profile-likelihood intervals. Positive \
-         values mean higher ratings than at the level in parentheses, or with a larger number; {}.",
+         values mean higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         model.link,
         labels::fitted(model)
@@ -75,47 +66,6 @@ fn caption(model: &Model) -> String {
     text
 }
 
-/// Returns the rows of the chart: the names of coefficients with the coefficients, and headings for their terms, which
-/// have no coefficient.
-fn rows<'a>(results: &Results, model: &'a Model) -> Vec<(String, Option<&'a Coefficient>)> {
-    let mut rows = Vec::new();
-    let mut last: Vec<&Variable> = Vec::new();
-    for coefficient in model.coefficients.iter().take(MAX_SHOWN) {
-        let variables: Vec<&Variable> = coefficient.parts.iter().map(|part| &part.variable).collect();
-        let is_number = matches!(variables[..], [Variable::Number(_)]);
-        if !is_number && last != variables {
-            rows.push((heading(results, model, &variables), None));
-        }
-        // The names of factors are in the heading.
-        let part = |part: &TermPart| match &part.level {
-            Some(level) => labels::level(level),
-            None => labels::heading(results, part.variable.name()),
-        };
-        let parts: Vec<String> = coefficient.parts.iter().map(part).collect();
-        rows.push((labels::clean(&parts.join(" × ")), Some(coefficient)));
-        last = variables;
-    }
-    rows
-}
-
-/// Returns the heading of a term, with the baseline level of its factor.
-fn heading(results: &Results, model: &Model, variables: &[&Variable]) -> String {
-    let [Variable::Factor(name)] = variables else {
-        return variables
-            .iter()
-            .map(|variable| labels::heading(results, variable.name()))
-            .collect::<Vec<_>>()
-            .join(" × ");
-    };
-    let rebased = model.notes.iter().find_map(|note| match note {
-        Note::Rebased { factor, baseline, .. } if factor == name => Some(baseline),
-        _ => None,
-    });
-    let baseline = results.modeled().factor(name).and_then(|(_, factor)| rebased.or(factor.levels.first()));
-    let against = baseline.map_or_else(String::new, |level| format!(" (against {})", labels::level(level)));
-    format!("{}{against}", labels::heading(results, name))
-}
-
 /// Returns the interval of a coefficient or, if there is none, only the estimate.
 fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
     interval.unwrap_or(Interval { low: estimate, high: estimate })
@@ -124,10 +74,7 @@ fn interval(&Coefficient { estimate, interval, .. }: &Coefficient) -> Interval {
 /// Returns the range of the axis: all intervals, except a few extreme ones that would leave no room for the others.
 fn range(model: &Model) -> (f64, f64) {
     let finite = || model.coefficients.iter().take(MAX_SHOWN).filter(|c| c.estimate.is_finite());
-    let largest = finite().map(|c| c.estimate.abs()).fold(0.0, f64::max);
-    let mut halves: Vec<f64> = finite().map(|c| (interval(c).high - c.estimate).abs()).collect();
-    halves.sort_by(f64::total_cmp);
-    let limit = largest + 4.0 * halves.get(halves.len() / 2).copied().unwrap_or(1.0);
+    let limit = 3.0 * finite().map(|c| c.estimate.abs()).fold(1.0, f64::max);
     let bounds = finite().map(interval).flat_map(|interval| [interval.low, interval.high]);
     let (low, high) = ends(bounds.map(|end| end.clamp(-limit, limit)).chain([0.0])).unwrap_or((-1.0, 1.0));
     let pad = (0.06 * (high - low)).max(0.1);
@@ -137,11 +84,6 @@ fn range(model: &Model) -> (f64, f64) {
 /// Draws an estimate with its interval, and an arrow where they extend beyond the panel.
 fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl Fn(f64) -> f64, y: f64, name: &str) {
     let (series, estimate) = (Series::only(), coefficient.estimate);
-    if estimate.is_infinite() {
-        let (edge, direction) = if estimate > 0.0 { (panel.right, 1.0) } else { (panel.left, -1.0) };
-        svg.line(&[(edge - direction * 90.0, y), (edge - direction * 16.0, y)], series.bar());
-        return arrow(svg, (edge, y), direction, series);
-    }
     if estimate.is_nan() {
         return;
     }
@@ -149,16 +91,16 @@ fn effect(svg: &mut Svg, panel: &Panel, coefficient: &Coefficient, share: impl F
     let [from, to] = [low, high].map(|end| panel.x(share(end).clamp(0.0, 1.0)));
     if to > from {
         svg.line(&[(from, y), (to, y)], Stroke { width: 3.0, ..series.bar() });
-        for (end, x, direction) in [(share(low), from, -1.0), (share(high), to, 1.0)] {
-            if (0.0..=1.0).contains(&end) {
-                svg.line(&[(x, y - 7.0), (x, y + 7.0)], series.bar());
-            } else {
-                arrow(svg, (x, y), direction, series);
-            }
+    }
+    for (is_beyond, x, direction) in [(share(low) < 0.0, from, -1.0), (share(high) > 1.0, to, 1.0)] {
+        if is_beyond {
+            arrow(svg, (x, y), direction, series);
         }
     }
-    let text = format!("{name}: {}", told(estimate, coefficient.interval));
-    svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
+    if estimate.is_finite() {
+        let text = format!("{name}: {}", told(estimate, coefficient.interval));
+        svg.point((panel.x(share(estimate)), y), MARKER + 1.0, series, text);
+    }
 }
 
 /// Draws an arrowhead that points right (1) or left (−1).

@@ -23,8 +23,6 @@ pub struct Figure {
     pub title: String,
     /// One or two sentences that explain how the data are drawn and state the number of ratings.
     pub caption: String,
-    /// True if the chart is designed for the full width of a page instead of one column.
-    pub wide: bool,
     /// Height at a width of 800.
     pub height: f64,
     /// The drawing, 800 units wide. Its text is kept as text, and it does not depend on other files.
@@ -42,7 +40,7 @@ impl Figure {
         paint: impl FnOnce(&mut Svg),
     ) -> Self {
         let (svg, values) = Svg::draw(height, &title, &caption, paint);
-        Self { name, title, caption, wide: false, height, svg, values }
+        Self { name, title, caption, height, svg, values }
     }
 
     /// Returns the chart as a PNG image that is 1600 pixels wide. Its bytes are the same on every machine.

@@ -1,9 +1,16 @@
-//! Names and other text in charts.
+//! Names and other text in charts, and which factors and levels they show.
 
 use crate::{
-    analysis::{Model, Results, number_of},
+    analysis::{
+        Model, Results,
+        counts::{Counts, Factor},
+        number_of,
+    },
     report::{document::count, names},
 };
+
+/// Text size.
+pub(super) const TEXT: f64 = 29.0;
 
 /// Removes line breaks and characters that XML does not allow from a text.
 pub(super) fn clean(text: &str) -> String {
@@ -11,7 +18,7 @@ pub(super) fn clean(text: &str) -> String {
 }
 
 /// Estimates the width of a text in a typical sans-serif font. Fonts differ, so the estimate errs on the large side.
-pub(super) fn width(text: &str, size: f64) -> f64 {
+pub(super) fn width(text: &str) -> f64 {
     let em = |c: char| match c {
         'i' | 'j' | 'l' | 'I' | '\'' | '|' => 0.29,
         ' ' | '.' | ',' | ':' | ';' | '!' | '(' | ')' | '[' | ']' | 'f' | 't' | 'r' | '-' | '/' => 0.39,
@@ -21,13 +28,13 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
         '\u{1100}'..='\u{11ff}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{1f000}'.. => 1.0,
         _ => 0.59,
     };
-    size * text.chars().map(em).sum::<f64>()
+    TEXT * text.chars().map(em).sum::<f64>()
 }
 
 /// Returns the text, or as much of its beginning and end as fits. The end is kept because levels often differ there.
-pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
+pub(super) fn fit(text: &str, room: f64) -> String {
     let text = clean(text);
-    if width(&text, size) <= room {
+    if width(&text) <= room {
         return text;
     }
     let chars: Vec<char> = text.chars().collect();
@@ -36,7 +43,7 @@ pub(super) fn fit(text: &str, room: f64, size: f64) -> String {
         let tail: String = chars[chars.len() - kept / 2..].iter().collect();
         format!("{}…{}", head.trim_end(), tail.trim_start())
     };
-    (1..chars.len()).rev().map(ends).find(|short| width(short, size) <= room).unwrap_or_else(|| "…".to_owned())
+    (1..chars.len()).rev().map(ends).find(|short| width(short) <= room).unwrap_or_else(|| "…".to_owned())
 }
 
 /// Formats a level for readers; the depth `inf` becomes ∞.
@@ -48,26 +55,6 @@ pub(super) fn level(name: &str) -> String {
 /// Returns a factor's name as used within a sentence.
 pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
     clean(&names::factor(results.options.parameters, factor))
-}
-
-/// Returns a factor's name as an axis title, with its unit.
-pub(super) fn axis(results: &Results, factor: &str) -> String {
-    names::axis(results.options.parameters, factor)
-}
-
-/// Returns a factor's name as a legend heading.
-pub(super) fn heading(results: &Results, factor: &str) -> String {
-    names::heading(results.options.parameters, factor)
-}
-
-/// Names what the ratings measure, which is visibility if any factor is a parameter of our stimuli.
-pub(super) fn rating(results: &Results) -> &'static str {
-    let is_ours = |name: &str| results.options.parameters.is_some_and(|all| all.iter().any(|own| own.name == name));
-    if results.measured.counts.factors.iter().any(|factor| is_ours(&factor.name)) {
-        "Mean visibility rating"
-    } else {
-        "Mean rating"
-    }
 }
 
 /// Returns a caption: it begins with a capital letter and ends with a period.
@@ -98,4 +85,25 @@ pub(super) fn bars(results: &Results) -> String {
 /// Says how many levels are shown if not all are: ` (12 of 30 are shown)`.
 pub(super) fn some_of(shown: usize, all: usize) -> String {
     if shown < all { format!(" ({shown} of {all} are shown)") } else { String::new() }
+}
+
+/// Returns the indices of the two most interesting factors, or of one: those with several levels come first, and among these
+/// width and depth.
+pub(super) fn chosen(counts: &Counts) -> Vec<usize> {
+    let rank = |factor: &Factor| {
+        let known = ["width", "depth"].iter().position(|name| *name == factor.name).unwrap_or(2);
+        (factor.levels.len() < 2, known)
+    };
+    let mut order: Vec<usize> = (0..counts.factors.len()).filter(|&f| !counts.factors[f].levels.is_empty()).collect();
+    order.sort_by_key(|&factor| rank(&counts.factors[factor]));
+    order.truncate(2);
+    order
+}
+
+/// Returns at most `most` evenly spaced indices below `count`, including the first and the last.
+pub(super) fn evenly(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|index| (index * (count - 1) + (most - 1) / 2) / (most - 1)).collect()
 }

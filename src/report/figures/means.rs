@@ -1,39 +1,41 @@
 //! Charts of mean ratings. As in Figure 4 of Bangay's paper, one chart shows the means by one factor, with one line for
 //! each level of the other factor, and a second chart shows the reverse. Both exist for the measured means and for
-//! the means that the vision model predicts. Other charts show the means by orientation and by participant.
+//! the means that the vision model predicts. Other charts show the means by direction and by participant.
 
 use std::collections::HashMap;
 
 use super::{
-    axes::{EDGE, Levels, MARKER, PANEL, Panel, TEXT, Values, beside, legend, plain, told},
-    choice::{chosen, evenly},
+    axes::{EDGE, Levels, MARKER, PANEL, Panel, Values, beside, legend, told},
     figure::Figure,
-    labels,
+    labels::{self, chosen, evenly},
     palette::{GRAY, MAX_SERIES, Series, Stroke},
-    svg::{Anchor, Font, Point, Svg, WIDTH},
+    svg::{Point, Svg, WIDTH},
 };
 use crate::analysis::{
     Results,
     counts::{CountRow, Factor, Role},
     summary::{Group, by_levels, means_by_subject},
 };
-use crate::statistics::Interval;
+use crate::{report::names, statistics::Interval};
 
 /// Maximum number of participants drawn as lines. More lines could not be told apart and would take long to draw.
 const MAX_LINES: usize = 300;
 
+/// What the charts of measured means show.
+const WHAT: &str = "Mean rating";
+
 /// A mean and its interval.
-type Mean = (f64, Option<Interval>);
+pub(super) type Mean = (f64, Option<Interval>);
 
 /// Means, by the levels of the factors shown.
 type Means = HashMap<Vec<String>, Mean>;
 
 /// One line of a chart, with a mean for each level of the factor on the horizontal axis.
-struct Line {
+pub(super) struct Line {
     /// The level of the other factor; empty if there is none.
-    name: String,
-    series: Series,
-    means: Vec<Option<Mean>>,
+    pub name: String,
+    pub series: Series,
+    pub means: Vec<Option<Mean>>,
 }
 
 /// Draws `figure4a` and, if there are two factors, `figure4b`. The factors are width and depth if both exist.
@@ -41,7 +43,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
     let factors = chosen(&results.measured.counts);
     let names = ["figure4a", "figure4b"];
     let means = of_groups(by_levels(&results.measured.counts, &factors));
-    charts(results, &factors, &means, names, labels::rating(results), &labels::bars(results))
+    charts(results, &factors, &means, names, WHAT, &labels::bars(results))
 }
 
 /// Draws Figure 4 as predicted by the vision model: `figure4a_predicted` and `figure4b_predicted`. `expected` contains
@@ -126,13 +128,13 @@ fn chart(
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
     let caption = labels::sentence(&format!("{caption}{source}"));
-    let heading = by.map(|by| labels::heading(results, &by.name)).unwrap_or_default();
+    let heading = by.map(|by| names::heading(results.options.parameters, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
     let panel = values.panel(values.margin(), WIDTH - EDGE - beside(&heading, &series), EDGE, PANEL);
     Figure::draw(name, title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &labels::axis(results, &across.name));
+        levels.draw(svg, &panel, &names::axis(results.options.parameters, &across.name));
         let name = |factor: &Factor| labels::in_sentence(results, &factor.name);
         draw(svg, &panel, &levels, &lines, [&name(across), &by.map(|by| name(by)).unwrap_or_default()]);
         legend(svg, &panel, &heading, &series, levels.ordered);
@@ -140,7 +142,7 @@ fn chart(
 }
 
 /// Draws lines of means. `names` are those of the factor on the horizontal axis and of the other factor.
-fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, by]: [&str; 2]) {
+pub(super) fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, by]: [&str; 2]) {
     let count = lines.len() as f64;
     // Series are offset so that no interval hides another; with lines, a smaller offset is enough.
     let most = if levels.ordered { 10.0 } else { 26.0 };
@@ -158,86 +160,40 @@ fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line], [across, 
                 svg.interval(x(at), panel.y(interval.low), panel.y(interval.high), 5.0, line.series.bar());
             }
         }
-        let other = if line.name.is_empty() { String::new() } else { format!(", {by} {}", line.name) };
+        let named = |factor: &str, level: &str| format!("{factor} {level}").trim().to_owned();
         for ((at, name), mean) in levels.at.iter().zip(&levels.names).zip(&line.means) {
             let Some((mean, interval)) = *mean else { continue };
-            let text = format!("{across} {name}{other}: {}", told(mean, interval));
+            let mut places = vec![named(across, name), named(by, &line.name)];
+            places.retain(|place| !place.is_empty());
+            let text = format!("{}: {}", places.join(", "), told(mean, interval));
             svg.point((x(*at), panel.y(mean)), MARKER, line.series, text);
         }
     }
 }
 
-/// Draws `orientation`, if a factor with several levels is a direction: the means by direction, and by the angle to the
-/// nearest horizontal or vertical.
+/// Draws `orientation`: the means by a direction with several levels that is not in Figure 4.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let index = counts.factors.iter().position(|factor| factor.role == Role::Direction && factor.levels.len() > 1)?;
-    let factor = &counts.factors[index];
-    let angles = factor.numbers.as_ref().filter(|angles| angles.len() > 1 && angles.iter().all(|a| a.is_finite()))?;
-    let mut distances: Vec<f64> = angles.iter().map(|&angle| distance_to_axis(angle)).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.dedup();
-    let folded = Factor { levels: distances.iter().map(|&d| plain(d)).collect(), ..factor.clone() };
-    let mut by_distance = counts.clone();
-    by_distance.factors[index] = Factor { numbers: Some(distances.clone()), ..folded };
-    for levels in &mut by_distance.conditions {
-        let distance = levels[index].map(|level| distance_to_axis(angles[level as usize]));
-        levels[index] = distance.and_then(|own| distances.iter().position(|d| *d == own)).map(|place| place as u32);
-    }
-    // The second panel is drawn only if several orientations have the same distance, and there is more than one
-    // distance.
-    let is_folded = (2..angles.len()).contains(&distances.len());
-    let (what, bars) = (labels::rating(results), labels::bars(results));
-    let more = if is_folded { "on the right by the angle to the nearest horizontal or vertical; " } else { "" };
-    let caption = labels::sentence(&format!("{more}{bars}"));
-    let values = Values::ratings(counts);
-    let (left, right) = (values.margin(), WIDTH - EDGE);
-    let middle = if is_folded { left + 0.62 * (right - left) } else { right };
-    let all = [
-        (counts, values.panel(left, middle, EDGE, PANEL), Some(what), labels::axis(results, &factor.name)),
-        (&by_distance, values.panel(middle + 46.0, right, EDGE, PANEL), None, "Off axis (°)".to_owned()),
-    ];
-    let parts: Vec<_> = all.into_iter().take(1 + usize::from(is_folded)).collect();
-    let height = EDGE + PANEL + super::axes::below(TEXT);
-    let title = format!("{what} by {}", labels::in_sentence(results, &factor.name));
-    Some(Figure::draw("orientation", title, caption, height, |svg| {
-        for (counts, panel, up, across) in parts {
-            let factor = &counts.factors[index];
-            let (levels, means) = (Levels::of(factor), of_groups(by_levels(counts, &[index])));
-            values.draw(svg, &panel, up);
-            levels.draw(svg, &panel, &across);
-            let means = factor.levels.iter().map(|level| means.get(std::slice::from_ref(level)).copied());
-            let line = Line { name: String::new(), series: Series::only(), means: means.collect() };
-            draw(svg, &panel, &levels, &[line], [&across, ""]);
-        }
-    }))
+    let is_direction = |factor: &Factor| factor.role == Role::Direction && factor.levels.len() > 1;
+    let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
+    let means = of_groups(by_levels(counts, &[index]));
+    let name = (0, "orientation");
+    Some(chart(results, &[&counts.factors[index]], &means, name, WHAT, &labels::bars(results)))
 }
 
-/// Returns the distance to the nearest multiple of 90° in degrees, without binary rounding noise.
-fn distance_to_axis(angle: f64) -> f64 {
-    let rest = angle.rem_euclid(90.0);
-    (rest.min(90.0 - rest) * 1e6).round() / 1e6
-}
-
-/// Draws `subjects`: every participant's mean rating by the most interesting factor, and the mean of all ratings.
+/// Draws `subjects`, if there are several: every participant's mean rating by the most interesting factor, and the mean of all ratings.
 pub(super) fn participants(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let factor = *chosen(counts).first()?;
+    let factor = *chosen(counts).first().filter(|_| results.is_inferential())?;
     let by = &counts.factors[factor];
-    let (what, name, sample) =
-        (labels::rating(results), labels::in_sentence(results, &by.name), labels::sample(results));
-    let several = results.is_inferential();
+    let (name, sample) = (labels::in_sentence(results, &by.name), labels::sample(results));
     let shown = evenly(results.people(), MAX_LINES);
-    let title = format!("{what} of every participant by {name}");
-    let caption = labels::sentence(&if several {
-        let some = labels::some_of(shown.len(), results.people());
-        format!("each gray line is one participant{some}, and the thick line is the mean over participants; {sample}")
-    } else {
-        sample
-    });
+    let title = format!("{WHAT} of every participant by {name}");
+    let some = labels::some_of(shown.len(), results.people());
+    let caption =
+        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
-    let top = if several { EDGE + 1.5 * TEXT } else { EDGE };
-    let panel = values.panel(values.margin(), WIDTH - EDGE, top, PANEL);
+    let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
     let thin = Stroke {
         opacity: (12.0 / people).clamp(0.25, 0.75),
@@ -248,21 +204,11 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };
     Some(Figure::draw("subjects", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
-        values.draw(svg, &panel, Some(what));
-        levels.draw(svg, &panel, &labels::axis(results, &by.name));
-        if several {
-            let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
-            let means = means_by_subject(counts, by.levels.len(), level);
-            shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
-            // Above the panel, where there are no ratings.
-            const ONE: &str = "one participant";
-            let (left, y) = (panel.left, EDGE + 0.5 * TEXT);
-            svg.line(&[(left, y), (left + 46.0, y)], Stroke { opacity: 0.8, width: 2.0, ..thin });
-            svg.text(ONE, (left + 56.0, y), Font::new(TEXT, Anchor::Start));
-            let x = left + 56.0 + labels::width(ONE, TEXT) + 30.0;
-            svg.line(&[(x, y), (x + 46.0, y)], thick);
-            svg.legend_entry((x, y), Series::only(), false, "mean", TEXT);
-        }
+        values.draw(svg, &panel, Some(WHAT));
+        levels.draw(svg, &panel, &names::axis(results.options.parameters, &by.name));
+        let level = |row: &CountRow| counts.conditions[row.condition as usize][factor].map(|level| level as usize);
+        let means = means_by_subject(counts, by.levels.len(), level);
+        shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
         let groups = &results.factors[factor].levels;
         let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
         let means: Vec<_> = by.levels.iter().map(mean).collect();

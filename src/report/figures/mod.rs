@@ -1,18 +1,15 @@
 //! Charts of a study's results, for print and for the window: SVG drawings, and pixels of the same drawings.
 //!
 //! The colors are the palette of Okabe & Ito (2008), which color-blind readers can also distinguish. Markers, dashes
-//! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide, or 12 cm
-//! wide for `proportions` of two factors.
+//! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide.
 
 mod axes;
-mod choice;
 mod display;
 mod effects;
 mod figure;
 mod labels;
 mod means;
 pub mod palette;
-mod predictive;
 mod proportions;
 mod svg;
 pub(super) mod tasks;
@@ -29,13 +26,12 @@ pub use svg::Plotted;
 
 /// Draws every chart for which there are data, in report order.
 pub fn all(results: &Results) -> Vec<Figure> {
-    let kinds: [fn(&Results) -> Vec<Figure>; 7] = [
+    let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,
         |results| proportions::figure(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
         |results| effects::figure(results).into_iter().collect(),
-        |results| predictive::figure(results).into_iter().collect(),
         |results| times::figure(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()

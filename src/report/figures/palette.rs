@@ -154,17 +154,11 @@ impl Series {
     }
 }
 
-/// Returns the color of an ordered category, from light to dark in equal steps of lightness.
+/// Returns the color of an ordered category, from light to dark.
 pub fn category(index: usize, of: usize) -> Rgb {
     // A single hue: light means low, in color and in gray.
-    const STOPS: [[f64; 3]; 4] =
-        [[208.0, 224.0, 240.0], [133.0, 178.0, 213.0], [42.0, 112.0, 176.0], [8.0, 34.0, 82.0]];
+    const ENDS: [[f64; 3]; 2] = [[208.0, 224.0, 240.0], [8.0, 34.0, 82.0]];
     let share = if of < 2 { 1.0 } else { index as f64 / (of - 1) as f64 };
-    let place = share * (STOPS.len() - 1) as f64;
-    let below = (place.floor() as usize).min(STOPS.len() - 2);
-    let mix = |channel: usize| {
-        let (from, to) = (STOPS[below][channel], STOPS[below + 1][channel]);
-        (from + (place - below as f64) * (to - from)).round() as u8
-    };
+    let mix = |channel: usize| (ENDS[0][channel] + share * (ENDS[1][channel] - ENDS[0][channel])).round() as u8;
     Rgb(mix(0), mix(1), mix(2))
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    labels,
+    labels::{self, TEXT},
     palette::{BLACK, Marker, Rgb, Series, Stroke, WHITE},
 };
 
@@ -25,7 +25,6 @@ pub(super) enum Anchor {
 /// The style of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Font {
-    size: f64,
     anchor: Anchor,
     bold: bool,
     upright: bool,
@@ -33,8 +32,8 @@ pub(super) struct Font {
 }
 
 impl Font {
-    pub const fn new(size: f64, anchor: Anchor) -> Self {
-        Self { size, anchor, bold: false, upright: false, below: false }
+    pub const fn new(anchor: Anchor) -> Self {
+        Self { anchor, bold: false, upright: false, below: false }
     }
 
     pub const fn bold(self) -> Self {
@@ -156,7 +155,7 @@ impl Svg {
 
     /// Draws a line of text.
     pub fn text(&mut self, content: &str, (x, y): Point, font: Font) {
-        let Font { size, anchor, bold, upright, below } = font;
+        let Font { anchor, bold, upright, below } = font;
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -166,9 +165,9 @@ impl Svg {
         let (x, y) = (n(x), n(y));
         let turn = if upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
         // The distance from the baseline to half the height of a capital letter, or to its top.
-        let baseline = n(y + size * if below { 0.76 } else { 0.35 });
+        let baseline = n(y + TEXT * if below { 0.76 } else { 0.35 });
         self.element(format_args!(
-            "<text x=\"{x}\" y=\"{baseline}\" font-size=\"{size}\" text-anchor=\"{anchor}\"{weight}{turn} \
+            "<text x=\"{x}\" y=\"{baseline}\" font-size=\"{TEXT}\" text-anchor=\"{anchor}\"{weight}{turn} \
              fill=\"{BLACK}\">{}</text>",
             escaped(content)
         ));
@@ -216,11 +215,11 @@ impl Svg {
 
     /// Draws a legend entry: a sample of the series, which is 46 units wide and begins at `(x, y)`, and the series'
     /// name.
-    pub fn legend_entry(&mut self, (x, y): Point, series: Series, lined: bool, name: &str, size: f64) {
+    pub fn legend_entry(&mut self, (x, y): Point, series: Series, lined: bool, name: &str) {
         if lined {
             self.line(&[(x, y), (x + 46.0, y)], series.line());
         }
-        self.marker((x + 23.0, y), 0.28 * size, series);
-        self.text(name, (x + 56.0, y), Font::new(size, Anchor::Start));
+        self.marker((x + 23.0, y), 0.28 * TEXT, series);
+        self.text(name, (x + 56.0, y), Font::new(Anchor::Start));
     }
 }

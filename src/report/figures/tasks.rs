@@ -1,9 +1,11 @@
 //! Charts of a task: psychometric functions and thresholds.
 
 use super::{
-    axes::{EDGE, MARKER, PANEL, TEXT, Values, below, beside, legend, number_axis, told},
+    axes::{EDGE, MARKER, PANEL, Values, below, beside, legend, number_axis, told},
     figure::Figure,
-    palette::{Series, Stroke},
+    labels::TEXT,
+    means::{Line, draw},
+    palette::Series,
     svg::WIDTH,
 };
 use crate::statistics::Interval;
@@ -66,30 +68,20 @@ pub(crate) fn estimates(
     let (low, high) = super::axes::ends(ends.flatten().filter(|end| end.is_finite()))?;
     let pad = if high > low { 0.06 * (high - low) } else { 0.5 };
     let values = Values::between(low - pad, high + pad);
-    let named = series.len() > 1;
-    let names = series.iter().enumerate().map(|(index, (name, _))| (Series::of(index), name.as_str()));
-    let names: Vec<_> = names.collect();
+    let of = |index: usize| if series.len() > 1 { Series::of(index) } else { Series::only() };
+    let line = |(index, (name, means)): (usize, &Estimates)| {
+        let name = if series.len() > 1 { name.clone() } else { String::new() };
+        Line { name, series: of(index), means: means.clone() }
+    };
+    let lines: Vec<Line> = series.iter().enumerate().map(line).collect();
+    let names: Vec<_> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let panel = values.panel(values.margin(), WIDTH - EDGE - beside("", &names), EDGE, PANEL);
     let levels = super::axes::Levels::evenly(places, false);
     let height = panel.bottom + levels.below(panel.width());
     Some(Figure::draw(name, title.to_owned(), caption, height, |svg| {
         values.draw(svg, &panel, Some(axis));
         levels.draw(svg, &panel, "");
-        let room = 0.6 * levels.gap() * panel.width();
-        for (index, (name, all)) in series.iter().enumerate() {
-            let one = if named { Series::of(index) } else { Series::only() };
-            let shift = if named { room * ((index as f64 + 0.5) / series.len() as f64 - 0.5) } else { 0.0 };
-            let of = if named { format!("{name}, ") } else { String::new() };
-            for ((at, place), estimate) in levels.at.iter().zip(places).zip(all) {
-                let Some((value, interval)) = estimate else { continue };
-                let x = panel.x(*at) + shift;
-                if let Some(interval) = interval {
-                    svg.interval(x, panel.y(interval.low), panel.y(interval.high), 6.0, Stroke::new(one.color, 3.0));
-                }
-                let text = format!("{of}{place}: {}", told(*value, *interval));
-                svg.point((x, panel.y(*value)), MARKER, one, text);
-            }
-        }
+        draw(svg, &panel, &levels, &lines, ["", ""]);
         legend(svg, &panel, "", &names, false);
     }))
 }

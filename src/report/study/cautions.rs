@@ -1,36 +1,22 @@
 //! Cautions for readers about the data, the model, and how participants answered.
 
-use std::{collections::BTreeSet, path::Path};
+use std::collections::BTreeSet;
 
-use super::{
-    findings::{self, ALPHA},
-    interactions,
-    names::{self, first_word, who},
-    sittings,
-};
+use super::{findings::ALPHA, interactions, names, sittings};
 use crate::{
-    analysis::{Note, Results, results::SubjectResults, terms::Term},
+    analysis::{Checks, Note, Results, results::SubjectResults},
     report::document::{count, either, fixed, p_is, percent, short_list, unit, whole},
-    statistics::Z_95,
-    store::{FileError, definition::built_in, ratings::Source},
+    store::{FileError, ratings::Source},
 };
 
-/// Cohen's κ up to which agreement is at most "slight" (Landis & Koch, 1977).
-pub(super) const LOW_KAPPA: f64 = 0.2;
-/// κ up to which agreement is at most "fair": a participant's agreement is called low if its interval ends below this.
-const FAIR_KAPPA: f64 = 0.4;
-/// Minimum number of pairs of ratings needed to judge a participant's agreement.
-const FEW_PAIRS: u64 = 10;
 /// A median response time above this, in seconds, is probably one in milliseconds.
 const LONG_S: f64 = 60.0;
 /// A participant with at least this proportion of ratings in one category hardly used the others.
 const NEARLY_ALL: f64 = 0.9;
 /// Minimum number of ratings needed to judge how a participant uses the scale.
-pub(super) const FEW_RATINGS: u64 = 10;
+const FEW_RATINGS: u64 = 10;
 /// A median response time below this, in seconds, is too short to look and decide.
 const HASTY_S: f64 = 0.3;
-/// A participant's median time is unusual if it is this many times longer or shorter than the typical median.
-const ODD_TIMES: f64 = 3.0;
 /// Maximum number of names in one sentence.
 const MAX_NAMES: usize = 6;
 
@@ -38,7 +24,7 @@ const MAX_NAMES: usize = 6;
 pub(super) fn cautions(source: &Source, results: &Results) -> Vec<String> {
     let mut cautions = Vec::new();
     cautions.extend(simulated(source, results));
-    cautions.extend(one_participant(source, results));
+    cautions.extend((results.people() == 1).then(|| ONE_PARTICIPANT.to_owned()));
     cautions.extend(problems(&source.errors, "error", source.files.iter().map(|file| file.erroneous).sum()));
     cautions.extend(problems(&source.warnings, "warning", 0));
     cautions.extend(nothing_found(results));
@@ -71,22 +57,9 @@ pub(super) fn simulated(source: &Source, results: &Results) -> Option<String> {
     })
 }
 
-fn one_participant(source: &Source, results: &Results) -> Option<String> {
-    if results.people() != 1 {
-        return None;
-    }
-    let plan = match &source.protocol {
-        Some(p) if built_in(Path::new(&p.name)).is_some() => {
-            format!("“machband plan {} --participants 4,8,12”", p.name)
-        }
-        Some(_) => "Plan… on the page of the study, or “machband plan” with its definition,".to_owned(),
-        None => "“machband plan”".to_owned(),
-    };
-    Some(format!(
-        "There is only one participant: tests and intervals are about this participant’s repeated trials and say nothing \
-         about other people. {plan} estimates how many participants a statement about people needs."
-    ))
-}
+/// What the trials of one participant say.
+const ONE_PARTICIPANT: &str = "There is only one participant: tests and intervals are about this participant’s repeated trials and say \
+     nothing about other people. “machband plan” estimates how many participants a statement about people needs.";
 
 fn problems(problems: &[FileError], what: &str, excluded: u64) -> Option<String> {
     let files: BTreeSet<&str> = problems.iter().map(|problem| problem.file.as_str()).collect();
@@ -127,24 +100,11 @@ fn about_model(results: &Results) -> Vec<String> {
             interactions::product(results, &found.names)
         )
     }));
-    cautions.extend(report.checks.as_ref().filter(|checks| checks.is_poor()).map(|_| {
-        let names: Vec<&str> = names::varied(results).map(|factor| factor.name.as_str()).collect();
-        let all = names.iter().map(|name| findings::main_effect(results, name)?.variables.first().cloned());
-        let has_all = all.collect::<Option<Vec<_>>>().is_some_and(|all| results.spec.terms.has(&Term { variables: all }));
-        let why = if let [one] = names[..]
-            && findings::is_slope(results, one)
-        {
-            format!(", perhaps because the effect of {one} is not linear: without num:, its levels are compared")
-        } else if has_all {
-            String::new()
-        } else if names.len() == 2 && report.interactions.iter().all(|test| test.p.is_some_and(|p| p >= ALPHA)) {
-            ", perhaps because effects differ along the scale".to_owned()
-        } else {
-            let all = interactions::product(results, &names);
-            format!(", perhaps because effects depend on each other: {all} has all interactions")
-        };
-        format!("The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”){why}.")
-    }));
+    if report.checks.as_ref().is_some_and(Checks::is_poor) {
+        let text = "The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”). \
+                    Other terms may describe them better: interactions, or the levels of a factor instead of a slope.";
+        cautions.push(text.to_owned());
+    }
     let notes = &report.model.notes;
     if results.ignores_people() {
         cautions.push(
@@ -177,14 +137,12 @@ fn about_model(results: &Results) -> Vec<String> {
             order.drift_p.map(p_is).unwrap_or_default()
         )
     }));
-    let unclear = interactions::unclear(results);
     cautions.extend(report.proportional_odds.iter().filter_map(|test| {
         let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        let term = names::term(results, &test.term);
-        let so = if unclear.contains(&term) { "" } else { ": trust its direction more than its size" };
         Some(format!(
-            "The ratings show that the effect of {term} differs along the scale (test of proportional odds, corrected \
-             {p}). Its coefficient is an average{so}."
+            "The ratings show that the effect of {} differs along the scale (test of proportional odds, corrected {p}). Its \
+             coefficient is an average.",
+            names::term(results, &test.term)
         ))
     }));
     cautions
@@ -206,49 +164,24 @@ pub(super) fn is_serious(note: &Note) -> bool {
     )
 }
 
-/// Describes behavior of participants that readers should check: use of only one category, low test–retest agreement,
-/// and unusual response times.
-pub(super) fn unusual_behavior(results: &Results) -> Vec<String> {
+/// Describes behavior of participants that readers should check: use of only one category, and unusual response times.
+fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences = one_category(results);
     sentences.extend(few_cross(results));
     // Participants with the same peculiarity are named in one sentence.
-    if let Some((who, least, most)) = odd(subjects, low_kappa, |_| true) {
-        let (least, most) = (unit(least), unit(most));
-        let kappa = if least == most { format!("= {least}") } else { format!("from {least} to {most}") };
+    let median = |subject: &SubjectResults| Some(subject.times?.median);
+    if let Some((who, least, _)) = odd(subjects, |own| median(own).filter(|median| *median > LONG_S)) {
         sentences.push(format!(
-            "{who} showed little agreement between their first and second ratings: κ {kappa} (95\u{a0}% interval below {}).",
-            unit(FAIR_KAPPA)
+            "{who} took at least {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
+            fixed(least.floor(), 0)
         ));
     }
-    let typical = typical_time(subjects).filter(|median| *median > LONG_S);
-    sentences.extend(typical.map(|median| {
-        format!(
-            "The typical response time is {} s: are the times in milliseconds? They are read as seconds.",
-            whole(median as u64)
-        )
-    }));
-    if let Some((who, _, most)) = odd(subjects, |s| Some(s.times?.median), |median| median < HASTY_S) {
+    if let Some((who, _, most)) = odd(subjects, |own| median(own).filter(|median| *median < HASTY_S)) {
         let most = fixed(most, 2);
         sentences.push(format!("{who} gave half of the answers within {most} s: too fast to look and decide."));
     }
-    sentences.extend(odd_times(subjects));
     sentences
-}
-
-/// Returns a participant's κ if it is surely low. The interval is Fisher's, of a correlation, to which κ with quadratic
-/// weights is close.
-fn low_kappa(subject: &SubjectResults) -> Option<f64> {
-    let kappa = subject.kappa.filter(|kappa| *kappa <= LOW_KAPPA && subject.retests >= FEW_PAIRS)?;
-    let high = (kappa.atanh() + Z_95 / (subject.retests as f64 - 3.0).sqrt()).tanh();
-    (high < FAIR_KAPPA).then_some(kappa)
-}
-
-/// Returns the median of the participants' median response times.
-fn typical_time(subjects: &[SubjectResults]) -> Option<f64> {
-    let mut sorted: Vec<f64> = subjects.iter().filter_map(|s| Some(s.times?.median)).collect();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
 }
 
 /// Names the participants who rated several levels of a factor of which most others rated one.
@@ -271,45 +204,21 @@ fn one_category(results: &Results) -> Vec<String> {
     };
     let of_category = |(index, name): (usize, &String)| {
         let share = |subject: &SubjectResults| Some(most_used(subject).filter(|(category, _)| *category == index)?.1);
-        let (whose, least, most) = odd(&results.subjects, share, |_| true)?;
-        // Not 100 % if some ratings are others.
-        let rounded = |share: f64| if share < 1.0 { ((100.0 * share).round() / 100.0).min(0.99) } else { share };
-        let [some, all] = [least, most].map(|share| percent(rounded(share)));
-        Some(match some == all {
-            _ if least >= 1.0 => format!("{whose} used only one category: all their ratings are {name}."),
-            true => format!("{whose} hardly used more than one category: {some} of their ratings are {name}."),
-            false => {
-                format!("{whose} hardly used more than one category: {some} to {all} of their ratings are {name}.")
-            }
+        let (whose, least, _) = odd(&results.subjects, share)?;
+        Some(if least >= 1.0 {
+            format!("{whose} used only one category: all their ratings are {name}.")
+        } else {
+            let some = percent((100.0 * least).floor() / 100.0);
+            format!("{whose} hardly used more than one category: at least {some} of their ratings are {name}.")
         })
     };
     results.measured.counts.categories.iter().enumerate().filter_map(of_category).collect()
 }
 
 /// Returns the names of the participants with an unusual value, and the smallest and the largest such value.
-fn odd(
-    subjects: &[SubjectResults],
-    value: impl Fn(&SubjectResults) -> Option<f64>,
-    is_odd: impl Fn(f64) -> bool,
-) -> Option<(String, f64, f64)> {
-    let (who, values): (Vec<String>, Vec<f64>) =
-        subjects.iter().filter_map(|s| Some((who(s), value(s).filter(|value| is_odd(*value))?))).unzip();
+fn odd(subjects: &[SubjectResults], value: impl Fn(&SubjectResults) -> Option<f64>) -> Option<(String, f64, f64)> {
+    let (ids, values): (Vec<&str>, Vec<f64>) =
+        subjects.iter().filter_map(|own| Some((names::participant(own), value(own)?))).unzip();
     let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((first_word(names::all_of(&who, MAX_NAMES)), least, values.into_iter().max_by(f64::total_cmp)?))
-}
-
-fn odd_times(subjects: &[SubjectResults]) -> Vec<String> {
-    let medians: Vec<(String, f64)> = subjects.iter().filter_map(|s| Some((who(s), s.times?.median))).collect();
-    // With two participants, neither is the unusual one.
-    let Some(middle) = typical_time(subjects).filter(|_| medians.len() > 2) else { return Vec::new() };
-    (medians.into_iter())
-        // Hasty answers have already been mentioned.
-        .filter(|(_, median)| *median > ODD_TIMES * middle || (*median * ODD_TIMES < middle && *median >= HASTY_S))
-        .map(|(who, median)| {
-            let slow = if median > middle { "slowly" } else { "quickly" };
-            let (own, usual) = (fixed(median, 2), fixed(middle, 2));
-            let who = first_word(who);
-            format!("{who} answered unusually {slow}: the median time is {own} s, and {usual} s is typical here.")
-        })
-        .collect()
+    Some((names::who(&ids, MAX_NAMES), least, values.into_iter().max_by(f64::total_cmp)?))
 }

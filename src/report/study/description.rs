@@ -1,7 +1,6 @@
 //! Descriptive sections: the design, the ratings by factor, condition and participant, and the response times.
 
 use super::{
-    exclusions,
     names::{self, participant},
     sittings,
 };
@@ -11,84 +10,26 @@ use crate::{
         counts::{Factor, Quartiles},
         summary::Group,
     },
-    experiment::{Order, Protocol},
     report::{
-        document::{Section, Shown, TableOf, count, fixed, mean, range, short_list, unit, whole},
+        document::{Section, Shown, TableOf, count, fixed, mean, range, unit, whole},
         figures::Figure,
     },
     store::ratings::Source,
 };
 
-/// Describes the design: what was varied, how often, how it was shown, and how much was completed.
+/// Describes the design: what was varied, and how much was completed.
 pub(super) fn design(source: &Source, results: &Results) -> Section {
     let mut section = Section::new("design", "Design");
-    match &source.protocol {
-        Some(protocol) => {
-            section.facts("The design according to the definition", definition(source, results, protocol))
-        }
-        None => section.text(
-            "The files contain no definition of an experiment, so this section describes the ratings themselves.",
-        ),
+    if let Some((first, last)) = sittings::days(source, results) {
+        section.text(if first == last {
+            format!("Sessions took place on {first}.")
+        } else {
+            format!("Sessions took place from {first} to {last}.")
+        });
     }
     factors(&mut section, source, results);
-    done(&mut section, source, results);
+    done(&mut section, results);
     section
-}
-
-fn definition(source: &Source, results: &Results, protocol: &Protocol) -> Vec<(&'static str, Shown)> {
-    let (design, recovery, viewing) = (&protocol.design, &protocol.recovery, &protocol.viewing);
-    let breaks = match design.break_every {
-        0 => "none".to_owned(),
-        n => format!("after every {}", if n == 1 { "trial".to_owned() } else { count(n.into(), "trial") }),
-    };
-    let field = format!("a uniform field of relative luminance {} for {} s", recovery.level, recovery.duration_s);
-    let planned = format!("{} cm from the screen, stimulus {}° wide", viewing.distance_cm, viewing.window_deg);
-    let mut rows = vec![
-        ("Experiment", (&protocol.name).into()),
-        ("Stimulus", stimulus(protocol).into()),
-        ("Trials per condition", whole(design.repetitions.into())),
-        ("Main trials per session", whole(protocol.main_trials() as u64)),
-        ("Practice trials, not analyzed", whole(design.practice.into())),
-        ("Order", order(results, protocol).into()),
-        ("Break", breaks.into()),
-        ("Between stimuli", field.into()),
-        ("Planned viewing", planned.into()),
-        ("Question", (&protocol.response.question).into()),
-        ("Answers", names::categories_of(protocol).join("; ").into()),
-    ];
-    rows.extend(sittings::days(source, results).map(|(first, last)| {
-        ("Sessions", if first == last { format!("on {first}") } else { format!("from {first} to {last}") }.into())
-    }));
-    rows
-}
-
-/// Describes the stimulus and its constant parameters.
-fn stimulus(protocol: &Protocol) -> String {
-    let stimulus = &protocol.stimulus;
-    let fixed: Vec<String> = (stimulus.parameters().iter())
-        .filter(|parameter| !protocol.factors.iter().any(|factor| factor.name == parameter.name))
-        .filter_map(|parameter| {
-            let level = stimulus.get(parameter.name)?.to_string();
-            let known = Some(stimulus.parameters());
-            let name = crate::report::names::factor(known, parameter.name);
-            Some(format!("{name} {}", crate::report::names::level(known, parameter.name, &level)))
-        })
-        .collect();
-    if fixed.is_empty() { stimulus.kind().to_owned() } else { format!("{} ({})", stimulus.kind(), fixed.join(", ")) }
-}
-
-fn order(results: &Results, protocol: &Protocol) -> String {
-    let order = match &protocol.design.order {
-        Order::Random => "all trials in random order".to_owned(),
-        Order::Blocked(factor) => format!("blocks by {}, in random order", names::factor(results, factor)),
-        Order::Latin(factor) => {
-            format!("blocks by {}, with their order balanced over participants", names::factor(results, factor))
-        }
-    };
-    match protocol.design.max_run {
-        Some(run) => format!("{order}, with at most {run} consecutive trials at the same level"),
-        None => order,
-    }
 }
 
 fn factors(section: &mut Section, source: &Source, results: &Results) {
@@ -113,21 +54,9 @@ fn factors(section: &mut Section, source: &Source, results: &Results) {
         .add_to(section);
 }
 
-/// Describes the planned and the completed trials.
-fn done(section: &mut Section, source: &Source, results: &Results) {
+/// Describes the conditions, and how many ratings there are.
+fn done(section: &mut Section, results: &Results) {
     let counts = &results.measured.counts;
-    let sessions = exclusions::sessions(source, results);
-    let planned: u64 = sessions.clone().filter_map(|session| session.planned).sum();
-    let rated: u64 = sessions.clone().filter(|s| s.planned.is_some()).map(|s| s.rated).sum();
-    if planned > 0 {
-        section.text(format!(
-            "Of {} in {}, {} are rated ({}\u{a0}%).",
-            count(planned, "planned main trial"),
-            count(sessions.count() as u64, "session"),
-            whole(rated),
-            fixed(100.0 * rated as f64 / planned as f64, 1)
-        ));
-    }
     let possible: usize = counts.factors.iter().map(|factor| factor.levels.len()).product();
     let found = counts.complete_conditions();
     // Ratings without a level of some factor belong to no condition.
@@ -154,12 +83,7 @@ fn done(section: &mut Section, source: &Source, results: &Results) {
     if let Some((least, most)) = least_and_most(results.subjects.iter().map(|subject| &subject.group))
         && least < most
     {
-        let few = results.subjects.iter().filter(|subject| subject.group.summary.n < most).map(participant);
-        let few = short_list(&few.collect::<Vec<_>>(), 12);
-        let (least, most) = (whole(least), whole(most));
-        section.text(format!(
-            "Each participant has {least} to {most} ratings. The following gave fewer than the maximum: {few}."
-        ));
+        section.text(format!("Each participant has {} to {} ratings.", whole(least), whole(most)));
     }
 }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    description, health, methods, model,
+    agreement, description, health, methods, model,
     provenance::{self, Provenance},
-    ranks, summary, vision,
+    summary, vision,
 };
 use crate::{
     analysis::{
@@ -115,18 +115,10 @@ impl Study {
         let of_files = if source.files.len() > 1 { format!(" of {} files", source.files.len()) } else { String::new() };
         if UNREADABLE * (unreadable + nobodys) > rows {
             let share = 100 / UNREADABLE;
-            let what = match (unreadable, nobodys) {
-                (_, 0) => format!("{unreadable} of {rows} rows{of_files} cannot be read"),
-                (0, _) => {
-                    let merged = if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xlsx")) {
-                        " (merged cells have one value)"
-                    } else {
-                        ""
-                    };
-                    format!("{nobodys} of {rows} rows{of_files} have no participant{merged}")
-                }
-                _ => format!("{unreadable} of {rows} rows{of_files} cannot be read, and {nobodys} have no participant"),
-            };
+            let parts = [(unreadable, "cannot be read"), (nobodys, "have no participant")];
+            let parts = parts.into_iter().filter(|(number, _)| *number > 0);
+            let parts = parts.map(|(number, what)| format!("{number} of {rows} rows{of_files} {what}"));
+            let what = parts.collect::<Vec<_>>().join(", and ");
             let message = format!("{what}, so nothing is analyzed; expected at most {share}\u{a0}% of such rows");
             let rows = source.files.iter().flat_map(|file| &file.nobodys).copied().collect();
             let error = FileError { rows, ..FileError::whole(file, message) };
@@ -193,15 +185,14 @@ pub struct Parts<'a> {
 /// Describes a study in a document.
 pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Document {
     let Parts { figures, prediction, provenance } = parts;
-    let (methods, references) = methods::sections(source, results, prediction.and_then(|p| p.as_ref().ok()));
+    let (methods, references) = methods::sections(source, results);
     let mut sections = vec![
         summary::section(source, results),
         description::design(source, results),
         health::section(source, results),
         description::section(results, figures),
         model::section(results, figures),
-        ranks::section(results),
-        ranks::agreement(results),
+        agreement::section(results),
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
     sections.extend([description::times(results, figures), methods, references]);

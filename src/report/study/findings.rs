@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use super::names;
 use crate::{
     analysis::{
-        Comparison, Link, Model, ModelReport, Note, Order, Results, Slopes, TermTest, find_factor, number_of,
+        Comparison, Link, Model, ModelReport, Note, Results, Slopes, TermTest, find_factor, number_of,
         rank_tests::PMethod,
         results::FactorResults,
         terms::{Term, Variable},
@@ -72,14 +72,8 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
     let mut text = before
         + &if evidence.p < ALPHA {
             let whose = if results.is_inferential() { "" } else { " to this participant" };
-            // Express a small probability in words.
-            let how = match evidence.p {
-                p if p < 0.001 => "hardly ever",
-                p if p < 0.01 => "rarely",
-                _ => "not often",
-            };
             format!(
-                "{}; if {name} made no difference{whose}, {} would {how} occur ({}, {p}).",
+                "{}; if {name} made no difference{whose}, {} would be unlikely ({}, {p}).",
                 if is_trend && factor.course().is_none() { span } else { means(results, factor) },
                 match (evidence.is_rank_test, factor.levels.len()) {
                     (true, _) => "orders this consistent",
@@ -108,7 +102,6 @@ pub(super) fn finding(results: &Results, factor: &FactorResults) -> String {
         text += " These two levels were chosen because their means differ most, so their difference is probably \
                  overestimated.";
     }
-    text.extend(people_differ(results, factor, evidence.p < ALPHA));
     text
 }
 
@@ -216,25 +209,6 @@ fn untested(results: &Results, factor: &FactorResults) -> String {
     format!("The effect of {name} could not be tested: {reason}.")
 }
 
-/// Says that participants differ in the effect, if the interval of the deviations excludes 0.
-fn people_differ(results: &Results, factor: &FactorResults, found: bool) -> Option<String> {
-    let report = results.model.as_ref().ok()?;
-    // Trials in blocks that are related look like participants who differ.
-    if report.order.as_ref().is_some_and(Order::is_dependent) {
-        return None;
-    }
-    let random = report.model.random.as_ref()?;
-    let slope = random.slopes.iter().find(|slope| slope.term == Term::factor(&factor.name))?;
-    let interval = slope.interval.filter(|interval| interval.low > 0.0)?;
-    let (name, interval) = (names::factor(results, &factor.name), with_interval(Some(interval), |sd| fixed(sd, 2)));
-    let so = if found { "" } else { ", so the mean effect may hide opposite effects in individuals" };
-    Some(format!(
-        " Participants differ in the effect of {name}: their deviations at each level have a standard deviation of {} on the \
-         latent scale{interval}{so}.",
-        fixed(slope.sd, 2)
-    ))
-}
-
 /// Describes the means in a sentence without its period. For a single participant, the sentence describes only these
 /// ratings.
 fn means(results: &Results, factor: &FactorResults) -> String {
@@ -259,19 +233,7 @@ fn means(results: &Results, factor: &FactorResults) -> String {
         }
         Some(tau) => {
             let verb = if tau > 0.0 { "rise" } else { "fall" };
-            // Mention the highest and the lowest mean if they are not at the first or last level.
-            let (highest, lowest) = factor.extremes();
-            let inside = |index: usize| (1..last).contains(&index);
-            let mut turns: Vec<String> = Vec::new();
-            turns.extend(inside(highest).then(|| format!("highest {most} at {high}")));
-            turns.extend(inside(lowest).then(|| format!("lowest {least} at {low}")));
-            // A slope is the same at every level.
-            let turns = if turns.is_empty() || is_slope(results, &factor.name) {
-                String::new()
-            } else {
-                format!(" ({})", turns.join(", "))
-            };
-            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step{turns}")
+            format!("{the_mean} tends to {verb} with {name}, {ends}, though not at every step")
         }
         None if low == high => format!("{the_mean} is {least}: the same at all levels of {name}"),
         None if factor.levels.len() == 2 => {
@@ -441,7 +403,8 @@ pub(super) fn range_of(results: &Results, variable: &Variable) -> Option<(f64, S
     levels.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (levels.first()?, levels.last()?);
     let name = names::factor(results, &factor.name);
-    let [low, high] = [first, last].map(|(_, level)| names::short_level(results, &factor.name, level));
+    let [low, high] = [first, last]
+        .map(|(_, level)| crate::report::names::rounded_level(results.options.parameters, &factor.name, level, 4));
     let what = match results.spec.link {
         Link::Logit => "the odds of a higher rating are multiplied by",
         Link::Probit => "the shift of the latent response in standard deviations is",

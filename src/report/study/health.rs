@@ -1,11 +1,8 @@
-//! Data quality: errors, exclusions, sessions, and how participants answered.
+//! Data quality: errors, exclusions, and sessions.
 
 use std::collections::BTreeMap;
 
-use super::{
-    cautions::{FEW_RATINGS, unusual_behavior},
-    exclusions, sittings,
-};
+use super::{exclusions, sittings};
 use crate::{
     analysis::Results,
     report::document::{Section, TableOf, count, fixed, list, whole},
@@ -38,19 +35,9 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("Rows with errors were excluded; the rest was analyzed.");
         section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    let sealed =
-        source.sessions.iter().filter_map(|session| session.sidecar.as_ref()?.sittings.last()?.seal.as_ref()).count()
-            as u64;
     if !source.warnings.is_empty() {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
-    } else if sealed > 0 {
-        let all = source.sessions.len() as u64;
-        let of = if sealed < all { format!("{} of ", whole(sealed)) } else { String::new() };
-        section.text(format!(
-            "The files of {of}{} were compared with the hashes recorded when each session ended; none was changed.",
-            count(all, "session")
-        ));
     }
     if !source.sessions.is_empty() {
         let analyzed: Vec<&SessionRead> = exclusions::sessions(source, results).collect();
@@ -70,25 +57,6 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     if sittings::all(source, results).next().is_some() {
         screens(&mut section, source, results);
     }
-    if unusual_behavior(results).is_empty() {
-        section.heading("How participants answered");
-        let mut looked_at = Vec::new();
-        looked_at.extend(results.times.iter().any(Option::is_some).then_some("response times"));
-        looked_at.extend(results.kappa.is_some().then_some("repeated ratings"));
-        let enough = results.subjects.iter().filter(|subject| subject.group.summary.n >= FEW_RATINGS).count();
-        let who = if enough == results.subjects.len() {
-            "Every participant used several categories".to_owned()
-        } else if enough > 0 {
-            format!("Every participant with at least {FEW_RATINGS} ratings used several categories")
-        } else {
-            format!("No participant gave {FEW_RATINGS} ratings, so this report does not say who used only one category")
-        };
-        section.text(if looked_at.is_empty() {
-            format!("{who}. There are no response times, and no repeated ratings in a known order, to check.")
-        } else {
-            format!("{who}. No {} are unusual.", looked_at.join(" or "))
-        });
-    }
     section
 }
 
@@ -101,9 +69,7 @@ pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<St
     let are = |n: usize| if n == 1 { "is" } else { "are" };
     match (unknown, open, all) {
         (.., 0) => None,
-        (0, 0, 1) => Some("The session is finished.".to_owned()),
-        (0, 0, 2) => Some("Both sessions are finished.".to_owned()),
-        (0, 0, _) => Some(format!("All {all} sessions are finished.")),
+        (0, 0, _) => Some(format!("All planned trials of {} are rated.", count(all as u64, "session"))),
         (0, ..) => Some(format!("{open} of {} {} unfinished.", count(all as u64, "session"), are(open))),
         _ => {
             let others = match all - unknown {
@@ -134,30 +100,15 @@ fn rated_by(session: &SessionRead) -> &'static str {
 
 fn screens(section: &mut Section, source: &Source, results: &Results) {
     section.heading("Screens and incidents");
-    let measured =
-        || exclusions::sessions(source, results).filter_map(|session| Some((session.dropped?, session.rated)));
-    if measured().next().is_none() {
-        section.text("Dropped frames could not be counted: no screen was used, or its refresh rate is unknown.");
-    } else {
-        section.text(format!(
-            "In {} of {} in which frames were counted, at least one was dropped.",
-            whole(measured().map(|(dropped, _)| dropped).sum()),
-            count(measured().map(|(_, rated)| rated).sum(), "trial")
-        ));
-    }
     // The number of sittings with each problem.
     let mut problems: BTreeMap<&str, u64> = BTreeMap::new();
-    let checks = || sittings::all(source, results).flat_map(|(_, sitting)| &sitting.preflight);
-    for note in checks().filter(|note| !note.ok) {
+    let checks = sittings::all(source, results).flat_map(|(_, sitting)| &sitting.preflight);
+    for note in checks.filter(|note| !note.ok) {
         *problems.entry(&note.sentence).or_default() += 1;
     }
-    section.text(if checks().next().is_none() {
-        "The sessions contain no record of preflight checks."
-    } else if problems.is_empty() {
-        "No preflight check found a problem."
-    } else {
-        "Preflight checks found these problems:"
-    });
+    if !problems.is_empty() {
+        section.text("Preflight checks found these problems:");
+    }
     section.list(problems.iter().map(|(text, n)| format!("{text} ({})", count(*n, "sitting"))).collect());
     let incidents: Vec<String> = sittings::all(source, results)
         .flat_map(|(session, sitting)| {

@@ -192,15 +192,13 @@ fn compared<'a>(
     comparisons.unwrap_or_default().iter().filter(is_own)
 }
 
-/// Describes the effect of a factor at each level of another one, or at some of them if there are many, with the p of the
-/// model's comparisons or, if the model has no such effects, of Friedman's tests.
+/// Describes the effect of a factor at each level of another one, with the p of the model's comparisons or, if the model has no such effects, of Friedman's tests.
 fn simple_effects(
     results: &Results,
     of: &FactorResults,
     at: &FactorResults,
     comparisons: Option<&[Comparison]>,
 ) -> String {
-    const MAX_SHOWN: usize = 4;
     let strata = strata(results, of, at, comparisons);
     if strata.is_empty() {
         return String::new();
@@ -218,8 +216,6 @@ fn simple_effects(
     };
     let is_raw = |(_, stratum): &(usize, FactorResults)| stratum.marginal.is_none();
     let are_alike = strata.iter().all(is_raw) || !strata.iter().any(is_raw);
-    let last = strata.len().saturating_sub(1);
-    let is_shown = |place: usize| last < MAX_SHOWN || place == 0 || place == last / 2 || place == last;
     let part = |(place, ((level, stratum), p)): (usize, (&(usize, FactorResults), Option<f64>))| {
         let ([first, second], _) = stratum.contrast();
         let mean_at = |index: usize| {
@@ -234,18 +230,10 @@ fn simple_effects(
             (true, false) => "the mean rating in the same conditions",
             (false, _) => "the mean rating",
         };
-        is_shown(place).then(|| {
-            format!(
-                "at {} {level}, {what} is {} and {}{p}",
-                names::factor(results, &at.name),
-                mean_at(first),
-                mean_at(second)
-            )
-        })
+        let (at, means) = (names::factor(results, &at.name), [first, second].map(mean_at));
+        format!("at {at} {level}, {what} is {} and {}{p}", means[0], means[1])
     };
-    let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().filter_map(part).collect();
-    let of_all =
-        if last < MAX_SHOWN { String::new() } else { format!(" ({} of {} levels)", parts.len(), strata.len()) };
+    let parts: Vec<String> = strata.iter().zip(corrected.iter().copied()).enumerate().map(part).collect();
     let withheld = strata.iter().filter_map(|stratum| own(stratum)?.withheld).next();
     let test = match (comparisons, withheld) {
         (_, Some(reason)) => format!(" These differences have no p: {reason}."),
@@ -269,7 +257,7 @@ fn simple_effects(
         )
     });
     let text = names::capitalized(&parts.join("; "));
-    format!(" {text}{of_all}.{raw}{test}")
+    format!(" {text}.{raw}{test}")
 }
 
 /// Describes the effect of a number over its range at each level of a factor with which it interacts in the model.

@@ -2,10 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    exclusions, findings, names, sittings,
-    vision::{degrees, what},
-};
+use super::{exclusions, findings, names, sittings};
 use crate::{
     analysis::{
         ModelReport, RandomSlope, Results, TermTest,
@@ -14,10 +11,7 @@ use crate::{
         terms::{Term, Variable},
     },
     experiment::{Protocol, ResponseScale},
-    report::{
-        document::{Section, count, fixed, list, p_is, unit, with_interval},
-        prediction::StudyPrediction,
-    },
+    report::document::{Section, count, fixed, list, p_is, unit, with_interval},
     store::ratings::Source,
 };
 
@@ -37,7 +31,7 @@ impl Cited {
 }
 
 /// Writes the methods and their references.
-pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&StudyPrediction>) -> (Section, Section) {
+pub(super) fn sections(source: &Source, results: &Results) -> (Section, Section) {
     let mut section = Section::new("methods", "Methods, ready to paste");
     let mut cited = Cited::default();
     let paragraphs = [
@@ -46,14 +40,9 @@ pub(super) fn sections(source: &Source, results: &Results, predicted: Option<&St
         tests(&mut cited, results),
         agreement(&mut cited, results),
         intervals(&mut cited, results),
-        predicted.map(|predicted| vision(&mut cited, source, predicted)),
         Some(format!("The analysis was performed with machband {}.", env!("CARGO_PKG_VERSION"))),
     ];
     paragraphs.into_iter().flatten().for_each(|paragraph| section.text(paragraph));
-    // The section on agreement compares κ with the limit from this publication.
-    if results.kappa.is_some() {
-        cited.cite("Landis & Koch, 1977");
-    }
     let mut references = Section::new("references", "References");
     let publications = PUBLICATIONS.lines().filter_map(|line| line.split_once('\t'));
     let entries: Vec<String> =
@@ -163,13 +152,13 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
 }
 
 /// Returns the names of the terms of those tests whose p does not come from simulated studies.
-pub(super) fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
+fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
     let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
     others.map(|test| names::term(results, &test.term)).collect()
 }
 
 /// Warns of p values that ignore that ratings are related.
-pub(super) fn ignoring(results: &Results) -> &'static str {
+fn ignoring(results: &Results) -> &'static str {
     match results.ignores_people() {
         true => {
             " These p values ignore that ratings by the same participant are related, so they may be far too small."
@@ -192,6 +181,11 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
         let others = not_simulated(results, &report.terms);
+        let error = report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max);
+        let error_is = |error: f64| {
+            let most = if error < 1e-4 { "below 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
+            format!(" The Monte Carlo standard error of p, where it was not extrapolated, is {most}.")
+        };
         let whose = if others.is_empty() {
             "Their p values come".to_owned()
         } else {
@@ -200,14 +194,15 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         text += &format!(
             " {whose} from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
              (ChaCha8, seed {}){}, and their ratios were computed at the coefficients that generated them. p is (k + 1)/(n + 1); \
-             if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.",
+             if no ratio was as large, p was extrapolated with an exponential tail. Simulation ended early when p was clear.{}",
             cited.cite("Davison & Hinkley, 1997; Halekoh & Højsgaard, 2014"),
             results.options.resampling.seed,
             if report.model.random.is_some() {
                 ", with variances of the random effects corrected for the estimated means"
             } else {
                 ""
-            }
+            },
+            error.map(error_is).unwrap_or_default()
         );
     }
     text
@@ -300,7 +295,8 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     };
     let rest: String = leads.map(because).collect();
     Some(format!(
-        "Participants’ mean ratings at the levels of each factor were compared with Friedman’s test, with {} p values, and \
+        "Participants’ mean ratings at the levels of each factor, over those conditions of the other factors that a participant \
+         rated at every level, were compared with Friedman’s test, with {} p values, and \
          Kendall’s coefficient of concordance ({}): {}.{rest}",
         methods,
         cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
@@ -344,32 +340,4 @@ fn intervals(cited: &mut Cited, results: &Results) -> Option<String> {
         }
         format!("Intervals are 95\u{a0}% intervals: {}.", list(&kinds))
     })
-}
-
-fn vision(cited: &mut Cited, source: &Source, predicted: &StudyPrediction) -> String {
-    let comparison = &predicted.comparison;
-    let mut text = format!(
-        "For every condition, in a window of {} with a white of {} cd/m², a model of vision computed {}, in units of \
-         the threshold at which people see a difference. Its contrast sensitivity has the form of a standard model ({}) and was fitted to \
-         measured thresholds ({}, among others); in each of nine bands of frequency, the reference masks the difference.",
-        degrees(predicted),
-        fixed(predicted.viewing.white_cd_m2, 0),
-        what(source),
-        cited.cite("Watson & Ahumada, 2005"),
-        cited.cite("Carney et al., 1999")
-    );
-    if let Some(rho) = comparison.rank_correlation {
-        text += &format!(" Its rank correlation with the mean ratings was {}", unit(rho));
-        if let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) {
-            text += &format!(
-                "; the mean for individual participants was {}, with a noise ceiling ({}) of {} to {}",
-                unit(each),
-                cited.cite("Nili et al., 2014"),
-                unit(low),
-                unit(high)
-            );
-        }
-        text.push('.');
-    }
-    text
 }

@@ -4,23 +4,23 @@
 //! Every sentence that could be false for some results is computed from the results. A single participant allows no
 //! inference about people: tests and intervals are then about that participant's trials.
 
+mod agreement;
 mod cautions;
 mod description;
 mod document;
 mod exclusions;
 mod findings;
-mod fit;
 mod health;
 mod interactions;
 mod methods;
 mod model;
 mod names;
 mod provenance;
-mod ranks;
 mod sittings;
 mod summary;
 mod vision;
 
 pub use document::{Parts, Study, StudyError, document};
+pub(crate) use provenance::definition;
 pub use provenance::{Provenance, shell_command};
 pub use summary::{Summary, summary};

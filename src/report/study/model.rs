@@ -1,16 +1,10 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{
-    cautions::is_serious,
-    findings::{ALPHA, averaged},
-    fit,
-    methods::{ignoring, not_simulated},
-    names,
-};
+use super::{cautions::is_serious, findings::averaged, names};
 use crate::{
     analysis::{
-        Coefficient, Comparison, Link, Model, ModelReport, RandomEffect, RandomSlope, Results, Slopes, TermTest,
-        Withheld, terms::Variable,
+        Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
+        Slopes, TermTest, Withheld, terms::Variable,
     },
     report::{
         document::{
@@ -28,7 +22,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         Ok(report) => report,
         Err(error) => {
             section.warning(format!("No model could be fitted: {error}."));
-            section.text("The descriptive statistics and the rank tests do not depend on it.");
+            section.text("The descriptive statistics do not depend on it.");
             return section;
         }
     };
@@ -47,7 +41,6 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     if let Some(random) = &model.random {
         between_people(&mut section, results, model, random);
     }
-    effect_sizes(&mut section, results, report);
     comparisons(&mut section, results, report);
     margins(&mut section, results, report);
     tests(
@@ -59,9 +52,8 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
                 "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
              its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
              ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
-             terms. {}",
-                if model.random.is_some() { " but has the same random effects" } else { "" },
-                source_of_p(results, &report.terms)
+             terms. Methods says where they come from.",
+                if model.random.is_some() { " but has the same random effects" } else { "" }
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
@@ -69,7 +61,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         false,
     );
     interactions(&mut section, results, report);
-    let odds: Vec<f64> = report.proportional_odds.iter().filter_map(|test| test.p_holm).collect();
+    let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
     tests(
         &mut section,
         results,
@@ -77,45 +69,35 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "Is one coefficient per effect enough?",
             &format!(
                 "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold{}. {}{}",
+             against a separate effect at each threshold{}.{}",
                 if model.random.is_some() { ", in models without random effects" } else { "" },
-                source_of_p(results, &report.proportional_odds),
-                if odds.is_empty() { "" } else { " The last column corrects p for the number of terms (Holm)." }
+                if is_corrected { " The last column corrects p for the number of terms (Holm)." } else { "" }
             ),
             "Tests of proportional odds",
         ],
         &report.proportional_odds,
-        !odds.is_empty(),
+        is_corrected,
     );
-    if !odds.is_empty() && odds.iter().all(|p| *p >= ALPHA) {
-        let level = percent(ALPHA);
-        section.text(format!(
-            "None of the tested terms shows a violation at {level}. With few participants or ratings, tests have little power."
-        ));
-    }
     order(&mut section, report);
     if let Some(checks) = &report.checks {
-        fit::fit_of_model(&mut section, results, checks, figures);
+        fit_of_model(&mut section, results, checks);
     }
     section
 }
 
 /// Lists the interactions that the model leaves out.
 fn interactions(section: &mut Section, results: &Results, report: &ModelReport) {
-    let Some(first) = report.interactions.first() else { return };
+    if report.interactions.is_empty() {
+        return;
+    }
     section.heading("Do the effects depend on each other?");
-    let how = if first.by_signs {
-        "It is a score test: without an interaction, the residuals of each participant could equally well have the opposite sign, so p is the \
-         proportion of all (or 9,999 random) patterns of the participants’ signs with a statistic at least as large."
+    section.text(if results.spec.terms.iter().any(|term| term.variables.len() > 1) {
+        "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row tests this. The p \
+         values are corrected for the number of rows."
     } else {
-        "A likelihood-ratio test against the model with the interaction, in simulated studies."
-    };
-    let model = if results.spec.terms.iter().any(|term| term.variables.len() > 1) {
-        "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row tests this."
-    } else {
-        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two factors."
-    };
-    section.text(format!("{model} {how} The p values are corrected for the number of rows."));
+        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two \
+         factors. The p values are corrected for the number of rows."
+    });
     TableOf::new("Tests of the interactions that are not in the model", &report.interactions)
         .text("Factors", |test| test.factors.each_ref().map(|name| names::factor(results, name)).join(", "))
         .number("χ²", |test| fixed(test.chi_squared, 2))
@@ -156,34 +138,6 @@ fn order(section: &mut Section, report: &ModelReport) {
     ));
 }
 
-/// Says where the probabilities of some tests come from.
-fn source_of_p(results: &Results, tests: &[TermTest]) -> String {
-    let others = not_simulated(results, tests);
-    let of_others = if others.is_empty() {
-        String::new()
-    } else {
-        format!(" (that of {} from the χ² distribution)", list(&others))
-    };
-    let text = match tests.iter().filter_map(|test| test.draws).max() {
-        Some(draws) => format!(
-            "The χ² distribution is not accurate with few or related ratings, so p{of_others} comes from up to {draws} studies that were \
-             simulated from the model; simulation for a row ended when p was clear, or at the maximum (--draws), and studies that allowed no fit are left out. p is \
-             (k + 1)/(n + 1) if k of n simulated ratios are at least as large. If none is, p comes from an exponential tail \
-             fitted to the largest fifth and should be read only as small.{}",
-            tests.iter().filter_map(|test| test.p_error).reduce(f64::max).map_or_else(String::new, |error| {
-                let most =
-                    if error < 1e-4 { "less than 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
-                format!(" The Monte Carlo standard error of the other p values is {most}.")
-            })
-        ),
-        None if tests.iter().all(|test| test.p.is_none()) => {
-            return "There are no p values, for the reasons below.".to_owned();
-        }
-        None => "The p values come from the χ² distribution.".to_owned(),
-    };
-    text + ignoring(results)
-}
-
 /// Describes how much participants differ.
 fn between_people(section: &mut Section, results: &Results, model: &Model, random: &RandomEffect) {
     section.heading("Differences between participants");
@@ -201,10 +155,7 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         .text("Of", |(name, ..)| name)
         .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
         .number("SE", |(_, sd, se, _)| fixed(*se, decimals(*sd, *se)))
-        .number("95\u{a0}% interval", |(_, sd, se, interval)| {
-            let decimals = if decimals(*sd, *se) > 3 { decimals(*sd, *se) } else { 2 };
-            range(*interval, |sd| fixed(sd, decimals))
-        })
+        .number("95\u{a0}% interval", |(_, sd, se, interval)| range(*interval, |end| fixed(end, decimals(*sd, *se))))
         .add_to(section);
     let (share, interval) = model.share_between();
     if let Some(share) = share {
@@ -232,65 +183,26 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     }
 }
 
-/// Lists the size of each factor's effect on several scales.
-fn effect_sizes(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.contrasts.is_empty() {
-        return;
-    }
-    section.heading("Effect sizes");
-    let link = report.model.link;
-    let odds = link == Link::Logit;
-    section.text(format!(
-        "Each row compares two levels: the only two, the ends of a trend, or else those with the highest and the lowest mean, \
-         whose difference is then probably overestimated. {}The probability of superiority is the probability that a rating at \
-         the first level is higher on the latent scale, where there are no ties. d is the difference divided by the residual standard \
-         deviation, that of ratings of the same stimulus by the same participant.{}",
-        if odds { "The odds ratio is that of a higher rating. " } else { "" },
-        if script::has_numbers(results) { " The summary gives the effects of numbers over their range." } else { "" }
-    ));
-    let level = |contrast: &Comparison, level: &str| names::level(results, &contrast.factor, level);
-    let levels = |c: &Comparison| format!("{} – {}", level(c, &c.level), level(c, &c.other));
-    let superiority = |difference: f64| unit(link.superiority(difference));
-    let d = |difference: f64| fixed(difference / link.sd(), 2);
-    let mut table = TableOf::new("Sizes of the effects", &report.contrasts)
-        .text("Factor", |contrast| names::factor(results, &contrast.factor))
-        .text("Levels", levels);
-    if odds {
-        table = table
-            .number("Odds ratio", |contrast| ratio(contrast.estimate.exp()))
-            .number("95\u{a0}% interval of the odds ratio", |contrast| range(contrast.interval, |x| ratio(x.exp())));
-    }
-    table
-        .number("Superiority", |contrast| superiority(contrast.estimate))
-        .number("95\u{a0}% interval of superiority", |contrast| range(contrast.interval, superiority))
-        .number("d", |contrast| d(contrast.estimate))
-        .number("95\u{a0}% interval of d", |contrast| range(contrast.interval, d))
-        .add_to(section);
-}
-
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.comparisons.is_empty() && results.spec.terms.iter().all(|term| term.variables.len() < 3) {
+    if report.comparisons.is_empty() {
         return;
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model{}. Their p values and intervals come from the likelihood ratio of each \
-         difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among the coefficients above; others are profile intervals where \
-         there is one. Holm’s method corrects p for all comparisons of a factor; the intervals are not \
-         corrected.",
-        if report.comparisons.iter().any(|c| c.at.is_some()) {
-            "; those of factors in an interaction are at each level of the other factor (simple effects) and on average over them"
-        } else if report.model.coefficients.iter().any(|c| c.parts.len() > 1) || report.interactions.is_empty() {
-            ""
-        } else {
-            ", which is additive: each difference is an average over the other factors"
-        },
+        "Differences on the latent scale, in the model; those of factors in an interaction are at each level of the other factor \
+         (simple effects) and on average over them. Their p values and intervals come from the likelihood ratio of each \
+         difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among \
+         the coefficients above; others are profile intervals where there is one. Holm’s method corrects p for all comparisons \
+         of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
+         on the latent scale, where there are no ties; d is the difference divided by the residual standard deviation, that of \
+         ratings of the same stimulus by the same participant.",
         if report.terms.iter().any(|test| test.draws.is_some()) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
             ""
         }
     ));
+    let link = report.model.link;
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
     let at = |(factor, level): &(String, String)| {
         format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
@@ -307,19 +219,13 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, 2)))
         .number("p", |c| probability(c.p))
         .number("Holm-corrected p", |c| probability(c.p_holm))
+        .number("Superiority", |c| unit(link.superiority(c.estimate)))
+        .number("d", |c| fixed(c.estimate / link.sd(), 2))
         .add_to(section);
     for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
             section.note(format!("No p for differences of {}: {reason}.", names::factor(results, &comparison.factor)));
         }
-    }
-    let largest = results.spec.terms.iter().filter(|term| term.variables.len() > 2);
-    for term in largest.filter(|term| !results.spec.terms.is_marginal(term)) {
-        let term = names::term(results, &term.to_string());
-        section.note(format!(
-            "The factors of {term} are compared only on average, because each difference depends on two others. For other comparisons, \
-             analyze each level of one of them (--only)."
-        ));
     }
 }
 
@@ -347,61 +253,27 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     results.factors.iter().filter_map(|factor| averaged(results, factor)).for_each(|text| section.note(text));
 }
 
-/// Describes the fitted model in one line: `Fitted: cumulative-link mixed model (Laplace), logit link, terms width,
-/// depth. …`.
-fn sentence(results: &Results, model: &Model) -> String {
-    let method = match model.random {
-        None => "cumulative-link model",
-        Some(_) => "cumulative-link mixed model (Laplace)",
-    };
-    let terms: Vec<String> = (results.spec.terms.iter().map(ToString::to_string))
-        .map(|term| match names::term(results, &term) {
-            name if term.starts_with("num:") && !name.contains('×') => format!("{name} as a number"),
-            name => name.to_owned(),
-        })
-        .collect();
-    let terms = if terms.is_empty() { "no terms".to_owned() } else { format!("terms {}", terms.join(", ")) };
-    let converged = if model.converged() {
-        format!("converged in {}", count(model.iterations as u64, "iteration"))
-    } else {
-        "not converged".to_owned()
-    };
-    format!(
-        "Fitted: {method}, {} link, {terms}. {}, {}; log-likelihood {}, AIC {}; {converged}.",
-        model.link,
-        count(model.nobs, "rating"),
-        count(model.parameters as u64, "parameter"),
-        fixed(model.loglik, 2),
-        fixed(model.aic(), 2),
-    )
-}
-
 fn formula(section: &mut Section, results: &Results, model: &Model) {
     let mixed = model.random.is_some();
     let cdf = match model.link {
         Link::Logit => "logistic",
         Link::Probit => "normal",
     };
-    let has_slopes = model.random.as_ref().is_some_and(|random| !random.slopes.is_empty());
-    let has_items = model.random.as_ref().is_some_and(|random| random.items.is_some());
-    let (who, by) = if mixed { (" and every participant", " by participant s") } else { ("", "") };
-    let of_item = if has_items { " item k in" } else { "" };
-    let random = [
-        (mixed, " − u[s]", ",   u[s] ~ N(0, σ²)"),
-        (has_slopes, " − v[s, i]", ", v[s, i] the deviations of participant s"),
-        (has_items, " − w[k]", ", w[k] ~ N(0, τ²)"),
-    ];
-    let random = || random.iter().filter(|(is_there, ..)| *is_there);
-    let shifts: String = random().map(|(_, shift, _)| *shift).collect();
-    let distributions: String = random().map(|(.., distribution)| *distribution).collect();
+    let (who, shift, effects) = match &model.random {
+        None => ("", "", ""),
+        Some(random) if random.items.is_some() => {
+            (" and every participant", " − u", ", and u the random effects of the participant and the item")
+        }
+        Some(_) => (" and every participant", " − u", ", and u the random effects of the participant"),
+    };
     section.text(format!(
         "Ratings are ordered, but the steps between categories are not necessarily equal. The model therefore does not \
          average ratings: it places thresholds on a latent scale, and every condition{who} shifts the ratings along this \
          scale. A positive shift means higher ratings."
     ));
-    section.code(format!("P(rating of{of_item} condition i{by} ≤ j) = F(θ[j] − x[i]·β{shifts}){distributions}"));
+    section.code(format!("P(rating ≤ j) = F(θ[j] − x·β{shift})"));
     section.text(format!(
-        "F is the {cdf} distribution function, θ are the thresholds and β the coefficients. In R’s notation:"
+        "F is the {cdf} distribution function, θ are the thresholds, β the coefficients{effects}. In R’s notation:"
     ));
     section.code(script::call(results, model));
     if script::has_numbers(results) {
@@ -410,31 +282,21 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
              numbers and thresholds differ from those below.",
         );
     }
-    section.text(sentence(results, model));
     let slopes = model.random.iter().flat_map(|random| &random.slopes);
     let slopes: Vec<String> = slopes.map(|slope| names::slope(results, model, slope)).collect();
     if !slopes.is_empty() {
         section.text(format!(
-            "The model also lets participants differ in their effects ({}): {}. Tests and intervals of these effects \
-             therefore allow for differences between people.",
-            list(&slopes),
-            if results.spec.slopes == Slopes::Correlated {
-                "each has a deviation v in every coefficient, and all of them may be correlated"
-            } else {
-                "each has a deviation v at every level of a factor, or in the slope on a number, with a standard deviation for each \
-                 term"
-            }
+            "The model also lets participants differ in their effects ({}), so tests and intervals of these effects allow for \
+             differences between people.",
+            list(&slopes)
         ));
     } else if mixed && results.is_inferential() {
         section.text(format!(
-            "In this model, participants differ only in how high they rate; every effect is the same for all. {}",
+            "In this model, participants differ only in how high they rate; every effect is the same for all.{}",
             if results.spec.slopes == Slopes::None {
-                "Its tests of single factors that vary within participants are not used in the summary, which relies on rank tests \
-                 instead. Tests of interactions and of differences in them do not allow for people who differ in the effects."
+                " Tests of interactions and of differences in them do not allow for people who differ in the effects."
             } else {
-                "Where nobody rated a level twice, differences between participants in the effect are part of the variation \
-                 between ratings; other tests of effects within participants are withheld, and the summary relies on exact rank \
-                 tests instead."
+                ""
             }
         ));
     }
@@ -444,39 +306,31 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
     section.heading("Coefficients");
     if model.coefficients.is_empty() {
         section.text("The model has no terms, so it describes all ratings in the same way.");
-    } else {
-        section.text(meaning(results, model));
-        let odds = model.link == Link::Logit;
-        coefficient_table(section, results, &model.coefficients, odds);
+        return;
     }
-}
-
-/// Returns the decimals of an estimate: more than three if it is small, as that of a number with a large range.
-fn decimals(estimate: f64, se: Option<f64>) -> usize {
-    let size = estimate.abs().max(se.unwrap_or(0.0));
-    if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
-}
-
-/// Adds a table of coefficients, with odds ratios if requested.
-fn coefficient_table(section: &mut Section, results: &Results, all: &[Coefficient], odds: bool) {
+    section.text(meaning(results, model));
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }
     };
-    let mut table = TableOf::new("Coefficients of the model", all)
+    let mut table = TableOf::new("Coefficients of the model", &model.coefficients)
         .text("Coefficient", |c| names::coefficient(results, &c.parts))
         .number("Estimate", |c| fixed(c.estimate, of(c)))
         .number("SE", |c| fixed(c.se, of(c)))
-        .number("95\u{a0}% interval", |c| {
-            range(c.interval, |x| fixed(x, if c.estimate.abs() < 0.1 { of(c) } else { 2 }))
-        });
-    if odds {
+        .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, of(c))));
+    if model.link == Link::Logit {
         let odds_ratio = |c: &Coefficient, x: f64| if of(c) > 3 { fixed(x.exp(), of(c)) } else { ratio(x.exp()) };
         table = table
             .number("Odds ratio", |c| odds_ratio(c, c.estimate))
             .number("95\u{a0}% interval of the odds ratio", |c| range(c.interval, |x| odds_ratio(c, x)));
     }
     table.add_to(section);
+}
+
+/// Returns the decimals of an estimate: more than three if it is small, as that of a number with a large range.
+fn decimals(estimate: f64, se: Option<f64>) -> usize {
+    let size = estimate.abs().max(se.unwrap_or(0.0));
+    if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
 }
 
 fn meaning(results: &Results, model: &Model) -> String {
@@ -521,5 +375,52 @@ fn tests(
         let own = tests.iter().filter(|test| test.withheld == Some(reason));
         let terms: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
         section.note(format!("No p for {}: {reason}.", list(&terms)));
+    }
+}
+
+/// Says how well the model describes the data.
+fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
+    section.heading("Does the model describe the ratings?");
+    section.text(
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
+    );
+    let is_outside = |p: &&Proportion| p.is_outside();
+    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
+    let far = checks.cells.iter().filter(is_outside).count();
+    let lie = |number: usize| match number {
+        0 => "none lies".to_owned(),
+        1 => "one lies".to_owned(),
+        n => format!("{} lie", whole(n as u64)),
+    };
+    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
+    section.text(format!(
+        "Of {} at the levels of the factors, {} outside{}.",
+        count(checks.proportions.len() as u64, "proportion"),
+        lie(outside.len()),
+        if checks.cells.is_empty() { poor } else { "" }
+    ));
+    if !checks.cells.is_empty() {
+        section.text(format!(
+            "Of {} in the single combinations of {}, {} outside{}.",
+            count(checks.cells.len() as u64, "proportion"),
+            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
+            lie(far),
+            if checks.is_poor() { poor } else { ": no more than chance allows" }
+        ));
+    }
+    /// More rows would not be read.
+    const MOST: usize = 24;
+    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
+    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
+    if !rows.is_empty() {
+        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
+            .text("Factor", |own| names::factor(results, &own.factor))
+            .text("Level", |own| names::level(results, &own.factor, &own.level))
+            .text("Rating", |own| &own.category)
+            .number("Observed", |own| unit(own.observed))
+            .number("Expected", |own| unit(own.expected))
+            .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
+            .add_to(section);
     }
 }

@@ -32,11 +32,6 @@ pub(super) fn level(results: &Results, factor: &str, level: &str) -> Shown {
     names::level(results.options.parameters, factor, level)
 }
 
-/// Formats a level in a sentence about a range, with at most four significant digits.
-pub(super) fn short_level(results: &Results, factor: &str, level: &str) -> Shown {
-    names::rounded_level(results.options.parameters, factor, level, 4)
-}
-
 /// Returns a note about the model as a sentence.
 pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
     let mut note = note.clone();
@@ -69,57 +64,25 @@ pub(super) fn level_of(results: &Results, factor: &FactorResults, group: &Group)
     level(results, &factor.name, group.names.first().map_or("", String::as_str))
 }
 
-/// Lists the levels of a condition, for the factors that vary: `width 0.4, depth ∞`.
-pub(super) fn condition(results: &Results, condition: u32) -> String {
-    let counts = &results.measured.counts;
-    let levels = counts.factors.iter().zip(counts.level_names(condition));
-    let parts: Vec<String> = (levels.filter(|(one, _)| one.levels.len() > 1))
-        .map(|(one, name)| format!("{} {}", factor(results, &one.name), level(results, &one.name, name)))
-        .collect();
-    if parts.is_empty() { "the only condition".to_owned() } else { parts.join(", ") }
-}
-
 /// Returns the participant's ID.
 pub(super) fn participant(subject: &SubjectResults) -> &str {
     subject.group.names.first().map_or("", String::as_str)
 }
 
-/// Returns the participant for a sentence: `participant 97`, or an ID that is not a number.
-pub(super) fn who(subject: &SubjectResults) -> String {
-    let id = participant(subject);
-    if number_of(id).is_some() { format!("participant {id}") } else { id.to_owned() }
-}
-
-/// Lists participants for a sentence: `participants 97, 134 and 3 more`, or IDs that are not numbers.
-pub(super) fn all_of<S: AsRef<str>>(who: &[S], most: usize) -> String {
-    let numbers: Option<Vec<&str>> = who.iter().map(|who| who.as_ref().strip_prefix("participant ")).collect();
-    match numbers {
-        Some(numbers) if numbers.len() > 1 => format!("participants {}", short_list(&numbers, most)),
-        _ => short_list(who, most),
-    }
+/// Begins a sentence about participants: `Participant 97`, or `Participants 97, 134 and 3 more`.
+pub(super) fn who(ids: &[&str], most: usize) -> String {
+    format!("{} {}", if ids.len() == 1 { "Participant" } else { "Participants" }, short_list(ids, most))
 }
 
 /// Returns a coefficient for a table, such as `depth ∞` or `width 0.4 × depth 2`.
 pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
-    let part = |part: &TermPart| {
-        let name = factor(results, part.variable.name());
-        match &part.level {
-            Some(own) => format!("{name} {}", level(results, part.variable.name(), own)),
-            None => name,
-        }
-    };
-    parts.iter().map(part).collect::<Vec<_>>().join(" × ")
+    names::coefficient(results.options.parameters, parts)
 }
 
 /// Returns in what participants differ: a term, or a coefficient if the random effects are correlated.
 pub(super) fn slope(results: &Results, model: &Model, own: &RandomSlope) -> String {
     let found = model.coefficients.iter().find(|coefficient| coefficient.name == own.name);
     found.map_or_else(|| term(results, &own.name), |found| coefficient(results, &found.parts))
-}
-
-/// Returns participants for the beginning of a sentence. An ID keeps its case.
-pub(super) fn first_word(who: String) -> String {
-    if who.starts_with("participant") { capitalized(&who) } else { who }
 }
 
 /// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.
@@ -132,18 +95,12 @@ pub(super) fn categories_of(protocol: &Protocol) -> Vec<String> {
     categories.map(name).collect()
 }
 
-/// Returns the lowest and the highest category, with their labels if there is a definition.
-pub(super) fn ends(counts: &Counts, protocol: Option<&Protocol>) -> Option<(String, String)> {
-    let names = match protocol {
+/// Returns the categories, with their labels if there is a definition.
+pub(super) fn scale(counts: &Counts, protocol: Option<&Protocol>) -> Vec<String> {
+    match protocol {
         Some(protocol) if protocol.response.categories.len() == counts.categories.len() => categories_of(protocol),
-        _ => counts.categories.iter().map(|category| category_name(category)).collect(),
-    };
-    Some((names.first()?.clone(), names.last()?.clone()))
-}
-
-/// Names a category as in a sentence.
-pub(super) fn category_name(category: &str) -> String {
-    names::level(None, "", category).to_string()
+        _ => counts.categories.iter().map(|category| names::level(None, "", category).to_string()).collect(),
+    }
 }
 
 /// True if the categories are not numbers, so that means are computed from their positions, counted from 0.

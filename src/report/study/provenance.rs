@@ -4,6 +4,7 @@ use jiff::Timestamp;
 
 use crate::{
     analysis::Results,
+    experiment::Protocol,
     report::document::{Section, TableOf, whole},
     store::ratings::{FileRead, Layout, Source},
 };
@@ -11,10 +12,6 @@ use crate::{
 /// How an analysis was performed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Provenance {
-    /// The program's version.
-    pub version: String,
-    /// The commit it was built from, or `unknown`.
-    pub commit: String,
     /// The command line, quoted for a shell.
     pub command: String,
     /// When the report was made.
@@ -24,12 +21,7 @@ pub struct Provenance {
 impl Provenance {
     /// Describes an analysis by this program with this command at this time.
     pub fn new(command: impl Into<String>, made_at: Timestamp) -> Self {
-        Self {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: env!("MACHBAND_COMMIT").to_owned(),
-            command: command.into(),
-            made_at,
-        }
+        Self { command: command.into(), made_at }
     }
 
     /// Says how to repeat an analysis, and how its page was created; `further` are other facts.
@@ -37,8 +29,8 @@ impl Provenance {
         section.text("The same program, command and files produce the same numbers on every machine.");
         section.code(self.command.clone());
         let facts = [
-            ("Program", format!("machband {}", self.version)),
-            ("Commit", self.commit.clone()),
+            ("Program", format!("machband {}", env!("CARGO_PKG_VERSION"))),
+            ("Commit", env!("MACHBAND_COMMIT").to_owned()),
             ("Created at", self.made_at.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()),
         ];
         section.facts("How this page was created", facts.into_iter().chain(further));
@@ -72,12 +64,16 @@ pub(super) fn section(source: &Source, results: &Results, provenance: &Provenanc
         .number("Rows", |file| whole(file.rows))
         .number("Rows that count", |file| whole(file.counted))
         .add_to(&mut section);
-    if let Some(protocol) = &source.protocol {
+    definition(&mut section, source.protocol.as_ref());
+    section
+        .list(source.definition_sha256.iter().map(|hash| format!("SHA-256 of its canonical form: {hash}")).collect());
+    section
+}
+
+/// Shows the definition of a study.
+pub(crate) fn definition(section: &mut Section, protocol: Option<&Protocol>) {
+    if let Some(protocol) = protocol {
         section.heading("The definition");
-        if let Some(hash) = &source.definition_sha256 {
-            section.text(format!("The SHA-256 of the definition in its canonical form is {hash}."));
-        }
         section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
     }
-    section
 }

@@ -5,10 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::exclusions;
 use crate::{
     analysis::Results,
-    report::document::fixed,
     store::{
         ratings::{SessionRead, Source},
-        sitting::{Geometry, SimulatedObserver, Sitting, UsedDisplay},
+        sitting::{SimulatedObserver, Sitting, UsedDisplay},
     },
 };
 
@@ -56,14 +55,12 @@ pub(super) fn days<'a>(source: &'a Source, results: &Results) -> Option<(&'a str
 /// sitting recorded is omitted.
 pub(super) fn properties(source: &Source, results: &Results) -> Vec<(&'static str, Vec<(String, usize)>)> {
     type Value = fn(&Sitting) -> Option<String>;
-    let values_of: [(&'static str, Value); 7] = [
+    let values_of: [(&'static str, Value); 5] = [
         ("program", program),
         ("observer", observer),
         ("display profile", display),
         ("monitor", monitor),
         ("viewing distance", |s| Some(format!("{} cm", trimmed(s.viewing.as_ref()?.distance_cm, 1)))),
-        ("stimulus", stimulus),
-        ("median frame interval", |s| Some(format!("{} ms", fixed(1e3 * s.frames.as_ref()?.median_s, 1)))),
     ];
     (values_of.into_iter())
         .filter_map(|(name, value_of)| {
@@ -102,12 +99,6 @@ fn monitor(sitting: &Sitting) -> Option<String> {
     let monitor = sitting.monitor.as_ref()?;
     let refresh = monitor.refresh_hz.map(|hz| format!(", {} Hz", trimmed(hz, 2))).unwrap_or_default();
     Some(format!("{}{refresh}", monitor.title()))
-}
-
-fn stimulus(sitting: &Sitting) -> Option<String> {
-    let Geometry { stimulus_deg, stimulus_px, windowed, .. } = sitting.viewing.as_ref()?;
-    let windowed = if *windowed { ", in a window" } else { "" };
-    Some(format!("{}° in {stimulus_px} pixels{windowed}", trimmed(*stimulus_deg, 2)))
 }
 
 /// Rounds a number to at most this many decimals.

@@ -5,11 +5,8 @@ use super::{
     exclusions, findings, health, interactions, names,
 };
 use crate::{
-    analysis::{
-        ModelReport, Results,
-        results::{FactorResults, SubjectResults},
-    },
-    report::document::{Section, count, list, mean, unit, with_interval},
+    analysis::{ModelReport, Results, results::FactorResults},
+    report::document::{Section, count, list, mean},
     statistics::mean_and_sd,
     store::ratings::Source,
 };
@@ -22,7 +19,7 @@ const FEW_PEOPLE: usize = 6;
 pub struct Summary {
     /// Who rated what.
     pub lead: Vec<String>,
-    /// The findings: an item for each factor, then repetition.
+    /// The findings: an item for each factor or interaction.
     pub findings: Vec<String>,
     /// Cautions, most serious first.
     pub cautions: Vec<String>,
@@ -55,8 +52,6 @@ pub fn summary(source: &Source, results: &Results) -> Summary {
     findings.extend(alone.map(|factor| findings::finding(results, factor)));
     findings.extend(results.covariates.iter().filter_map(|name| interactions::covariate(results, &dependences, name)));
     findings.extend(others.iter().filter_map(|found| interactions::interaction(results, found)));
-    findings.extend(between_participants(results));
-    findings.extend(repetition(results));
     Summary { lead: lead(source, results), findings, cautions: cautions(source, results) }
 }
 
@@ -69,25 +64,21 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     };
     let who = count(results.people() as u64, "participant");
     let mut lead = vec![names::rated(&who, results, "which differ in", levels)];
-    if let Some((low, high)) = names::ends(counts, source.protocol.as_ref()) {
+    let scale = names::scale(counts, source.protocol.as_ref());
+    let is_used = |category: &usize| counts.rows.iter().any(|row| usize::from(row.rating) == *category);
+    let used: Vec<usize> = (0..scale.len()).filter(is_used).collect();
+    if let (Some(&first), Some(&last)) = (used.first(), used.last()) {
         let positions =
             if names::categories_are_texts(counts) { "; means use their positions, counted from 0" } else { "" };
-        let used = |category: usize| counts.rows.iter().any(|row| usize::from(row.rating) == category);
-        let name = |category: usize| names::category_name(&counts.categories[category]);
-        let all = 0..counts.categories.len();
-        let (first, last) = (all.clone().find(|c| used(*c)), all.clone().rev().find(|c| used(*c)));
-        let is_one = first.is_some() && first == last;
-        lead.push(match (first, last) {
-            (Some(only), Some(_)) if all.len() == 1 => format!("All ratings are {}.", name(only)),
-            (Some(only), Some(_)) if is_one => {
-                format!("The scale is from {low} to {high}{positions}; all ratings are {}.", name(only))
+        let ratings = match first == last {
+            true => format!("all ratings are {}", scale[first]),
+            false => format!("ratings range from {} to {}", scale[first], scale[last]),
+        };
+        lead.push(match scale.as_slice() {
+            [low, .., high] if (first, last) != (0, scale.len() - 1) => {
+                format!("The scale is from {low} to {high}{positions}; {ratings}.")
             }
-            (Some(first), Some(last)) if first > 0 || last + 1 < all.len() => format!(
-                "The scale is from {low} to {high}{positions}; ratings range from {} to {}.",
-                name(first),
-                name(last)
-            ),
-            _ => format!("Ratings range from {low} to {high}{positions}."),
+            _ => format!("{}{positions}.", names::capitalized(&ratings)),
         });
     }
     if counts.total() > 0 {
@@ -125,37 +116,4 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     lead.extend(exclusions::sentences(source, results));
     lead.extend(health::finished_sentence(source, results));
     lead
-}
-
-fn between_participants(results: &Results) -> Option<String> {
-    if !results.is_inferential() {
-        return None;
-    }
-    let by_mean = |l: &&SubjectResults, r: &&SubjectResults| l.group.summary.mean.total_cmp(&r.group.summary.mean);
-    let (least, most) = (results.subjects.iter().min_by(by_mean)?, results.subjects.iter().max_by(by_mean)?);
-    if least.group.summary.mean.total_cmp(&most.group.summary.mean).is_eq() {
-        return None;
-    }
-    let own = |subject: &SubjectResults| {
-        let is_tied = |other: &&SubjectResults| by_mean(other, &subject).is_eq();
-        let who = match results.subjects.iter().filter(is_tied).count() {
-            1 => names::who(subject),
-            tied => count(tied as u64, "participant"),
-        };
-        format!("{} ({who})", mean(subject.group.summary.mean))
-    };
-    Some(format!("The mean ratings of individual participants range from {} to {}.", own(least), own(most)))
-}
-
-fn repetition(results: &Results) -> Option<String> {
-    let (kappa, interval) = results.kappa?;
-    let interval = with_interval(interval, unit);
-    let kappa = unit(kappa);
-    Some(if results.is_inferential() {
-        format!(
-            "When participants rate a condition twice, the agreement between their two ratings is κ = {kappa} on average{interval}."
-        )
-    } else {
-        format!("When the participant rates a condition twice, the agreement between the two ratings is κ = {kappa}.")
-    })
 }

@@ -1,19 +1,16 @@
 //! The section about the vision model's predictions: predicted and measured versions of the paper's Figure 4, the
-//! agreement in rank order, and the largest deviations.
+//! agreement in rank order.
 
 use super::{names, sittings};
 use crate::{
     analysis::{Results, counts::Counts},
     report::{
-        document::{Section, Shown, count, fixed, list, mean, unit, whole},
+        document::{Section, Shown, count, fixed, list, significant, unit, whole},
         figures::Figure,
         prediction::{Comparison, PredictionError, StudyPrediction},
     },
     store::{ratings::Source, sitting::SimulatedObserver},
 };
-
-/// Number of conditions to report, out of those whose predictions deviate most from the ratings.
-const MAX_NAMED: usize = 3;
 
 /// Writes the section; `figures` contains the measured and the predicted charts.
 pub(super) fn section(
@@ -43,8 +40,6 @@ pub(super) fn section(
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
-    section.text(ceiling(comparison));
-    largest_deviations(results, prediction).into_iter().for_each(|text| section.text(text));
     let is_circular = sittings::all(source, results)
         .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
@@ -56,7 +51,7 @@ pub(super) fn section(
 }
 
 /// Says what the model computes for the stimuli of this study.
-pub(super) fn what(source: &Source) -> &'static str {
+fn what(source: &Source) -> &'static str {
     let is_ramp = source.protocol.as_ref().is_some_and(|protocol| protocol.stimulus.is_line());
     if is_ramp {
         "how different the bright side of the ramp is from the nearest smooth edge"
@@ -66,7 +61,7 @@ pub(super) fn what(source: &Source) -> &'static str {
 }
 
 /// Formats the width of the window with its unit.
-pub(super) fn degrees(prediction: &StudyPrediction) -> String {
+fn degrees(prediction: &StudyPrediction) -> String {
     let text = fixed(prediction.viewing.window_deg, 2);
     format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
 }
@@ -75,23 +70,13 @@ fn criterion(results: &Results, comparison: &Comparison) -> String {
     let counts = &results.measured.counts;
     let below: Vec<Shown> =
         counts.categories.iter().take(3).map(|category| names::level(results, "", category)).collect();
-    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| times(*t)).collect();
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| significant(*t, *t, *t)).collect();
     format!(
         "half of the ratings are above {} at {} times threshold, with a spread of {} in the logarithm",
         list(&below),
         list(&thresholds),
         fixed(comparison.criterion.spread, 2)
     )
-}
-
-/// Formats a multiple of the threshold with about three digits and no thousands separators. A threshold far from all stimuli can be
-/// arbitrarily large or small.
-fn times(value: f64) -> Shown {
-    if (0.01..10_000.0).contains(&value) {
-        fixed(value, if value < 10.0 { 2 } else { 1 })
-    } else {
-        Shown::new(value, format!("{value:.1e}"))
-    }
 }
 
 fn order(comparison: &Comparison, counts: &Counts) -> String {
@@ -108,46 +93,4 @@ fn order(comparison: &Comparison, counts: &Counts) -> String {
         count(comparison.ratings, "rating"),
         unit(rho)
     )
-}
-
-/// Compares the prediction with the noise ceiling.
-fn ceiling(comparison: &Comparison) -> String {
-    let (Some(each), Some([low, high])) = (comparison.with_subjects, comparison.ceiling) else {
-        return "It is not known how much of the order any model could predict, because this requires at least two \
-                participants."
-            .to_owned();
-    };
-    let verdict = if each < low {
-        "The model is below it: participants predict each other better than the model does, so it misses some of the order \
-         in their ratings."
-    } else if each <= high {
-        "The model reaches it: it predicts a participant as well as the other participants do, and these ratings cannot \
-         distinguish it from a perfect model."
-    } else {
-        "The model is above it, although no model should be: many ratings are equal, so the measure is coarse."
-    };
-    format!(
-        "The mean correlation for individual participants is {}. The noise ceiling, which is how well each participant \
-         agrees with the mean of the others and with the mean of all, is {} to {}. {verdict}",
-        unit(each),
-        unit(low),
-        unit(high)
-    )
-}
-
-/// Names the conditions with mean ratings farthest from the prediction.
-fn largest_deviations(results: &Results, prediction: &StudyPrediction) -> Option<String> {
-    let mut far: Vec<(u32, f64, f64)> = ((0..).zip(&results.cells).zip(&prediction.ratings))
-        .filter_map(|((condition, cell), expected)| Some((condition, cell.summary.mean, (*expected)?)))
-        .collect();
-    // Among equal distances, the first conditions are chosen, so that the same ratings always give the same page.
-    far.sort_by(|a, b| (b.1 - b.2).abs().total_cmp(&(a.1 - a.2).abs()));
-    let named: Vec<String> = (far.iter().take(MAX_NAMED))
-        .map(|(condition, rated, expected)| {
-            let name = names::condition(results, *condition);
-            format!("{name} (rated {}, predicted {})", mean(*rated), mean(*expected))
-        })
-        .collect();
-    (!named.is_empty())
-        .then(|| format!("The predictions are farthest from the mean ratings for {}.", named.join("; for ")))
 }

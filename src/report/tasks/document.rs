@@ -1,16 +1,13 @@
 //! Describes the answers to a task in a document.
 
-use statrs::distribution::{Binomial, DiscreteCDF as _};
-
 use super::{
     asked::{Asked, Levels},
     further,
-    results::{Beyond, Misfit, PersonFunction, TaskResults},
+    results::{Beyond, PersonFunction, TaskResults},
     study::TaskStudy,
 };
 use crate::{
     analysis::tasks::{
-        means::Mean,
         population::Population,
         psychometric::{Fit, Guess, Model},
     },
@@ -21,7 +18,7 @@ use crate::{
             with_interval,
         },
         figures::Figure,
-        study::Provenance,
+        study::{Provenance, definition},
     },
     statistics::{Interval, holm},
 };
@@ -101,47 +98,33 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
             let says_nothing = fit.range.iter().all(|end| fit.threshold.contains(*end));
-            let what = match (function.side(), function.beyond, function.threshold()) {
-                (Some(place), ..) => format!("was not measured: it lies {}", end(common, place)),
-                (_, Some(place), _) if !says_nothing => {
+            let what = match (function.beyond, function.threshold()) {
+                (Some(place), _) if !says_nothing => {
                     format!("was not measured: the most probable one lies {}", end(common, place))
                 }
-                (.., Some(threshold)) => format!("is {}{interval}", level(threshold)),
-                (.., None) => format!("is not determined by the answers{interval}"),
+                (_, Some(threshold)) => format!("is {}{interval}", level(threshold)),
+                (_, None) => format!("is not determined by the answers{interval}"),
             };
             Some(format!("{who}: the threshold of {name}{of} {what}."))
         };
         section.list(results.functions.iter().filter_map(of_person).collect());
     }
-    misfits(&mut section, study, results);
-    let marginal = results.marginal.iter().map(|marginal| {
-        let (asked, factor) = (&study.asked, &study.asked.factors[marginal.factor]);
-        let others = asked.factors.iter().filter(|other| other.name != factor.name);
-        let others: Vec<String> = others.map(|other| asked.factor(&other.name)).collect();
-        let name = |level: usize| {
-            let level = asked.level(&factor.name, &factor.levels[level].to_string());
-            format!("{} {level}", asked.factor(&factor.name))
-        };
-        (format!("Over all levels of {}, the", list(&others)), marginal.levels.map(name), marginal.difference)
-    });
-    compared(&mut section, common, &marginal.collect::<Vec<_>>());
-    let differences = results.differences.iter();
-    let differences =
-        differences.map(|(pair, difference)| ("The".to_owned(), pair.map(|one| study.name(one)), *difference));
-    compared(&mut section, common, &differences.collect::<Vec<_>>());
+    reversed(&mut section, study, results);
+    compared(&mut section, study, results, common);
     section
 }
 
-/// Says for each difference, with the beginning of its sentence and the names of what differs, whether it is clear.
-fn compared(section: &mut Section, common: &Common, all: &[(String, [String; 2], Mean)]) {
-    let corrected = holm(&all.iter().map(|(.., difference)| difference.p()).collect::<Vec<_>>());
+/// Says for each pair of conditions whether their thresholds clearly differ.
+fn compared(section: &mut Section, study: &TaskStudy, results: &TaskResults, common: &Common) {
+    let all = &results.differences;
+    let corrected = holm(&all.iter().map(|(_, difference)| difference.p()).collect::<Vec<_>>());
     let corrected_by = if all.len() > 1 { ", Holm-corrected" } else { "" };
-    for ((begin, [one, two], difference), p) in all.iter().zip(corrected) {
+    for ((pair, difference), p) in all.iter().zip(corrected) {
         let Some(interval) = difference.interval else { continue };
-        let level = level(common, Some(interval));
+        let ([one, two], level) = (pair.map(|one| study.name(one)), level(common, Some(interval)));
         let kind = if common.log { "ratio of the thresholds" } else { "difference of the thresholds" };
         section.text(format!(
-            "{begin} {kind} at {one} and at {two} is {}{} over {}{}, {}.",
+            "The {kind} at {one} and at {two} is {}{} over {}{}, {}.",
             level(difference.mean),
             with_interval(Some(interval), &level),
             count(difference.people as u64, "participant"),
@@ -235,17 +218,11 @@ fn functions(section: &mut Section, study: &TaskStudy, results: &TaskResults, co
         results.functions.iter().map(|function| (function, function.described())).collect();
     let level = |fit: Option<&Fit>| level(common, fit.map(|fit| fit.threshold));
     let slope = |fit: Option<&Fit>| further::scaled(false, fit.map(|fit| fit.slope_interval));
-    let threshold = |(function, fit): &(&PersonFunction, Option<&Fit>)| match (fit, function.side()) {
-        (None, _) => fixed(None, 0),
-        (Some(_), None) => function.threshold().map_or_else(|| fixed(None, 0), level(*fit)),
-        (Some(_), Some(Beyond::Below(low))) => Shown::new(low, format!("below {}", common.level(low))),
-        (Some(_), Some(Beyond::Above(high))) => Shown::new(high, format!("above {}", common.level(high))),
-    };
     TableOf::new("The psychometric function of each participant", &rows)
         .text("Participant", |(function, _)| &study.people[function.person])
         .text("Condition", |(function, _)| study.name(function.condition))
         .number("Trials", |(function, _)| whole(function.trials()))
-        .number("Threshold", threshold)
+        .number("Threshold", |(own, fit)| own.threshold().map_or_else(|| fixed(None, 0), level(*fit)))
         .number("95\u{a0}% interval", |(_, fit)| range(fit.map(|fit| fit.threshold), level(*fit)))
         .number("Slope", |(_, fit)| fit.and_then(Fit::determined_slope).map_or_else(|| fixed(None, 0), slope(*fit)))
         .number("95\u{a0}% interval of the slope", |(_, fit)| range(fit.map(|fit| fit.slope_interval), slope(*fit)))
@@ -265,23 +242,15 @@ fn told(study: &TaskStudy, results: &TaskResults, wanted: &dyn Fn(&PersonFunctio
     results.functions.iter().filter(|function| wanted(function)).map(|function| of(study, function)).collect()
 }
 
-/// Says which functions mean nothing, and why.
-fn misfits(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
-    for (misfit, what) in [
-        (
-            Misfit::Reversed,
+/// Says which functions mean nothing.
+fn reversed(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
+    let odd = told(study, results, &|function| function.is_reversed);
+    if !odd.is_empty() {
+        section.warning(format!(
             "According to the answers, the other end of the levels is easier, so these functions mean nothing and are left out (easier = \
-             \"low\" in a definition, or --easier low, says that low levels are easier)",
-        ),
-        (
-            Misfit::BelowGuessing,
-            "Fewer answers are correct than guessing would give, so these functions mean nothing and are left out",
-        ),
-    ] {
-        let odd = told(study, results, &|function| function.misfit == Some(misfit));
-        if !odd.is_empty() {
-            section.warning(format!("{what}: {}.", short_list(&odd, 12)));
-        }
+             \"low\" in a definition, or --easier low, says that low levels are easier): {}.",
+            short_list(&odd, 12)
+        ));
     }
 }
 
@@ -310,22 +279,10 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
                 study.at(*condition)
             ));
         }
-        let is_beyond = |function: &&PersonFunction| {
-            function.condition == *condition && function.described().is_some() && function.beyond.is_some()
-        };
-        let count = results.functions.iter().filter(is_beyond).count();
-        if count > 0 {
-            section.warning(format!(
-                "The most probable thresholds of {count} of {} participants{} lie beyond the levels, where only the prior places them; the mean over \
-                 participants includes them.",
-                population.people.len(),
-                study.at(*condition)
-            ));
-        }
     }
     let undetermined = |function: &PersonFunction| {
         let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
-        function.side().is_none() && function.described().is_some_and(is_missing)
+        function.described().is_some_and(is_missing)
     };
     if results.functions.iter().any(undetermined) {
         section.note(
@@ -334,23 +291,15 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
         );
     }
     let poor = told(&|function| function.goodness.is_some_and(|goodness| goodness.p < POOR_FIT));
-    let expected = POOR_FIT * results.functions.len() as f64;
-    if at_least(poor.len(), results.functions.len(), POOR_FIT) <= 0.05 {
-        section.warning(format!(
-            "The answers vary more than a psychometric function allows (p below .05): {}. By chance alone, about {} of {} would.",
+    if !poor.is_empty() {
+        section.note(format!(
+            "p of the fit is below .05, as if answers varied more than a psychometric function allows: {}. By chance alone, about {} \
+             of {} would be.",
             short_list(&poor, 12),
-            fixed(expected, 1),
+            fixed(POOR_FIT * results.functions.len() as f64, 1),
             count(results.functions.len() as u64, "function")
         ));
     }
-}
-
-/// Returns the probability of at least `found` of `all` independent events with this probability.
-fn at_least(found: usize, all: usize, probability: f64) -> f64 {
-    let below = found.checked_sub(1).map_or(0.0, |most| {
-        Binomial::new(probability, all as u64).map_or(0.0, |distribution| distribution.cdf(most as u64))
-    });
-    1.0 - below
 }
 
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
@@ -381,8 +330,7 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.differences.len() > 1 {
         section.text(
             "This report says that two conditions differ if p of the t test of their difference, with Holm’s correction for all pairs of conditions, is below \
-             .05; the means over the conditions of other factors are corrected for all pairs of their levels. The intervals are not \
-             corrected.",
+             .05. The intervals are not corrected.",
         );
     }
     section
@@ -437,9 +385,6 @@ fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> 
         .text("File", |(path, _)| path.display().to_string())
         .number("Rows", |(_, rows)| whole(*rows as u64))
         .add_to(&mut section);
-    if let Some(protocol) = &study.asked.protocol {
-        section.heading("The definition");
-        section.code(toml::to_string(protocol).unwrap_or_else(|error| format!("# cannot be written: {error}")));
-    }
+    definition(&mut section, study.asked.protocol.as_ref());
     section
 }

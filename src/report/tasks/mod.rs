@@ -12,6 +12,6 @@ pub use asked::{Asked, Levels};
 pub(crate) use asked::{answers, method, task};
 pub use document::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, document, model_of_a_person};
 pub use figures::figures;
-pub use results::{Beyond, Comparisons, Detected, Misfit, OfPerson, PersonFunction, TaskResults};
+pub use results::{Beyond, Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};
 pub use tables::tables;

@@ -21,7 +21,7 @@ use crate::{
         },
     },
     experiment::task::{Common, Measures},
-    statistics::{Interval, mean_and_sd},
+    statistics::Interval,
 };
 
 /// The results of a task.
@@ -40,9 +40,6 @@ pub struct TaskResults {
     pub without_mean: Vec<(usize, FitError)>,
     /// Differences between the thresholds of two conditions, of the people who have both.
     pub differences: Vec<([usize; 2], Mean)>,
-    /// With several factors, differences between the thresholds at two levels of one, as means over the conditions of the
-    /// others.
-    pub marginal: Vec<Marginal>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
     pub shares: Vec<OfPerson<[u32; 2]>>,
     /// Hits and false alarms of each person and condition, with sensitivity and criterion.
@@ -51,17 +48,6 @@ pub struct TaskResults {
     pub comparisons: Option<Comparisons>,
     /// The settings of each person and condition, on the scale of the dial.
     pub settings: Vec<OfPerson<Settings>>,
-}
-
-/// A difference between two levels of a factor over the conditions of the other factors.
-#[derive(Clone, Debug)]
-pub struct Marginal {
-    /// Index of the factor.
-    pub factor: usize,
-    /// Indices of the levels.
-    pub levels: [usize; 2],
-    /// The first minus the second.
-    pub difference: Mean,
 }
 
 /// What follows from the answers of a person in a condition.
@@ -109,18 +95,9 @@ impl PersonFunction {
         self.points.iter().filter(|point| point.is_target())
     }
 
-    /// Returns the fitted function, if a function of the assumed kind describes the answers.
+    /// Returns the fitted function, if it means something.
     pub fn described(&self) -> Option<&Fit> {
-        self.fit.as_ref().ok().filter(|_| self.misfit.is_none())
-    }
-
-    /// Returns where beyond the levels the threshold lies, if its whole interval lies there.
-    pub fn side(&self) -> Option<Beyond> {
-        let Interval { low, high } = self.described()?.threshold;
-        self.beyond.filter(|place| match *place {
-            Beyond::Below(lowest) => high <= lowest,
-            Beyond::Above(highest) => low >= highest,
-        })
+        self.fit.as_ref().ok().filter(|_| !self.is_reversed)
     }
 
     /// Returns the most probable threshold, if the answers determine one within the levels.
@@ -153,15 +130,6 @@ impl Beyond {
     }
 }
 
-/// Why no function of the assumed kind describes the answers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Misfit {
-    /// There are more answers that count at the end of the levels that is said to be harder.
-    Reversed,
-    /// Fewer answers are right than by guessing.
-    BelowGuessing,
-}
-
 /// The psychometric function of a person in a condition.
 #[derive(Clone, Debug)]
 pub struct PersonFunction {
@@ -177,8 +145,8 @@ pub struct PersonFunction {
     pub goodness: Option<GoodnessOfFit>,
     /// Where the most probable threshold lies, if beyond the levels.
     pub beyond: Option<Beyond>,
-    /// Why the function cannot be what was assumed, if it cannot.
-    pub misfit: Option<Misfit>,
+    /// Whether more answers count at the end of the levels that is said to be harder, so that the function means nothing.
+    pub is_reversed: bool,
 }
 
 /// Number of simulated studies for the goodness of fit.
@@ -207,9 +175,7 @@ impl TaskResults {
                     Err(error) => results.without_mean.push((condition, error)),
                 }
             }
-            let all = contributions(&results.populations, &results.functions);
-            results.differences = differences(&all);
-            results.marginal = marginal(study, &all);
+            results.differences = differences(&contributions(&results.populations, &results.functions));
         }
         results
     }
@@ -330,15 +296,15 @@ fn functions(points: Vec<OfPerson<Vec<Point>>>, model: &Model, seed: u64) -> Vec
         let fit = psychometric::fit(&points, model);
         let goodness = psychometric::goodness_of_fit(&points, model, SIMULATIONS, &mut rng).ok();
         let beyond = fit.as_ref().ok().and_then(|fit| Beyond::of(fit.range, fit.estimate.threshold));
-        let misfit = misfit(&points, model);
-        PersonFunction { person, condition, points, fit, goodness, beyond, misfit }
+        let is_reversed = is_reversed(&points, model);
+        PersonFunction { person, condition, points, fit, goodness, beyond, is_reversed }
     };
     points.into_par_iter().enumerate().map(function).collect()
 }
 
 /// Returns the functions in a condition that mean something.
 fn sound(functions: &[PersonFunction], condition: usize) -> impl Iterator<Item = &PersonFunction> {
-    functions.iter().filter(move |function| function.condition == condition && function.misfit.is_none())
+    functions.iter().filter(move |function| function.condition == condition && !function.is_reversed)
 }
 
 /// Fits the people of each condition in which several have a function that means something.
@@ -358,9 +324,8 @@ fn populations(
 /// Standard errors beyond which answers are not due to chance.
 const CLEAR: f64 = 3.0;
 
-/// Returns why no function of the assumed kind describes the answers: their share falls where it should rise (the test of
-/// Armitage 1955, Biometrics 11, 375), or it is below that of guessing.
-fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
+/// Returns whether the share of the answers falls where it should rise (the test of Armitage 1955, Biometrics 11, 375).
+fn is_reversed(points: &[Point], model: &Model) -> bool {
     let sum = |of: &dyn Fn(&Point) -> f64| points.iter().filter(|point| point.is_target()).map(of).sum::<f64>();
     let n = sum(&|point| point.total.into());
     let [share, middle] =
@@ -369,11 +334,7 @@ fn misfit(points: &[Point], model: &Model) -> Option<Misfit> {
     let spread = sum(&|point| f64::from(point.total) * (point.x - middle).powi(2));
     let z = trend / (share * (1.0 - share) * spread).sqrt();
     // If all answers are the same, there is no trend, and rounding must not make one.
-    if share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR {
-        return Some(Misfit::Reversed);
-    }
-    let Guess::Fixed(guess) = model.guess else { return None };
-    ((share - guess) / (guess * (1.0 - guess) / n).sqrt() < -CLEAR).then_some(Misfit::BelowGuessing)
+    share > 0.0 && share < 1.0 && (if model.falls { -z } else { z }) < -CLEAR
 }
 
 /// Returns the side of the levels on which the thresholds of at least half of the people lie, if they do, with the last
@@ -395,36 +356,6 @@ fn contributions(populations: &[(usize, Population)], functions: &[PersonFunctio
         (*condition, people.map(|(function, person)| (function.person, person.contribution)).collect())
     };
     populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect()
-}
-
-/// Compares two levels of each factor, if there are several factors and the mean threshold of every condition with one of
-/// these levels is known.
-fn marginal(study: &TaskStudy, all: &[(usize, Contributions)]) -> Vec<Marginal> {
-    let factors = &study.asked.factors;
-    let varied = factors.iter().filter(|factor| factor.levels.len() > 1).count();
-    let of = |factor: usize, level: usize| -> Option<Vec<&Contributions>> {
-        let has = |(_, levels): &(usize, &Vec<usize>)| levels[factor] == level;
-        let found = |(condition, _)| Some(&all.iter().find(|(known, _)| *known == condition)?.1);
-        study.asked.conditions.iter().enumerate().filter(has).map(found).collect()
-    };
-    let compared = |factor: usize, levels: [usize; 2]| {
-        let [one, two] = levels.map(|level| of(factor, level));
-        let (one, two) = (one?, two?);
-        let mean = |of: &[&Contributions], person: &usize| -> Option<f64> {
-            let all: Option<Vec<f64>> = of.iter().map(|of| of.get(person).copied()).collect();
-            Some(mean_and_sd(&all?).0)
-        };
-        let people = one.first()?.keys();
-        let both: Vec<_> = people.filter_map(|person| Some((mean(&one, person)?, mean(&two, person)?))).collect();
-        let is_crossed = one.len() == two.len() && both.len() > 1;
-        is_crossed.then(|| Marginal { factor, levels, difference: Mean::of_differences(&both) })
-    };
-    let levels = |factor: usize| 0..factors[factor].levels.len();
-    let pairs =
-        |factor: usize| levels(factor).flat_map(move |one| levels(factor).skip(one + 1).map(move |two| [one, two]));
-    let all =
-        (0..factors.len()).filter(|_| varied > 1).flat_map(|factor| pairs(factor).map(move |pair| (factor, pair)));
-    all.filter_map(|(factor, pair)| compared(factor, pair)).collect()
 }
 
 /// Compares two conditions by the people who have both, if there are several.

@@ -4,8 +4,8 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{
+    one::ROWS,
     rays::{Meeting, Target, Targets},
-    reference::Reference,
 };
 use crate::{
     light::LinearImage,
@@ -13,7 +13,7 @@ use crate::{
         frame::{Frame, Outline, View, coverage},
         lighting::{Lamp, LampPosition, Lighting, Material, Refraction, Transparency},
         mesh::{Mesh, Surface},
-        shaders::Shade,
+        shaders::{Shade, Shading},
     },
     system::checkpoint,
 };
@@ -60,9 +60,6 @@ const MAX_MEETINGS: usize = 16;
 /// other touch.
 const LEAST: f64 = 1e-7;
 
-/// The number of rows that one thread draws at a time.
-const ROWS: usize = 16;
-
 impl Composition {
     /// Draws the scene in linear light, `width` × `height` pixels, each sampled at its center.
     ///
@@ -82,7 +79,7 @@ impl Composition {
         let frames: Vec<Frame> = self.bodies.iter().map(frame).collect();
         let drawn = frames.iter().zip(&self.bodies).map(|(frame, body)| Drawn {
             frame,
-            reference: Reference::new(frame, &body.shade),
+            shading: Shading::new(frame, &body.shade),
             outlines: coverage::outlines(frame),
         });
         let targets = self.bodies.iter().any(|body| body.index.is_some()).then(|| targets(&self.bodies, &frames));
@@ -124,7 +121,7 @@ fn targets(bodies: &[Body], frames: &[Frame]) -> Targets {
 /// A body that is ready to be drawn.
 struct Drawn<'f> {
     frame: &'f Frame,
-    reference: Reference<'f>,
+    shading: Shading<'f>,
     outlines: Vec<Option<Outline>>,
 }
 
@@ -174,7 +171,7 @@ impl Picture<'_> {
         let (mut passed, mut light) = (Vec::new(), self.scene.background);
         for (i, layer) in layers.iter().enumerate() {
             let (drawn, body) = (&self.drawn[layer.body], &self.scene.bodies[layer.body]);
-            let front = drawn.reference.light(layer.triangle, drawn.frame.weights(layer.triangle, place));
+            let front = drawn.shading.light(layer.triangle, drawn.frame.weights(layer.triangle, place));
             if body.transparency == Transparency::Opaque {
                 light = front;
                 break;
@@ -278,11 +275,7 @@ impl Picture<'_> {
         // The back of a sheet is lit as well.
         let normal = if normal.dot(along) > 0.0 { -normal } else { normal };
         let frame = self.drawn[which].frame;
-        let lighting = &frame.lighting;
-        let place = from + along * at.distance;
-        let Some(paint) = &frame.paint else { return lighting.light(place, normal, -along) };
-        let color = paint.color(at.of.1 as usize, at.weights);
-        let material = Material { color: lighting.material.color * color, ..lighting.material };
-        Lighting { material, ..lighting.clone() }.light(place, normal, -along)
+        let color = frame.paint.as_ref().map_or(DVec3::ONE, |paint| paint.color(at.of.1 as usize, at.weights));
+        frame.lighting.painted(from + along * at.distance, normal, -along, color)
     }
 }

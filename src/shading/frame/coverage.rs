@@ -15,10 +15,14 @@ pub const NONE: u32 = u32::MAX;
 /// A pixel belongs to the triangles whose [`Outline`]s contain it. The nearest triangle is visible; in a tie, the first
 /// one is. Depth is affine on the screen.
 pub fn visible(frame: &Frame) -> Vec<u32> {
-    let (width, height) = (frame.width as usize, frame.height as usize);
-    let mut seen = vec![NONE; width * height];
-    let mut nearest = vec![f64::INFINITY; width * height];
-    each_layer(frame, &outlines(frame), 0..frame.height, |triangle, at, depth| {
+    visible_in(frame, &outlines(frame), 0..frame.height)
+}
+
+/// Returns [`visible`] for some rows only.
+pub(crate) fn visible_in(frame: &Frame, outlines: &[Option<Outline>], rows: Range<u32>) -> Vec<u32> {
+    let pixels = rows.len() * frame.width as usize;
+    let (mut seen, mut nearest) = (vec![NONE; pixels], vec![f64::INFINITY; pixels]);
+    each_layer(frame, outlines, rows, |triangle, at, depth| {
         if depth < nearest[at] {
             (nearest[at], seen[at]) = (depth, triangle as u32);
         }
@@ -46,20 +50,14 @@ pub(crate) fn each_layer(
         if within.is_empty() {
             continue;
         }
-        let depths = depths(frame, triangle);
-        outline.each_span(within, frame.width, |y, (left, right)| {
+        let depths = Plane::of_depths(frame, triangle);
+        for y in within {
             let row = (y - rows.start) as usize * frame.width as usize;
-            for x in left..right {
-                of(triangle, row + x as usize, depths.at(x, y).0[0]);
+            for x in outline.span(y, frame.width) {
+                of(triangle, row + x as usize, depths.at(x, y));
             }
-        });
+        }
     }
-}
-
-/// Returns the depths of a triangle as a plane.
-pub fn depths(frame: &Frame, triangle: usize) -> Planes<1> {
-    let corners = frame.corners(triangle);
-    Planes::new(corners.map(|v| v.screen), corners.map(|v| [v.depth]))
 }
 
 /// For each pixel, returns true if it shows the surface and lies neither on an outline nor at an edge at which the
@@ -126,16 +124,9 @@ fn is_joined(frame: &Frame, one: usize, other: usize, here: usize, there: usize)
     (first - second).abs() <= 2.0 * (first - ahead).abs().max((second - behind).abs())
 }
 
-/// The number of rows that are computed at once.
-const ROWS: usize = 8;
-
-/// Slightly less than half a pixel. The difference is far larger than the rounding errors of f64 and far smaller than
-/// 2⁻³¹ px, the smallest nonzero distance of an edge from a pixel center: positions are multiples of 1/256 px and below
-/// 2¹⁵ px.
-const NEARLY_HALF: f64 = 0.5 - 1.0 / (1u64 << 33) as f64;
-
-/// Adding this to a number below 2⁵¹ rounds the number to the nearest whole number and moves it into the lowest bits.
-const TO_WHOLE: f64 = 1.5 * (1u64 << 52) as f64;
+/// More than the rounding errors of f64, and less than 2⁻³¹ px, the smallest nonzero distance of an edge from a pixel
+/// center: positions are multiples of 1/256 px and below 2¹⁵ px.
+const ROUNDING: f64 = 1.0 / (1u64 << 33) as f64;
 
 /// A triangle as rows of pixels. It contains exactly the pixels whose centers lie inside or on a left or top edge, as
 /// on graphics cards.
@@ -158,10 +149,10 @@ struct Side {
     slope: f64,
 }
 
-/// Returns the first pixel whose center is at or beyond `place`, at most `count`.
-fn first_center(place: f64, count: u32) -> u32 {
+/// Returns the first pixel, at most `count`, whose center is at or beyond a place in pixels from the center of the first.
+fn first_pixel(place: f64, count: u32) -> u32 {
     // Casts from f64 saturate and turn NaN into 0.
-    ((place - 0.5).ceil() as u32).min(count)
+    ((place - ROUNDING).ceil() as u32).min(count)
 }
 
 impl Outline {
@@ -169,9 +160,9 @@ impl Outline {
     /// triangle faces away or if its bounding box contains no pixel center of the window.
     pub fn new(corners: [DVec2; 3], width: u32, height: u32) -> Option<Outline> {
         let [a, b, c] = corners;
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        let (first, end) = (first_center(low.y, height), first_center(high.y, height));
-        let is_narrow = first_center(low.x, width) >= first_center(high.x, width);
+        let (low, high) = (a.min(b).min(c) - 0.5, a.max(b).max(c) - 0.5);
+        let (first, end) = (first_pixel(low.y, height), first_pixel(high.y, height));
+        let is_narrow = first_pixel(low.x, width) >= first_pixel(high.x, width);
         if first >= end || is_narrow || Frame::area2(a, b, c) <= 0.0 {
             return None;
         }
@@ -192,33 +183,11 @@ impl Outline {
         Some(outline)
     }
 
-    /// Calls `of` with each row of `rows`, its first pixel, and the pixel after its last. The rows must be within the
-    /// outline.
-    #[inline(always)]
-    pub fn each_span(&self, rows: Range<u32>, width: u32, mut of: impl FnMut(u32, (u32, u32))) {
-        let width = f64::from(width);
-        for block in rows.clone().step_by(ROWS) {
-            let (mut left, mut right) = ([0; ROWS], [0; ROWS]);
-            for i in 0..ROWS {
-                let y = f64::from(block) + i as f64;
-                let [a, b] = [self.left[0].at(y), self.left[1].at(y)];
-                left[i] = center(if a > b { a } else { b }, width);
-                let [a, b] = [self.right[0].at(y), self.right[1].at(y)];
-                right[i] = center(if a < b { a } else { b }, width);
-            }
-            for (i, row) in (block..rows.end).take(ROWS).enumerate() {
-                of(row, (left[i], right[i]));
-            }
-        }
+    /// Returns the pixels of a row, which must be within the outline.
+    fn span(&self, row: u32, width: u32) -> Range<u32> {
+        let [left, right] = [self.left, self.right].map(|sides| sides.map(|side| side.at(row.into())));
+        first_pixel(left[0].max(left[1]), width)..first_pixel(right[0].min(right[1]), width)
     }
-}
-
-/// Returns `x` rounded up to a whole number and clamped to 0…`width`.
-#[inline(always)]
-fn center(x: f64, width: f64) -> u32 {
-    let x = if x > 0.0 { x } else { 0.0 };
-    let x = if x < width { x } else { width };
-    ((x + NEARLY_HALF) + TO_WHOLE).to_bits() as u32
 }
 
 impl Side {
@@ -226,45 +195,33 @@ impl Side {
         Side { x: top.x - 0.5, y: top.y - 0.5, slope: (bottom.x - top.x) / (bottom.y - top.y) }
     }
 
-    #[inline(always)]
     fn at(&self, row: f64) -> f64 {
         self.x + (row - self.y) * self.slope
     }
 }
 
-/// `Q` quantities of one triangle that are affine on the screen. They are recomputed for every row in f64, so that long
-/// thin triangles lose no precision; along a row, f32 is sufficient.
-#[derive(Clone, Copy, Debug)]
-pub struct Planes<const Q: usize> {
-    /// A corner, measured from the center of the first pixel.
+/// A quantity of one triangle that is affine on the screen.
+struct Plane {
+    /// A corner, measured from the center of the first pixel, and the quantity there.
     origin: DVec2,
-    /// The quantities at that corner.
-    at: [f64; Q],
-    right: [f64; Q],
-    down: [f64; Q],
+    at: f64,
+    /// Its change per pixel to the right and down.
+    slope: DVec2,
 }
 
-impl<const Q: usize> Planes<Q> {
-    /// Planes that are 0 everywhere.
-    pub const ZERO: Self = Planes { origin: DVec2::ZERO, at: [0.0; Q], right: [0.0; Q], down: [0.0; Q] };
-
-    /// Makes the planes through the `values` of a triangle's corners.
-    pub fn new([a, b, c]: [DVec2; 3], values: [[f64; Q]; 3]) -> Self {
+impl Plane {
+    /// Makes the plane of a triangle's depths.
+    fn of_depths(frame: &Frame, triangle: usize) -> Self {
+        let corners = frame.corners(triangle);
+        let ([a, b, c], depths) = (corners.map(|v| v.screen), corners.map(|v| v.depth));
         let per_area = 1.0 / Frame::area2(a, b, c);
         let slope = |from: DVec2, to: DVec2| DVec2::new(to.y - from.y, from.x - to.x) * per_area;
-        let (to_b, to_c) = (slope(c, a), slope(a, b));
-        let mut planes = Planes { origin: a - 0.5, at: values[0], ..Planes::ZERO };
-        for (q, start) in values[0].iter().enumerate() {
-            let slope = to_b * (values[1][q] - start) + to_c * (values[2][q] - start);
-            (planes.right[q], planes.down[q]) = (slope.x, slope.y);
-        }
-        planes
+        let slope = slope(c, a) * (depths[1] - depths[0]) + slope(a, b) * (depths[2] - depths[0]);
+        Plane { origin: a - 0.5, at: depths[0], slope }
     }
 
-    /// Returns the quantities at the center of pixel `x` of `row`, and their steps to the next pixel.
-    #[inline(always)]
-    pub fn at(&self, x: u32, row: u32) -> ([f64; Q], [f64; Q]) {
-        let (x, y) = (f64::from(x) - self.origin.x, f64::from(row) - self.origin.y);
-        (std::array::from_fn(|q| self.at[q] + self.right[q] * x + self.down[q] * y), self.right)
+    /// Returns the quantity at the center of pixel `x` of `row`.
+    fn at(&self, x: u32, row: u32) -> f64 {
+        self.at + self.slope.x * (f64::from(x) - self.origin.x) + self.slope.y * (f64::from(row) - self.origin.y)
     }
 }

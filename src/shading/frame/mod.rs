@@ -2,13 +2,11 @@
 //! at vertices.
 
 pub mod coverage;
-mod gradients;
 mod patches;
 mod projected;
 mod scene;
 
-pub use coverage::{Outline, Planes};
-pub use gradients::{Field, Gradients};
-pub use patches::Patches;
+pub use coverage::Outline;
+pub use patches::{Field, Patches};
 pub use projected::{Fan, Frame, FrameTriangle, FrameVertex, MeantCrease, Neighbor, View};
 pub use scene::{Highlight, Mirrors, Scene};

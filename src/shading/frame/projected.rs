@@ -4,14 +4,10 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3};
 
-use crate::{
-    light::Transfers,
-    shading::{
-        cubic,
-        lighting::Lighting,
-        mesh::{EdgeKind, Paint, Smooth, Surface},
-        number::Constant,
-    },
+use crate::shading::{
+    cubic,
+    lighting::Lighting,
+    mesh::{EdgeKind, Paint, Smooth, Surface},
 };
 
 /// A window of pixels, and the rotation and projection of the mesh in it.
@@ -151,8 +147,6 @@ pub struct Frame {
     pub lighting: Lighting,
     /// The window and the position of the eye.
     pub view: View,
-    /// The display's transfer functions, if the light values are already encoded; see [`Frame::encoded`].
-    pub encoding: Option<Transfers>,
 }
 
 /// A vertex on the screen.
@@ -169,8 +163,6 @@ pub struct FrameVertex {
     pub normal: DVec3,
     /// The light sent to the eye, evaluated once per frame.
     pub light: DVec3,
-    /// The ambient part of the light.
-    pub ambient: DVec3,
 }
 
 /// Triangles around a vertex over which the curvature does not jump; usually all of them.
@@ -257,7 +249,6 @@ impl Frame {
                     eye,
                     normal,
                     light: lighting.light(eye, normal, view.to_viewer(eye)),
-                    ambient: lighting.ambient_light(),
                 });
             }
         }
@@ -283,7 +274,6 @@ impl Frame {
             creases: Vec::new(),
             lighting: lighting.clone(),
             view: *view,
-            encoding: None,
         };
         frame.find_triangles(surface, open);
         frame
@@ -311,11 +301,6 @@ impl Frame {
         (0..self.triangles.len()).map(of).collect()
     }
 
-    /// Collects a vector of each corner of each triangle.
-    pub(crate) fn corner_vectors<T: Constant>(&self, of: impl Fn(&FrameVertex) -> DVec3) -> Vec<[[T; 3]; 3]> {
-        self.each_triangle(|t| self.corners(t).map(|v| of(v).to_array().map(T::of)))
-    }
-
     /// Returns the barycentric weights of a point on the screen with respect to triangle `triangle`.
     pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
         let [a, b, c] = self.corners(triangle).map(|v| v.screen);
@@ -324,35 +309,9 @@ impl Frame {
         [wa, wb, 1.0 - wa - wb]
     }
 
-    /// Returns this frame with the vertices' light values encoded for a display, which is what a renderer that ignores
-    /// gamma interpolates. Its picture contains encoded values and is quantized without a transfer function.
-    pub fn encoded(mut self, transfers: &Transfers) -> Frame {
-        let encode = |light| encode(transfers, light);
-        for vertex in &mut self.vertices {
-            vertex.light = encode(vertex.light);
-            vertex.ambient = encode(vertex.ambient);
-        }
-        self.background = encode(self.background);
-        self.encoding = Some(transfers.clone());
-        self
-    }
-
-    /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye; encoded
-    /// if the frame's light values are encoded.
+    /// Returns the light that a point of the surface at `eye` with the unit normal `normal` sends to the eye.
     pub fn lit(&self, eye: DVec3, normal: DVec3) -> DVec3 {
-        let light = self.lighting.light(eye, normal, self.view.to_viewer(eye));
-        match &self.encoding {
-            Some(transfers) => encode(transfers, light),
-            None => light,
-        }
-    }
-
-    /// Returns the light that the display emits for a value that a shader computes from the frame's light values.
-    pub fn emitted(&self, value: DVec3) -> DVec3 {
-        match &self.encoding {
-            Some(transfers) => DVec3::from_array(transfers.linear_from_encoded(value.to_array())),
-            None => value,
-        }
+        self.lighting.light(eye, normal, self.view.to_viewer(eye))
     }
 
     fn find_triangles(&mut self, surface: &Surface, open: bool) {
@@ -418,8 +377,4 @@ impl Frame {
             (t < other).then_some([(t, k), (other, opposite)])
         })
     }
-}
-
-fn encode(transfers: &Transfers, light: DVec3) -> DVec3 {
-    DVec3::from_array(transfers.encoded_from_linear(light.to_array()))
 }

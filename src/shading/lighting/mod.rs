@@ -10,5 +10,5 @@ mod model;
 mod transmission;
 
 pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry};
-pub use model::{Lamp, LampPosition, Lighting, Material, Reflection, Specular, attenuation};
+pub use model::{Lamp, LampPosition, Lighting, Material, Specular, attenuation};
 pub use transmission::{Refraction, Transparency};

@@ -1,10 +1,9 @@
-//! Materials, lamps, and the light that a lit surface sends to the eye (Shoaff §3), for any type of [`Number`]: one
-//! pixel or several at once.
+//! Materials, lamps, and the light that a lit surface sends to the eye (Shoaff §3).
 
 use glam::DVec3;
 
 use super::microfacets::Microfacets;
-use crate::shading::number::{Channels, Constant, Number, all, dot, power, unit};
+use crate::light::interpolation::power;
 
 /// How a surface reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,163 +113,71 @@ impl Lighting {
         self.material.ambient * self.ambient * self.material.color
     }
 
+    /// True if the light depends on the distance of the surface from a lamp.
+    pub(crate) fn has_near_lamps(&self) -> bool {
+        self.lamps.iter().any(|lamp| matches!(lamp.position, LampPosition::Point { .. }))
+    }
+
     /// Returns the linear red, green and blue light that a point at `position` with the unit normal `normal` sends
     /// along the unit vector `to_viewer`, in eye space. See the [module](super) for the formula.
     ///
     /// The result is finite for all valid lightings: a zero normal gives only the ambient light, and a lamp at
     /// `position` contributes nothing. The sum of several lamps can exceed 1.
     pub fn light(&self, position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
-        let [position, normal, to_viewer] = [position, normal, to_viewer].map(|v| v.to_array());
-        let of_lamp =
-            |lamp| Reflection::new(lamp, &self.material, Channels::Color).light(position, normal, to_viewer, None);
-        self.ambient_light() + self.lamps.iter().map(|lamp| DVec3::from_array(of_lamp(lamp))).sum::<DVec3>()
-    }
-}
-
-/// The largest exponent of a highlight that is computed as a power of an f32; f32 is too imprecise for sharper
-/// highlights.
-const MAX_POWER_EXPONENT: f64 = 128.0;
-
-/// A lamp and how the surface reflects its light: I_p·k_d·O_d and I_p·k_s·O_s.
-#[derive(Clone, Debug)]
-pub struct Reflection<T, const C: usize> {
-    position: PreparedPosition<T>,
-    diffuse: [T; C],
-    specular: [T; C],
-    highlight: Highlight<C>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum PreparedPosition<T> {
-    Far([T; 3]),
-    Near { at: [T; 3], attenuation: [T; 3] },
-}
-
-/// s, the highlight before multiplication by k_s and O_s.
-#[derive(Clone, Copy, Debug)]
-enum Highlight<const C: usize> {
-    Absent,
-    /// A power of a cosine.
-    Power {
-        blinn: bool,
-        exponent: u32,
-    },
-    /// Any other highlight, computed pixel by pixel in f64.
-    Any {
-        model: Specular,
-        shininess: f64,
-        channels: Channels,
-    },
-}
-
-impl<T: Constant, const C: usize> Reflection<T, C> {
-    /// Prepares `lamp` for a surface of `material`, in the channels that are shaded.
-    pub fn new(lamp: &Lamp, material: &Material, channels: Channels) -> Self {
-        let vector = |v: DVec3| v.to_array().map(T::of);
-        let m = material.shininess;
-        Reflection {
-            position: match lamp.position {
-                LampPosition::Direction(toward) => PreparedPosition::Far(vector(toward)),
-                LampPosition::Point { position, attenuation } => {
-                    PreparedPosition::Near { at: vector(position), attenuation: attenuation.map(T::of) }
-                }
-            },
-            diffuse: channels.pick(lamp.intensity * material.color * material.diffuse),
-            specular: channels.pick(lamp.intensity * material.specular_color * material.specular),
-            highlight: match material.specular_model {
-                _ if material.specular == 0.0 => Highlight::Absent,
-                Specular::Phong | Specular::Blinn if m.fract() == 0.0 && (1.0..=MAX_POWER_EXPONENT).contains(&m) => {
-                    Highlight::Power { blinn: material.specular_model == Specular::Blinn, exponent: m as u32 }
-                }
-                model => Highlight::Any { model, shininess: m, channels },
-            },
-        }
+        self.painted(position, normal, to_viewer, DVec3::ONE)
     }
 
-    /// True if the light depends on the position of the surface.
-    pub fn is_near(&self) -> bool {
-        matches!(self.position, PreparedPosition::Near { .. })
+    /// Returns the same for a point whose paint multiplies O_d by `color`.
+    pub(crate) fn painted(&self, position: DVec3, normal: DVec3, to_viewer: DVec3, color: DVec3) -> DVec3 {
+        let of_lamp = |lamp: &Lamp| self.of_lamp(lamp, position, normal, to_viewer, color);
+        self.lamps.iter().map(of_lamp).fold(self.ambient_light() * color, |sum, light| sum + light)
     }
 
-    /// Returns f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) where N·L is above 0, and 0 elsewhere, for a position, a unit
-    /// normal N and a unit vector V toward the viewer. `color`, if given, multiplies O_d.
-    #[inline(always)]
-    pub fn light<N: Number<Constant = T>>(
-        &self,
-        position: [N; 3],
-        normal: [N; 3],
-        to_viewer: [N; 3],
-        color: Option<[N; C]>,
-    ) -> [N; C] {
-        let zero = normal[0].of(0.0);
-        let (to_lamp, strength) = match &self.position {
-            PreparedPosition::Far(toward) => (all(zero, toward), zero.of(1.0)),
-            PreparedPosition::Near { at, attenuation: factors } => {
-                let at = all(zero, at);
-                let (toward, distance) = unit([at[0] - position[0], at[1] - position[1], at[2] - position[2]]);
-                (toward, attenuation(*factors, distance))
+    /// Returns f_att·I_p·(k_d·O_d·(N·L) + k_s·O_s·s) if N·L is above 0, and otherwise 0.
+    fn of_lamp(&self, lamp: &Lamp, position: DVec3, normal: DVec3, to_viewer: DVec3, color: DVec3) -> DVec3 {
+        let (to_lamp, strength) = match lamp.position {
+            LampPosition::Direction(toward) => (toward, 1.0),
+            LampPosition::Point { attenuation: factors, .. } => {
+                let toward = lamp.toward(position);
+                (toward.normalize_or_zero(), attenuation(factors, toward.length()))
             }
         };
-        let cosine = dot(normal, to_lamp);
-        let highlight = self.highlight.light(normal, to_lamp, to_viewer);
-        let lit = zero.below(cosine);
-        let mut light = [zero; C];
-        for c in 0..C {
-            let mut diffuse = cosine.times(self.diffuse[c]);
-            if let Some(color) = color {
-                diffuse = diffuse * color[c];
-            }
-            let reflected = diffuse + highlight[c].times(self.specular[c]);
-            light[c] = N::select(lit, reflected * strength, zero);
+        let (material, cosine) = (&self.material, normal.dot(to_lamp));
+        // Also false for NaN.
+        if cosine > 0.0 {
+            let diffuse = lamp.intensity * material.color * material.diffuse;
+            let specular = lamp.intensity * material.specular_color * material.specular;
+            (cosine * diffuse * color + material.highlight(normal, to_lamp, to_viewer) * specular) * strength
+        } else {
+            DVec3::ZERO
         }
-        light
     }
 }
+
+impl Material {
+    /// Returns s, the highlight before multiplication by k_s and O_s: a power of Phong's R·V, where R is the mirror image
+    /// of L, or of Blinn's N·H, where H is halfway between L and V, or what small mirrors reflect. Shoaff §3.3, §3.6.
+    fn highlight(&self, normal: DVec3, to_lamp: DVec3, to_viewer: DVec3) -> DVec3 {
+        if self.specular == 0.0 {
+            return DVec3::ZERO;
+        }
+        let cosine = match self.specular_model {
+            Specular::CookTorrance(facets) => return facets.highlight(normal, to_lamp, to_viewer),
+            Specular::Phong => 2.0 * normal.dot(to_lamp) * normal.dot(to_viewer) - to_lamp.dot(to_viewer),
+            Specular::Blinn => normal.dot((to_lamp + to_viewer).normalize_or_zero()),
+        };
+        let (cosine, m) = (cosine.max(0.0), self.shininess);
+        // Products are the same on every machine.
+        let is_whole = m.fract() == 0.0 && (1.0..=MAX_POWER_EXPONENT).contains(&m);
+        DVec3::splat(if is_whole { power(cosine, m as usize) } else { cosine.powf(m) })
+    }
+}
+
+/// The largest exponent of a highlight that is computed by multiplying.
+const MAX_POWER_EXPONENT: f64 = 128.0;
 
 /// f_att = 1/(c1 + c2·d + c3·d²), at most 1, at the distance d = `distance` ≥ 0 from a lamp. Shoaff §3.2, which prints
 /// max(…, 1) although min is meant: with max, a lamp would never weaken.
-#[inline(always)]
-pub fn attenuation<N: Number>([c1, c2, c3]: [N::Constant; 3], distance: N) -> N {
-    let weaker = (distance.times(c3) + distance.all(c2)) * distance + distance.all(c1);
-    (distance.of(1.0) / weaker).min(distance.of(1.0))
-}
-
-/// Returns Phong's R·V, where R is the mirror image of L, or Blinn's N·H, where H is halfway between L and V;
-/// never below 0. Shoaff §3.3, §3.6.
-#[inline(always)]
-fn shine<N: Number>(blinn: bool, normal: [N; 3], to_lamp: [N; 3], to_viewer: [N; 3]) -> N {
-    let cosine = if blinn {
-        let [l, v] = [to_lamp, to_viewer];
-        dot(normal, unit([l[0] + v[0], l[1] + v[1], l[2] + v[2]]).0)
-    } else {
-        let (nl, nv) = (dot(normal, to_lamp), dot(normal, to_viewer));
-        nl.of(2.0) * nl * nv - dot(to_lamp, to_viewer)
-    };
-    cosine.max(cosine.of(0.0))
-}
-
-impl<const C: usize> Highlight<C> {
-    #[inline(always)]
-    fn light<N: Number>(&self, normal: [N; 3], to_lamp: [N; 3], to_viewer: [N; 3]) -> [N; C] {
-        match self {
-            Highlight::Absent => [normal[0].of(0.0); C],
-            Highlight::Power { blinn, exponent } => [power(shine(*blinn, normal, to_lamp, to_viewer), *exponent); C],
-            Highlight::Any { model, shininess, channels } => {
-                let [n, l, v] = [normal, to_lamp, to_viewer];
-                N::each([n[0], n[1], n[2], l[0], l[1], l[2], v[0], v[1], v[2]], |numbers| {
-                    // Rounded vectors do not have unit length, which would show in sharp highlights.
-                    let [n, l, v] = [0, 3, 6].map(|i| DVec3::from_slice(&numbers[i..i + 3]).normalize_or_zero());
-                    channels.pick(exact_highlight(*model, *shininess, n, l, v))
-                })
-            }
-        }
-    }
-}
-
-fn exact_highlight(model: Specular, shininess: f64, n: DVec3, l: DVec3, v: DVec3) -> DVec3 {
-    let blinn = match model {
-        Specular::CookTorrance(facets) => return facets.highlight(n, l, v),
-        model => model == Specular::Blinn,
-    };
-    DVec3::splat(shine(blinn, n.to_array(), l.to_array(), v.to_array()).powf(shininess))
+pub fn attenuation([c1, c2, c3]: [f64; 3], distance: f64) -> f64 {
+    (1.0 / ((distance * c3 + c2) * distance + c1)).min(1.0)
 }

@@ -5,9 +5,8 @@ use rayon::prelude::*;
 
 use crate::{
     shading::{
-        draw::Reference,
         frame::Frame,
-        shaders::{Shade, Shader},
+        shaders::{Shade, Shader, Shading},
     },
     system::checkpoint,
 };
@@ -60,12 +59,12 @@ impl Creases {
         Creases::summed(shared.into_par_iter().map(measured).collect())
     }
 
-    /// Measures the creases that `shade` leaves in `frame`, in the light that the display emits.
+    /// Measures the creases that `shade` leaves in `frame`.
     pub fn of(frame: &Frame, shade: &Shade) -> Creases {
-        let reference = Reference::new(frame, shade);
+        let shading = Shading::new(frame, shade);
         // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
         let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
-        Creases::of_field(frame, step, |triangle, weights| frame.emitted(reference.light(triangle, weights)))
+        Creases::of_field(frame, step, |triangle, weights| shading.light(triangle, weights))
     }
 
     /// Measures the creases that the Gouraud shader leaves in `frame`, for comparison.

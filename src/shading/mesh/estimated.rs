@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::{rings::Rings, triangles::Mesh};
+use super::{rings::rings, triangles::Mesh};
 use crate::text::names::named;
 
 named! {
@@ -62,11 +62,10 @@ impl Mesh {
         if !matches!(normals, Normals::Cubic | Normals::Best) {
             return self;
         }
-        let rings = Rings::new(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
+        let rings = rings(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
         let areas = (normals == Normals::Best).then(|| self.means(Weights::Areas));
         for _ in 0..PASSES {
-            let fits: Vec<Option<Fit>> =
-                (0..self.vertices.len()).into_par_iter().map(|v| self.fitted(v, rings.of(v))).collect();
+            let fits: Vec<Option<Fit>> = rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();
             for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
                 let Some(areas) = &areas else {
                     vertex.normal = fit.map_or(vertex.normal, |fit| fit.normal);

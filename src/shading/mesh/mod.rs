@@ -17,7 +17,7 @@ pub use build::{MAX_COORDINATE, MeshError, Polygons, triangulated};
 pub use estimated::Normals;
 pub use normals::newell;
 pub use paint::{Coat, Paint, PaintedCorner, Texture, Wrap};
-pub(crate) use rings::Rings;
+pub(crate) use rings::rings;
 pub use smooth::Smooth;
 pub use surface::Surface;
 pub use triangles::{Edge, EdgeKind, Edges, Mesh, Vertex};

@@ -1,6 +1,6 @@
 //! Joins open edges that lie in the same place.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 
 use glam::DVec3;
 
@@ -18,9 +18,6 @@ const SHORT: f64 = 1e-6;
 /// Open edges whose ends differ by no more than this share are reported.
 const NEAR: f64 = 0.05;
 
-/// Where more open edges than this meet, there is no surface, and pairs of them are not examined.
-const MOST_AT_ONE: usize = 64;
-
 /// What was found along the open edges of a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seams {
@@ -28,13 +25,11 @@ pub struct Seams {
     pub joined: usize,
     /// The number of edges that are still open and run beside another open edge.
     pub beside: usize,
-    /// The number of vertices of open edges that lie on another open edge, between its ends.
-    pub between: usize,
 }
 
 impl Polygons {
     /// Joins positions on open edges that are almost the same, and the ends of edges without a length to speak of. Counts
-    /// open edges that run beside others, and vertices that lie on them.
+    /// open edges that run beside others.
     pub fn weld(&mut self, positions: &[DVec3]) -> Seams {
         let edges = self.edges();
         let length = |[a, b]: &[u32; 2]| positions[*a as usize].distance(positions[*b as usize]);
@@ -100,23 +95,7 @@ impl Polygons {
                 away <= most && !other.iter().any(|site| edge.contains(site))
             })
         };
-        // An edge that others divide begins at a site of theirs.
-        let mut from: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for [a, b] in &open {
-            from.entry(*a).or_default().push(*b);
-            from.entry(*b).or_default().push(*a);
-        }
-        let mut between = BTreeSet::new();
-        for (start, others) in from.iter().filter(|(_, others)| others.len() <= MOST_AT_ONE) {
-            for (site, end) in others.iter().flat_map(|site| others.iter().map(move |end| (site, end))) {
-                let [edge, toward] = [end, site].map(|to| positions[*to as usize] - positions[*start as usize]);
-                let along = toward.dot(edge) / edge.length_squared();
-                if (NEAR..=1.0 - NEAR).contains(&along) && toward.distance(along * edge) <= SAME * edge.length() {
-                    between.insert(*site);
-                }
-            }
-        }
-        Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count(), between: between.len() }
+        Seams { joined: joined.len(), beside: open.iter().filter(is_beside).count() }
     }
 
     /// Returns the edges in order, each with its lower site first, and the number of faces at each.

@@ -2,84 +2,58 @@
 //! polygons into arcs, and intensity reweighting (§4.4), which compensates for interpolated normals, because these are
 //! shorter than unit length between vertices.
 
+use glam::DVec3;
+
 use super::{
+    gouraud::weighted,
     shade::{Correction, Shade},
     strips::{Curve, MIN_WIDTH, OTHERS, least, narrowed},
 };
-use crate::shading::{
-    frame::Frame,
-    number::{Channels, Constant, Number, dot, select, weighted},
-};
+use crate::shading::frame::Frame;
 
 /// Bangay's corrections, prepared for a frame.
-#[derive(Clone, Debug)]
-pub struct Corrections<T, const C: usize> {
+pub struct Corrections<'f> {
+    frame: &'f Frame,
     vertex: Correction,
     reweight: Correction,
     /// The width of the strips.
     strip: f64,
-    printed: Curve<T>,
-    curve: Curve<T>,
-    fans: Vec<Fans<T, C>>,
-    normals: Vec<[[T; 3]; 3]>,
-    ambients: Vec<[[T; C]; 3]>,
+    printed: Curve,
+    curve: Curve,
 }
 
-impl<T: Constant, const C: usize> Corrections<T, C> {
+/// The minimum |N| by which light is divided.
+const MIN_NORMAL_LENGTH: f64 = 1e-3;
+
+impl<'f> Corrections<'f> {
     /// Prepares the corrections of `shade` for the triangles of `frame`.
-    pub fn new(frame: &Frame, shade: &Shade, channels: Channels) -> Self {
+    pub fn new(frame: &'f Frame, shade: &Shade) -> Self {
         Corrections {
+            frame,
             vertex: shade.vertex,
             reweight: shade.reweight,
             strip: shade.strip(),
             printed: Curve::printed(shade.depth),
             curve: Curve::new(shade.depth),
-            fans: frame.each_triangle(|t| Fans::new(frame, t, channels)),
-            normals: frame.corner_vectors(|v| v.normal),
-            ambients: frame.each_triangle(|t| frame.corners(t).map(|v| channels.pick(v.ambient))),
         }
     }
 
     /// Corrects `value`, the light at the weights `w` of `triangle`.
-    #[inline(always)]
-    pub fn corrected<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], value: [N; C]) -> [N; C] {
+    pub fn corrected(&self, triangle: usize, w: [f64; 3], value: DVec3) -> DVec3 {
         let value = match self.vertex {
             Correction::Off => value,
-            Correction::Printed => self.fans[triangle].printed(value, w, self.strip, &self.printed),
-            Correction::Repaired => self.fans[triangle].repaired(value, w, self.strip, &self.curve),
+            Correction::Printed => self.vertex_printed(triangle, w, value),
+            Correction::Repaired => self.vertex_repaired(triangle, w, value),
         };
-        let normal = weighted(w, &self.normals[triangle]);
-        let length = dot(normal, normal).sqrt();
+        let length = weighted(w, self.frame.corners(triangle).map(|v| v.normal)).length();
         match self.reweight {
             Correction::Off => value,
-            Correction::Printed => reweight_printed(value, w, length, T::of(self.strip), &self.printed),
-            Correction::Repaired => reweight_repaired(value, weighted(w, &self.ambients[triangle]), length),
-        }
-    }
-}
-
-/// The data of a triangle for vertex shading: at each corner, the steps to the other two corners on the screen, and the
-/// light values.
-#[derive(Clone, Debug)]
-struct Fans<T, const C: usize> {
-    steps: [[Step<T>; 2]; 3],
-    lights: [[T; C]; 3],
-}
-
-/// From one corner to another: pixels to the right, pixels down, and the distance.
-type Step<T> = [T; 3];
-
-impl<T: Constant, const C: usize> Fans<T, C> {
-    /// Computes the data of triangle `triangle`.
-    fn new(frame: &Frame, triangle: usize, channels: Channels) -> Self {
-        let corners = frame.corners(triangle);
-        let step = |from: usize, to: usize| {
-            let step = corners[to].screen - corners[from].screen;
-            [step.x, step.y, step.length()].map(T::of)
-        };
-        Fans {
-            steps: [0, 1, 2].map(|k| [step(k, OTHERS[k].0), step(k, OTHERS[k].1)]),
-            lights: corners.map(|v| channels.pick(v.light)),
+            Correction::Printed => value * self.brightening_printed(w, length),
+            Correction::Repaired => {
+                // I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.
+                let ambient = self.frame.lighting.ambient_light();
+                ambient + (value - ambient) * (1.0 / length.max(MIN_NORMAL_LENGTH))
+            }
         }
     }
 
@@ -89,42 +63,26 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     ///
     /// Distances are measured on the screen because they are consistent with the weights there: in perspective,
     /// distances on the mesh would bend the contours at edges.
-    #[inline(always)]
-    fn closeness<N: Number<Constant = T>>(&self, k: usize, w: [N; 3]) -> (N, N) {
+    fn closeness(&self, triangle: usize, k: usize, w: [f64; 3]) -> (f64, f64) {
         let (i, j) = OTHERS[k];
-        let [to_i, to_j] = &self.steps[k];
-        let (zero, one) = (w[k].of(0.0), w[k].of(1.0));
+        let corners = self.frame.corners(triangle);
+        let [to_i, to_j] = [i, j].map(|other| corners[other].screen - corners[k].screen);
         // The weights are scaled so that the squares of tiny weights do not vanish.
-        let largest = w[i].max(zero - w[i]).max(w[j].max(zero - w[j]));
+        let largest = w[i].abs().max(w[j].abs());
         let (wi, wj) = (w[i] / largest, w[j] / largest);
-        let mix = N::select(zero.below(largest), wi * wi / (wi * wi + wj * wj), w[k].of(0.5));
-        let reach = mix.times(to_i[2]) + (one - mix).times(to_j[2]);
-        let place = [w[i].times(to_i[0]) + w[j].times(to_j[0]), w[i].times(to_i[1]) + w[j].times(to_j[1]), zero];
+        let mix = if largest > 0.0 { wi * wi / (wi * wi + wj * wj) } else { 0.5 };
+        let reach = mix * to_i.length() + (1.0 - mix) * to_j.length();
         // If `reach` is 0, corners coincide, and no distance separates them.
-        let far = N::select(zero.below(reach), dot(place, place) / (reach * reach), zero);
-        (one - far, mix)
+        let far = if reach > 0.0 { (w[i] * to_i + w[j] * to_j).length_squared() / (reach * reach) } else { 0.0 };
+        (1.0 - far, mix)
     }
 
     /// As printed: `g·value + (1−g)·d_A·I_A` where w_A > 1 − 2b, with g = I_n((1−w_A)/2b). Where regions overlap (b >
     /// ¼), the first one applies, with a jump. The correction darkens a uniform surface around its vertices.
-    #[inline(always)]
-    fn printed<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, step: &Curve<T>) -> [N; C] {
-        let one = w[0].of(1.0);
-        let mut corrected = value;
-        // The first corner comes last, so it takes precedence.
-        for k in [2, 1, 0] {
-            let here = one.of(1.0 - 2.0 * b).below(w[k]);
-            if N::any(here) {
-                let g = step.value((one - w[k]) * one.of(0.5 / b));
-                let fall = self.closeness(k, w).0 * (one - g);
-                let mut arc = value;
-                for c in 0..C {
-                    arc[c] = value[c] * g + fall.times(self.lights[k][c]);
-                }
-                corrected = select(here, arc, corrected);
-            }
-        }
-        corrected
+    fn vertex_printed(&self, triangle: usize, w: [f64; 3], value: DVec3) -> DVec3 {
+        let Some(k) = (0..3).find(|k| w[*k] > 1.0 - 2.0 * self.strip) else { return value };
+        let g = self.printed.value((1.0 - w[k]) * (0.5 / self.strip));
+        value * g + self.closeness(triangle, k, w).0 * (1.0 - g) * self.frame.corners(triangle)[k].light
     }
 
     /// Repaired: the light around a vertex approaches its neighbors' light instead of darkness: I_V = I_e + d_A(I_A −
@@ -135,60 +93,32 @@ impl<T: Constant, const C: usize> Fans<T, C> {
     /// correction. The factor q = I_2(4·w_A), which is 1 for w_A ≥ ¼, ends it at the edge.
     ///
     /// Uniform light stays uniform, and C1 across edges stays C1.
-    #[inline(always)]
-    fn repaired<N: Number<Constant = T>>(&self, value: [N; C], w: [N; 3], b: f64, curve: &Curve<T>) -> [N; C] {
-        let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
-        let radius = 2.0 * b.min(0.25);
+    fn vertex_repaired(&self, triangle: usize, w: [f64; 3], value: DVec3) -> DVec3 {
+        let lights = self.frame.corners(triangle).map(|v| v.light);
+        let radius = 2.0 * self.strip.min(0.25);
         let mut corrected = value;
         for k in 0..3 {
             let (i, j) = OTHERS[k];
-            let (closeness, mix) = self.closeness(k, w);
-            let rho = (one - closeness).max(zero).sqrt();
-            let here = rho.below(one.of(radius));
-            if N::any(here) {
-                let u = (w[k] * one.of(4.0)).within(0.0, 1.0);
-                let confined = u * u * (one.of(3.0) - u * one.of(2.0));
-                let share = confined * (one - curve.value(rho * one.of(1.0 / radius)));
-                let share = N::select(here, share, zero);
-                for c in 0..C {
-                    let around = mix.times(self.lights[i][c]) + (one - mix).times(self.lights[j][c]);
-                    let arc = around + (one.all(self.lights[k][c]) - around) * closeness;
-                    corrected[c] = corrected[c] + (arc - value[c]) * share;
-                }
+            let (closeness, mix) = self.closeness(triangle, k, w);
+            let rho = (1.0 - closeness).max(0.0).sqrt();
+            if rho < radius {
+                let u = (w[k] * 4.0).clamp(0.0, 1.0);
+                let confined = u * u * (3.0 - u * 2.0);
+                let share = confined * (1.0 - self.curve.value(rho * (1.0 / radius)));
+                let around = mix * lights[i] + (1.0 - mix) * lights[j];
+                let arc = around + (lights[k] - around) * closeness;
+                corrected += (arc - value) * share;
             }
         }
         corrected
     }
-}
 
-/// The minimum |N| by which light is divided.
-const MIN_NORMAL_LENGTH: f64 = 1e-3;
-
-/// Bangay eq. 9 as printed: value/(|N| + (1−|N|)·I_n(t/b')), where |N| = `normal` is the length of Σ w_i·N_i and t is
-/// the smallest weight. It brightens only the strips, but it also brightens their ambient light. The divisor is at
-/// least 1e-3.
-#[inline(always)]
-fn reweight_printed<N: Number, const C: usize>(
-    value: [N; C],
-    w: [N; 3],
-    normal: N,
-    b: N::Constant,
-    step: &Curve<N::Constant>,
-) -> [N; C] {
-    let one = normal.of(1.0);
-    let (t, width) = (least(w), narrowed(w, b));
-    let inside = N::select(t.below(width), step.value(t / width.max(one.of(MIN_WIDTH))), one);
-    let factor = one / (normal + (one - normal) * inside).max(one.of(MIN_NORMAL_LENGTH));
-    value.map(|value| value * factor)
-}
-
-/// Repaired: I_amb + (value − I_amb)/max(|N|, 1e-3) over the whole triangle.
-#[inline(always)]
-fn reweight_repaired<N: Number, const C: usize>(value: [N; C], ambient: [N; C], normal: N) -> [N; C] {
-    let factor = normal.of(1.0) / normal.max(normal.of(MIN_NORMAL_LENGTH));
-    let mut light = value;
-    for c in 0..C {
-        light[c] = ambient[c] + (value[c] - ambient[c]) * factor;
+    /// Returns the factor of Bangay eq. 9 as printed: 1/(|N| + (1−|N|)·I_n(t/b')), where |N| = `normal` is the length of
+    /// Σ w_i·N_i and t is the smallest weight. It brightens only the strips, but it also brightens their ambient light. The
+    /// divisor is at least 1e-3.
+    fn brightening_printed(&self, w: [f64; 3], normal: f64) -> f64 {
+        let (t, width) = (least(w), narrowed(w, self.strip));
+        let inside = if t < width { self.printed.value(t / width.max(MIN_WIDTH)) } else { 1.0 };
+        1.0 / (normal + (1.0 - normal) * inside).max(MIN_NORMAL_LENGTH)
     }
-    light
 }

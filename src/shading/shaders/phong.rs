@@ -1,62 +1,48 @@
 //! Interpolates the normal and lights every pixel. Shoaff §3.4.
 
-use super::{gouraud::ShaderKernel, pixel::PixelLight};
-use crate::shading::{
-    frame::{Frame, FrameVertex},
-    number::{Channels, Constant, Number, unit, weighted},
+use glam::DVec3;
+
+use super::{
+    gouraud::{ShaderKernel, weighted},
+    painted::Painted,
 };
+use crate::shading::frame::Frame;
+
+/// The lighting of a frame, for any pixel whose normal is known.
+pub struct PixelLight<'f> {
+    pub(super) frame: &'f Frame,
+    paint: Option<Painted<'f>>,
+}
+
+impl<'f> PixelLight<'f> {
+    pub fn new(frame: &'f Frame) -> Self {
+        PixelLight { frame, paint: Painted::of(frame) }
+    }
+
+    /// Returns the light at the weights `w` of a triangle, at a position with a unit normal and a unit vector toward the
+    /// viewer, all in eye space.
+    pub fn light(&self, triangle: usize, w: [f64; 3], position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
+        let (color, normal) = match &self.paint {
+            Some(paint) => paint.surface(triangle, w, normal),
+            None => (DVec3::ONE, normal),
+        };
+        self.frame.lighting.painted(position, normal, to_viewer, color)
+    }
+}
 
 /// The light of a surface with the normalized normal Σ a_i·N_i at the position Σ a_i·P_i, where a_i are the weights on
 /// the flat triangle: as on graphics cards, w_i/z_i divided by their sum, with the weights w_i on the screen and the
 /// distances z_i from the eye's plane.
-#[derive(Clone, Debug)]
-pub struct Phong<T, const C: usize> {
-    /// Normals, times the nearness of the corner.
-    normals: Vec<[[T; 3]; 3]>,
-    /// Positions in eye space, times the same; empty if only directions matter.
-    places: Vec<[[T; 3]; 3]>,
-    /// The nearness of each corner; empty if the eye is infinitely far away.
-    nearness: Vec<[T; 3]>,
-    pixel: PixelLight<T, C>,
-    /// The position of the eye on the z axis; `None` if it is infinitely far away.
-    eye: Option<T>,
-}
+pub struct Phong<'f>(pub PixelLight<'f>);
 
-impl<T: Constant, const C: usize> Phong<T, C> {
-    /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
-    pub fn new(frame: &Frame, channels: Channels) -> Self {
-        let pixel = PixelLight::new(frame, channels);
-        let distance = frame.view.distance;
-        let has_eye = distance.is_finite();
-        let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
-        let corners = |t: usize| frame.corners(t).map(|v| T::of(near(v)));
-        let has_places = has_eye || pixel.has_near_lamps();
-        Phong {
-            normals: frame.corner_vectors(|v| v.normal * near(v)),
-            places: if has_places { frame.corner_vectors(|v| v.eye * near(v)) } else { Vec::new() },
-            nearness: if has_eye { frame.each_triangle(corners) } else { Vec::new() },
-            pixel,
-            eye: has_eye.then(|| T::of(distance)),
-        }
-    }
-}
-
-impl<T: Constant, const C: usize> ShaderKernel<T, C> for Phong<T, C> {
-    #[inline(always)]
-    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], _: [N; C]) -> [N; C] {
-        let (zero, one) = (w[0].of(0.0), w[0].of(1.0));
-        let normal = unit(weighted(w, &self.normals[triangle])).0;
-        let (mut place, mut to_viewer) = ([zero; 3], [zero, zero, one]);
-        if let Some(places) = self.places.get(triangle) {
-            place = weighted(w, places);
-        }
-        if let Some(near) = self.nearness.get(triangle) {
-            let far = one / (w[0].times(near[0]) + w[1].times(near[1]) + w[2].times(near[2]));
-            place = place.map(|p| p * far);
-        }
-        if let Some(eye) = self.eye {
-            to_viewer = unit([zero - place[0], zero - place[1], zero.all(eye) - place[2]]).0;
-        }
-        self.pixel.light(triangle, w, place, normal, to_viewer)
+impl ShaderKernel for Phong<'_> {
+    fn light(&self, triangle: usize, w: [f64; 3], _: DVec3) -> DVec3 {
+        let frame = self.0.frame;
+        let corners = frame.corners(triangle);
+        let near = corners.map(|v| frame.view.nearness(v.eye.z));
+        let normal = weighted(w, [0, 1, 2].map(|k| corners[k].normal * near[k])).normalize_or_zero();
+        let far = 1.0 / (w[0] * near[0] + w[1] * near[1] + w[2] * near[2]);
+        let place = weighted(w, [0, 1, 2].map(|k| corners[k].eye * near[k])) * far;
+        self.0.light(triangle, w, place, normal, frame.view.to_viewer(place))
     }
 }

@@ -4,20 +4,16 @@
 use glam::DVec3;
 
 use super::{gouraud::ShaderKernel, strips::OTHERS};
-use crate::shading::{
-    frame::Frame,
-    number::{Channels, Constant, Number, plus},
-};
+use crate::shading::frame::Frame;
 
 /// The quadratic through the light values of the corners and the light values M_k of the midpoints, where M_k is
 /// opposite corner k: Gouraud's light plus Σ_k w_i·w_j·4(M_k − (I_i + I_j)/2).
-#[derive(Clone, Debug)]
-pub struct Quadratic<T, const C: usize>(Vec<[[T; C]; 3]>);
+pub struct Quadratic(Vec<[DVec3; 3]>);
 
-impl<T: Constant, const C: usize> Quadratic<T, C> {
+impl Quadratic {
     /// Prepares the shader for the triangles of `frame`.
-    pub fn new(frame: &Frame, channels: Channels) -> Self {
-        Quadratic(frame.each_triangle(|t| bulges(frame, t).map(|bulge| channels.pick(bulge))))
+    pub fn new(frame: &Frame) -> Self {
+        Quadratic(frame.each_triangle(|t| bulges(frame, t)))
     }
 }
 
@@ -32,13 +28,9 @@ fn bulges(frame: &Frame, triangle: usize) -> [DVec3; 3] {
     })
 }
 
-impl<T: Constant, const C: usize> ShaderKernel<T, C> for Quadratic<T, C> {
-    #[inline(always)]
-    fn light<N: Number<Constant = T>>(&self, triangle: usize, w: [N; 3], gouraud: [N; C]) -> [N; C] {
-        let mut light = gouraud;
-        for (&(i, j), ordinates) in OTHERS.iter().zip(&self.0[triangle]) {
-            light = plus(light, w[i] * w[j], ordinates);
-        }
-        light
+impl ShaderKernel for Quadratic {
+    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
+        let bulges = OTHERS.iter().zip(&self.0[triangle]);
+        bulges.fold(gouraud, |light, (&(i, j), bulge)| light + w[i] * w[j] * bulge)
     }
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Display;
 
-use crate::{light::Depth, shading::frame::Gradients, text::names::named};
+use serde::Serialize;
+
+use crate::{light::Depth, text::names::named};
 
 named! {
     /// The shaders, from flat to smooth everywhere.
@@ -42,7 +44,7 @@ named! {
 }
 
 /// A shader with its options.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shade {
     /// The shader.
     pub shader: Shader,
@@ -54,8 +56,6 @@ pub struct Shade {
     pub vertex: Correction,
     /// Intensity reweighting, Bangay eq. 9.
     pub reweight: Correction,
-    /// The method for the slopes at the vertices, used by [`Shader::Patch`] and [`Shader::C1Phong`].
-    pub gradients: Gradients,
 }
 
 impl Shader {
@@ -73,14 +73,14 @@ impl Shader {
 impl Shade {
     /// Returns `shader` with n = 3, b = 0.2 and no corrections.
     pub const fn new(shader: Shader) -> Shade {
-        Shade {
-            shader,
-            depth: Depth::Finite(3),
-            boundary: 0.2,
-            vertex: Correction::Off,
-            reweight: Correction::Off,
-            gradients: Gradients::Curvature,
-        }
+        Shade { shader, depth: Depth::Finite(3), boundary: 0.2, vertex: Correction::Off, reweight: Correction::Off }
+    }
+
+    /// Returns whether this draws the same picture as Gouraud's shader, the baseline for all comparisons. Options that only
+    /// other shaders use may differ.
+    pub fn is_gouraud(&self) -> bool {
+        let Shade { depth, boundary, .. } = *self;
+        *self == Shade { depth, boundary, ..Shade::new(Shader::Gouraud) }
     }
 
     /// Returns the name of a correction that has no effect on this shader, its value, and why; `drawn` names the shader.
@@ -94,11 +94,6 @@ impl Shade {
     /// Returns the width of the strip that is actually used: `boundary`, but at most ⅓.
     pub fn strip(&self) -> f64 {
         self.boundary.min(1.0 / 3.0)
-    }
-
-    /// True if the method for the slopes at the vertices affects the result.
-    pub fn has_gradients(&self) -> bool {
-        matches!(self.shader, Shader::Patch | Shader::C1Phong)
     }
 
     /// True if n and b affect the result.

@@ -127,17 +127,12 @@ impl Faces {
             "open edge runs beside another one and is not joined with it, so that a line",
             "open edges run beside others and are not joined with them, so that lines",
         ];
-        let between = [
-            "vertex lies on an open edge that it does not divide, so that a line",
-            "vertices lie on open edges that they do not divide, so that lines",
-        ];
         found(repeated, left_out, "");
         found(reversed, reversed_because, "the neighbors go around the other way");
         found(turned, reversed_because, "the surface was inside out");
         found(opposed, reversed_because, "the normals point to the other side");
         found(seams.joined, joined, " within a thousandth of an edge");
         found(seams.beside, beside, " may show there");
-        found(seams.between, between, " may show there");
         // Other normals will replace these anyway.
         let is_wanted = !has_normals && matches!(normals, Normals::Given | Normals::Best);
         Ok(MeshFile { mesh: if is_wanted { mesh.estimated(Normals::Best) } else { mesh }, notes })

@@ -202,7 +202,8 @@ pub(super) fn seconds(text: &str) -> f64 {
     }
 }
 
-/// True if a cell of the column `simulated` says that a program answered.
+/// True if a cell of the column `simulated` says that a program answered: anything but no value, 0, false and no.
 pub(super) fn is_mark(text: &str) -> bool {
-    text == "1" || text.eq_ignore_ascii_case("true")
+    let denies = |word: &str| text.eq_ignore_ascii_case(word);
+    !is_missing(text, true) && number(text) != Some(0.0) && !denies("false") && !denies("no")
 }

@@ -24,8 +24,6 @@ pub enum Layer {
     Split,
     /// The amplified difference between the two.
     Difference,
-    /// The creases, each image on its side of the divider.
-    Creases,
     /// How visible the difference from the smooth surface is, each image on its side of the divider.
     Visible,
 }
@@ -227,19 +225,12 @@ fn divider(ui: &egui::Ui, rect: Rect, settings: &mut ViewSettings) -> bool {
 
 /// Draws the image: the columns left of the divider from one texture, the rest from the other.
 pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2], settings: &ViewSettings) {
-    if settings.zoom > 1.0 {
-        let x = rect.left() + rect.width() * settings.divider as f32;
-        let halves = [rect.left()..=x, x..=rect.right()];
-        for (texture, half) in textures.into_iter().zip(halves) {
-            let painter = ui.painter().with_clip_rect(Rect::from_x_y_ranges(half, rect.y_range()));
-            let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-            painter.image(texture, settings.whole(rect), all, Color32::WHITE);
-        }
-        return;
+    let x = rect.left() + rect.width() * settings.column(size[0]) as f32 / size[0] as f32;
+    let halves = [rect.left()..=x, x..=rect.right()];
+    for (texture, half) in textures.into_iter().zip(halves) {
+        let clip = Rect::from_x_y_ranges(half, rect.y_range()).intersect(ui.clip_rect());
+        pixels::paint(&ui.painter().with_clip_rect(clip), texture, settings.whole(rect));
     }
-    let column = settings.column(size[0]);
-    pixels::draw_columns(ui, textures[0], size, 0..column, rect.min);
-    pixels::draw_columns(ui, textures[1], size, column..size[0], rect.min);
 }
 
 /// Draws the overlays: divider, scan line, light.

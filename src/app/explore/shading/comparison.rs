@@ -1,4 +1,4 @@
-//! A comparison of two renderers that draw the same lit surface, and presets: the initial comparison and the figures of
+//! A comparison of two shaders on the same lit surface, and presets: the initial comparison and the figures of
 //! the paper.
 
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::{
         Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
     },
-    stimulus::{Renderer, Shot, describe_scene},
+    stimulus::describe_scene,
     store,
 };
 
@@ -35,8 +35,8 @@ pub struct Comparison {
     pub mesh: MeshChoice,
     /// Rotation, lighting, and view.
     pub scene: Scene,
-    /// The left and the right renderer.
-    pub sides: [Renderer; 2],
+    /// The left and the right shader.
+    pub sides: [Shade; 2],
     pub transfer: Transfer,
 }
 
@@ -46,18 +46,13 @@ impl Default for Comparison {
         Self {
             mesh: MeshChoice::Named(Shape::Torus, 200),
             scene: Scene::default(),
-            sides: [Renderer::gouraud(), Renderer::new(Shade::new(Shader::C1Phong))],
+            sides: [Shader::Gouraud, Shader::C1Phong].map(Shade::new),
             transfer: Transfer::Srgb,
         }
     }
 }
 
 impl Comparison {
-    /// Returns the image of `frame` as the renderer `side` draws it.
-    pub fn shot<'f>(&self, side: &Renderer, frame: &'f crate::shading::Frame) -> Shot<'f> {
-        side.shoot(frame, &(&self.transfer).into())
-    }
-
     /// Returns this comparison for another transfer function, which belongs to the display and to no preset.
     #[must_use]
     pub fn on_display(self, transfer: &Transfer) -> Self {
@@ -93,11 +88,6 @@ impl Comparison {
 
     /// Returns all parameters, so that anyone can reproduce the image.
     pub fn describe(&self) -> Value {
-        let side = |side: &Renderer| {
-            let mut all = side.describe();
-            all["interpolated_in"] = json!(if side.is_naive() { "code values" } else { "linear light" });
-            all
-        };
         let mut all = describe_scene(&self.scene);
         (all["mesh"], all["vertices"]) = match &self.mesh {
             MeshChoice::Named(shape, vertices) => {
@@ -105,8 +95,8 @@ impl Comparison {
             }
             MeshChoice::File(path) => (json!(path), Value::Null),
         };
-        all["left"] = side(&self.sides[0]);
-        all["right"] = side(&self.sides[1]);
+        all["left"] = json!(self.sides[0]);
+        all["right"] = json!(self.sides[1]);
         all["transfer"] = json!(self.transfer.to_string());
         all
     }
@@ -140,9 +130,8 @@ impl MeshChoice {
     }
 }
 
-/// Returns the name of a renderer on the page, including the options that have an effect.
-pub fn title(renderer: &Renderer) -> String {
-    let shade = renderer.shade;
+/// Returns the name of a shader on the page, including the options that have an effect.
+pub fn title(shade: &Shade) -> String {
     let mut text = shader_title(shade.shader);
     if shade.has_strip() {
         text += &format!(" ({}, {})", depth_title(shade.depth), rounded(shade.boundary));
@@ -155,9 +144,6 @@ pub fn title(renderer: &Renderer) -> String {
                 Correction::Repaired => text += &format!(" + {name}, repaired"),
             }
         }
-    }
-    if renderer.is_naive() {
-        text += ", gamma ignored";
     }
     text
 }
@@ -192,7 +178,7 @@ pub fn presets() -> Vec<(&'static str, Comparison)> {
     let [coarse, fine] = [313, 771].map(|vertices| MeshChoice::Named(Shape::Blob, vertices));
     let first = Comparison::default();
     let presets = [
-        ("Gouraud and C1 normals", first.mesh.clone(), first.sides[1].shade),
+        ("Gouraud and C1 normals", first.mesh.clone(), first.sides[1]),
         ("Gouraud and Patch", first.mesh, Shade::new(Shader::Patch)),
         ("Figure 8 (a): flat", cube.clone(), Shade::new(Shader::Flat)),
         ("Figure 8 (b): Gouraud", cube.clone(), Shade::new(Shader::Gouraud)),
@@ -219,6 +205,6 @@ pub fn presets() -> Vec<(&'static str, Comparison)> {
         ("Figure 12 (d): 1538, reweighted (3, 0.33)", fine, reweighted(3, 0.33)),
     ];
     let comparison =
-        |mesh, shade| Comparison { mesh, sides: [Renderer::gouraud(), Renderer::new(shade)], ..Comparison::default() };
+        |mesh, shade| Comparison { mesh, sides: [Shade::new(Shader::Gouraud), shade], ..Comparison::default() };
     presets.into_iter().map(|(name, mesh, shade)| (name, comparison(mesh, shade))).collect()
 }

@@ -14,8 +14,7 @@ use crate::{
         theme::{focus_ring, ink},
     },
     light::{Depth, Transfer},
-    shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
-    stimulus::Renderer,
+    shading::{Correction, Highlight, Scene, Shade, Shader, shapes::Shape},
 };
 
 /// Width of the labels, points.
@@ -47,22 +46,11 @@ pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
 }
 
 /// Draws the controls of one side's renderer.
-pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
+pub fn side(ui: &mut egui::Ui, which: usize, shade: &mut Shade) {
     let place = ["Left", "Right"][which];
     ui.label(RichText::new(place).strong().color(ink(ui).sides()[which]));
     let name = |control: &str| format!("{place} {control}");
-    let shade = &mut side.shade;
     field("Shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
-    if shade.has_gradients() {
-        let title = |gradients: &Gradients| match gradients {
-            Gradients::Curvature => "mesh curvature".to_owned(),
-            Gradients::Ring => "plane through neighbors".to_owned(),
-            Gradients::Quadric => "quadric through neighbors".to_owned(),
-        };
-        field("Slopes from", &name("slopes"))
-            .choice(ui, &mut shade.gradients, Gradients::ALL, title)
-            .on_hover_text("How the slope of the light at a vertex is estimated.");
-    }
     if shade.has_strip() {
         let depths: Vec<Depth> = (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]).collect();
         field("Depth n", &name("depth n"))
@@ -83,11 +71,6 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     } else {
         // A correction that was chosen for another shader must not stay on unseen.
         (shade.vertex, shade.reweight) = (Correction::Off, Correction::Off);
-    }
-    if !shade.shader.lights_pixels() {
-        let response = ui.checkbox(&mut side.naive, "Ignore gamma: interpolate codes");
-        text::name(ui, &response, &name("ignores gamma"));
-        response.on_hover_text("Interpolates the codes of the vertices instead of their light, as older programs do.");
     }
 }
 

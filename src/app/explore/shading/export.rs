@@ -59,7 +59,6 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
     all["view"] = match settings.layer {
         Layer::Split => json!({"show": "split", "right_from_column": column}),
         Layer::Difference => json!({"show": "difference of codes", "factor": settings.factor}),
-        Layer::Creases => json!({"show": "creases", "right_from_column": column}),
         Layer::Visible => json!({
             "show": "visible difference from the smooth surface",
             "right_from_column": column,
@@ -76,6 +75,6 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
 fn suggested(compared: &Comparison) -> String {
     let title = compared.mesh.title();
     let stem = Path::new(&title).file_stem().unwrap_or_default().to_string_lossy();
-    let [left, right] = compared.sides.map(|side| side.shade.shader);
+    let [left, right] = compared.sides.map(|side| side.shader);
     format!("{stem}-{left}-{right}.png")
 }

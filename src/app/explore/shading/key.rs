@@ -17,14 +17,6 @@ pub fn difference(ui: &mut egui::Ui, factor: u8) {
     key(ui, "the same code", gray, &format!("{most} codes apart or more"));
 }
 
-/// Draws the key to the creases. `full_scale` is the jump of slope with the last color, once it is known.
-pub fn creases(ui: &mut egui::Ui, full_scale: Option<f64>) {
-    // Two significant digits.
-    let digits = |most: f64| (1.0 - most.log10().floor()).clamp(0.0, 9.0) as usize;
-    let most = full_scale.map_or_else(String::new, |most| format!("{most:.*} light per pixel or more: ", digits(most)));
-    key(ui, "no jump of slope", heat, &format!("{most}the steepest 5 % of Gouraud's"));
-}
-
 /// Draws the key to the visible difference from the smooth surface. `full_scale` is the difference with the last color,
 /// once it is known.
 pub fn visible(ui: &mut egui::Ui, full_scale: Option<f64>) {

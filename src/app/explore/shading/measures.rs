@@ -13,9 +13,9 @@ use crate::{
         explore::gallery::slopes,
         ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     },
-    light::{Bits, CodeImage, Quantizer, Samples, Transfer},
-    shading::{Creases, Surface, crease},
-    stimulus::{Judged, Renderer, ViewingConditions},
+    light::{CodeImage, Samples},
+    shading::{Creases, Shade, Shader, Surface, crease},
+    stimulus::{Judged, ViewingConditions, along, emitted},
     vision::luminance,
 };
 
@@ -29,7 +29,8 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// The cells of the table for each side.
     pub cells: [Vec<String>; 2],
-    pub maps: [CodeImage; 2],
+    /// Maps of both sides, if there are any.
+    pub maps: Option<[CodeImage; 2]>,
     /// The value with the last color of the maps.
     pub full_scale: f64,
 }
@@ -54,9 +55,10 @@ impl Measurement {
             move || measure(&compared, &surface, size)
         });
         if let Some(Ok(measured)) = self.latest.get(&edition)
+            && let Some(maps) = &measured.maps
             && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
         {
-            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
+            self.textures = Some((edition, maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
         }
     }
 
@@ -97,17 +99,14 @@ impl Measurement {
 pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, width, height).unpainted();
     let gouraud = Creases::of_gouraud(&frame);
-    let sides = compared.sides.map(|side| compared.shot(&side, &frame).creases());
-    // Both maps have the same scale: white is the 95th percentile of Gouraud's creases.
-    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-    let map = |creases| quantizer.quantize(&crease::picture(&frame, creases, gouraud.p95));
+    let sides = compared.sides.map(|side| Creases::of(&frame, &side));
     let cells = |creases: &Creases| {
         let over = creases.over(&gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
         // Differences in the last digits of the arithmetic are not creases.
         let shown = |slope: f64| if slope < 1e-6 { "0".to_owned() } else { format!("{slope:.2e}") };
         vec![shown(creases.rms), shown(creases.p95), over]
     };
-    Ok(Measured { cells: sides.each_ref().map(cells), maps: sides.each_ref().map(map), full_scale: gouraud.p95 })
+    Ok(Measured { cells: sides.each_ref().map(cells), maps: None, full_scale: gouraud.p95 })
 }
 
 /// The color of a map beside the mesh, encoded.
@@ -118,14 +117,14 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
     let judged = Judged::known(&frame);
-    let judge = |side: &Renderer| {
-        let found = judged.difference(&viewing, &compared.shot(side, &frame).emitted());
+    let judge = |side: &Shade| {
+        let found = judged.difference(&viewing, &emitted(&frame, side));
         found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
     };
     let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
-    let gouraud = match compared.sides.iter().position(Renderer::is_gouraud) {
+    let gouraud = match compared.sides.iter().position(Shade::is_gouraud) {
         Some(which) => sides[which].largest,
-        None => judge(&Renderer::gouraud())?.largest,
+        None => judge(&Shade::new(Shader::Gouraud))?.largest,
     };
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
@@ -149,7 +148,7 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
         let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
         vec![format!("{:.1}", side.largest), over.unwrap_or_else(|| "—".to_owned())]
     });
-    Ok(Measured { cells, maps, full_scale })
+    Ok(Measured { cells, maps: Some(maps), full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.
@@ -179,7 +178,7 @@ impl Scan {
         let length = ends[0].distance(ends[1]);
         let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
         let light = compared.sides.map(|side| {
-            let lights = compared.shot(&side, frame).along(ends, count);
+            let lights = along(frame, &side, ends, count);
             let at = |i: usize, light: DVec3| {
                 [(i as f64 + 0.5) / count as f64 * length, luminance(light.as_vec3().to_array())]
             };

@@ -16,9 +16,7 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, escaped, folded, hint,
-        pixels::Canvas,
-        say, secondary, text,
+        Bench, Dialog, Field, FileKind, History, escaped, folded, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
     light::CodeImage,
@@ -47,8 +45,6 @@ pub struct ShadingPage {
     settings: ViewSettings,
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
-    /// Textures for the left and the right picture.
-    canvases: [Canvas; 2],
     pictures: Option<Pictures>,
     creases: Measurement,
     visible: Measurement,
@@ -223,12 +219,9 @@ impl ShadingPage {
         let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(secondary(text)).extend());
         ui.horizontal_wrapped(|ui| {
             group(ui, "Show");
-            for (layer, name) in [
-                (Layer::Split, "Split"),
-                (Layer::Difference, "Difference"),
-                (Layer::Creases, "Creases"),
-                (Layer::Visible, "Visibility"),
-            ] {
+            for (layer, name) in
+                [(Layer::Split, "Split"), (Layer::Difference, "Difference"), (Layer::Visible, "Visibility")]
+            {
                 ui.selectable_value(&mut settings.layer, layer, name);
             }
             group(ui, "Drag moves");
@@ -283,7 +276,6 @@ impl ShadingPage {
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
                 Layer::Difference => key::difference(ui, self.settings.factor),
-                Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
                 Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
             }
         });
@@ -326,7 +318,7 @@ impl ShadingPage {
             self.load(ctx, self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
-        let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
+        let pictures = Pictures::updated(ctx, self.pictures.take(), surface, &self.compared, size);
         if !self.dragging {
             self.creases.want(ctx, &pictures, measures::creases);
             self.visible.want(ctx, &pictures, measures::visible);
@@ -342,11 +334,7 @@ impl ShadingPage {
 
     /// Returns the measurement with the maps to show; `None` if no maps are shown.
     fn mapped(&self) -> Option<&Measurement> {
-        match self.settings.layer {
-            Layer::Split | Layer::Difference => None,
-            Layer::Creases => Some(&self.creases),
-            Layer::Visible => Some(&self.visible),
-        }
+        (self.settings.layer == Layer::Visible).then_some(&self.visible)
     }
 
     fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
@@ -426,8 +414,8 @@ impl ShadingPage {
             return Some(self.difference.as_ref()?.codes.clone());
         }
         let [left, right] = match self.mapped() {
-            Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
-            None => pictures.sides.each_ref().map(Picture::codes),
+            Some(measurement) => measurement.get(pictures.edition)?.maps.clone()?,
+            None => pictures.sides.each_ref().map(|side| side.codes.clone()),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }

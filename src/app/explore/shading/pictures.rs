@@ -2,48 +2,38 @@
 
 use std::{sync::Arc, time::Instant};
 
-use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
+use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 
 use super::comparison::Comparison;
 use crate::{
-    app::ui::pixels::{self, Canvas},
-    light::{CodeImage, Samples},
-    shading::{Encoder, Frame, Prepared, Surface},
-    stimulus::Shot,
+    app::ui::pixels,
+    light::{Bits, CodeImage, Quantizer, Samples},
+    shading::{Frame, Shade, Surface, image},
 };
 
 /// The picture of one side.
 pub struct Picture {
-    pixels: Arc<ColorImage>,
+    /// Its codes.
+    pub codes: CodeImage,
     texture: TextureHandle,
     /// Drawing time, ms.
     pub ms: f64,
 }
 
 impl Picture {
-    fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
+    fn draw(ctx: &egui::Context, frame: &Frame, shade: &Shade, quantizer: &Quantizer) -> Picture {
         let started = Instant::now();
-        let mut pixels =
-            ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
-        let encoder = Encoder::new(&shot.transfers.channels()[0]);
-        let prepared = Prepared::new(&shot.frame, &shot.shade);
-        prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
+        let codes = quantizer.quantize(&image(frame, shade));
         let ms = ms_since(started);
-        let pixels = Arc::new(pixels);
-        let texture = canvas.put(ctx, "shading", pixels.clone());
-        Picture { pixels, texture, ms }
+        let size = [codes.width, codes.height].map(|side| side as usize);
+        let pixels = ColorImage::from_rgb(size, codes.bytes().unwrap_or_default());
+        let texture = pixels::load(ctx, "shading", Arc::new(pixels));
+        Picture { codes, texture, ms }
     }
 
     /// Returns the picture's texture in egui.
     pub fn id(&self) -> TextureId {
         self.texture.id()
-    }
-
-    /// Returns the picture's codes.
-    pub fn codes(&self) -> CodeImage {
-        let [width, height] = self.pixels.size.map(|side| side as u32);
-        let codes = self.pixels.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
-        CodeImage { width, height, samples: Samples::Eight(codes) }
     }
 }
 
@@ -68,7 +58,6 @@ impl Pictures {
     pub fn updated(
         ctx: &egui::Context,
         before: Option<Pictures>,
-        canvases: &mut [Canvas; 2],
         surface: &Arc<Surface>,
         compared: &Comparison,
         size: [u32; 2],
@@ -83,8 +72,8 @@ impl Pictures {
         let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
         let frame_ms = ms_since(started);
-        let draw =
-            |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
+        let quantizer = Quantizer::new(&compared.transfer, Bits::Eight);
+        let draw = |which: usize| Picture::draw(ctx, &frame, &compared.sides[which], &quantizer);
         let sides = [0, 1].map(draw);
         Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
     }
@@ -106,8 +95,7 @@ impl Difference {
             return before;
         }
         let [left, right] = &pictures.sides;
-        let codes =
-            combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(factor));
+        let codes = combined(&left.codes, &right.codes, |_, left, right| left.abs_diff(right).saturating_mul(factor));
         let texture = pixels::texture(ctx, "difference", &codes);
         Difference { edition: pictures.edition, factor, codes, texture }
     }
