@@ -43,7 +43,6 @@ pub(super) struct ClmFit {
     pub gradient: f64,
     /// Observed information matrix.
     pub information: DMatrix<f64>,
-    pub iterations: usize,
     pub end: FitEnd,
 }
 
@@ -222,8 +221,10 @@ impl ClmData {
         let mut parameters = start;
         let mut current = self.derivatives(&parameters);
         let mut end = FitEnd::Stalled;
-        let mut iterations = 0;
-        while iterations < MAX_ITERATIONS && current.loglik.is_finite() {
+        for _ in 0..MAX_ITERATIONS {
+            if !current.loglik.is_finite() {
+                break;
+            }
             // Newton's step, or that of steepest ascent.
             let factor = positive_definite(&current.information);
             let step = factor.map_or_else(|| current.gradient.clone(), |factor| factor.solve(&current.gradient));
@@ -248,14 +249,12 @@ impl ClmData {
             };
             parameters = next;
             current = self.derivatives(&parameters);
-            iterations += 1;
         }
         ClmFit {
             loglik: current.loglik,
             gradient: current.gradient.amax(),
             information: current.information,
             parameters,
-            iterations,
             end,
         }
     }

@@ -74,7 +74,6 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         subjects: fitted.frame.subjects.len(),
         loglik: mixed.map_or(fitted.clm.loglik, |mixed| mixed.loglik),
         gradient,
-        iterations: mixed.map_or(fitted.clm.iterations, |mixed| mixed.iterations),
         parameters: size + if boundary { fitted.random.parameters() } else { 0 },
         thresholds: (fitted.frame.categories.windows(2).enumerate())
             .map(|(j, pair)| Threshold { name: pair.join("|"), estimate: estimates[j], se: se(j) })

@@ -171,7 +171,6 @@ pub struct Model {
     pub loglik: f64,
     /// Largest absolute element of the gradient at the estimates.
     pub gradient: f64,
-    pub iterations: usize,
     /// Number of estimated parameters, including the standard deviation of a mixed model.
     pub parameters: usize,
     pub thresholds: Vec<Threshold>,

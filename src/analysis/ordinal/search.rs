@@ -44,7 +44,6 @@ pub(super) struct MixedFit {
     /// Observed information of the free parameters.
     pub information: DMatrix<f64>,
     pub modes: Modes,
-    pub iterations: usize,
     pub end: MixedFitEnd,
 }
 
@@ -84,27 +83,26 @@ pub(super) struct Task<'a> {
 pub(super) fn fit(data: &ClmmData, task: Task<'_>) -> Option<MixedFit> {
     let tolerance = task.tolerance;
     let mut search = Search::begin(data, task)?;
-    let (mut iterations, mut end) = search.climb(task);
+    let mut end = search.climb(task);
     // Each pass holds at least one more deviation at 0, or the search ends.
     for _ in 0..=data.loadings.parameters() {
         if !search.hold_zeros(task.free, task.rough) {
             break;
         }
-        let more = search.climb(task);
-        (iterations, end) = (iterations + more.0, more.1);
+        end = search.climb(task);
     }
     let is_zero = |parameter: &usize| search.at[data.first_psi() + parameter] == 0.0;
     if data.loadings.independent && data.loadings.deviations.iter().all(is_zero) {
         search.move_to_boundary(&task.plain.parameters)?;
-        return Some(search.finish(iterations, MixedFitEnd::Boundary, DMatrix::zeros(0, 0)));
+        return Some(search.finish(MixedFitEnd::Boundary, DMatrix::zeros(0, 0)));
     }
     if end == MixedFitEnd::Diverged || (!task.errors && end == MixedFitEnd::Converged) {
-        return Some(search.finish(iterations, end, DMatrix::zeros(0, 0)));
+        return Some(search.finish(end, DMatrix::zeros(0, 0)));
     }
     search.make_deviations_positive();
     let information = search.polish(tolerance)?;
     let end = if search.gradient() <= 1e3 * tolerance { MixedFitEnd::Converged } else { MixedFitEnd::Stalled };
-    Some(search.finish(iterations, end, information))
+    Some(search.finish(end, information))
 }
 
 impl<'a> Search<'a> {
@@ -252,7 +250,7 @@ impl<'a> Search<'a> {
     }
 
     /// Takes quasi-Newton steps (Broyden, Fletcher, Goldfarb, Shanno).
-    fn climb(&mut self, task: Task<'_>) -> (usize, MixedFitEnd) {
+    fn climb(&mut self, task: Task<'_>) -> MixedFitEnd {
         const MAX_ITERATIONS: usize = 300;
         /// Twice the distance of the log-likelihood from its maximum that is as good as none.
         const SMALL: f64 = 1e-9;
@@ -260,24 +258,24 @@ impl<'a> Search<'a> {
             checkpoint();
             // Newton's method takes over near the maximum.
             if self.gradient() <= 1e3 * task.tolerance {
-                return (iteration, MixedFitEnd::Converged);
+                return MixedFitEnd::Converged;
             }
             if self.at.amax() > MAX_PARAMETER {
-                return (iteration, MixedFitEnd::Diverged);
+                return MixedFitEnd::Diverged;
             }
             let before = self.free_gradient();
             let mut step = &self.inverse * &before;
             if !task.errors && iteration > 0 && before.dot(&step) < SMALL {
-                return (iteration, MixedFitEnd::Converged);
+                return MixedFitEnd::Converged;
             }
             // Limit how far a parameter can jump: a bound that moves by 3 has crossed most of the scale.
             step *= (3.0 / step.amax()).min(1.0);
-            let Some(factor) = self.take(&step) else { return (iteration, MixedFitEnd::Stalled) };
+            let Some(factor) = self.take(&step) else { return MixedFitEnd::Stalled };
             step *= factor;
             let change = before - self.free_gradient();
             update_inverse(&mut self.inverse, &step, &change);
         }
-        (MAX_ITERATIONS, MixedFitEnd::Stalled)
+        MixedFitEnd::Stalled
     }
 
     /// Takes Newton steps with the observed information and returns that information.
@@ -339,11 +337,11 @@ impl<'a> Search<'a> {
         Some(())
     }
 
-    fn finish(mut self, iterations: usize, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
+    fn finish(mut self, end: MixedFitEnd, information: DMatrix<f64>) -> MixedFit {
         self.make_deviations_positive();
         let gradient = self.gradient();
         let Self { free, modes, at, value, .. } = self;
-        MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, iterations, end }
+        MixedFit { parameters: at, loglik: value.loglik, gradient, free, information, modes, end }
     }
 
     /// Changes the signs of negative deviations, together with the effects that belong to them.
