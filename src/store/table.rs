@@ -4,7 +4,7 @@ use std::{
     borrow::Cow,
     cell::Cell,
     collections::BTreeSet,
-    io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
+    io::{self, Cursor, Read, Seek, SeekFrom},
     path::Path,
 };
 
@@ -12,7 +12,6 @@ use csv::{ByteRecord, Position};
 
 use super::{
     FileError, FileErrors,
-    error::RowErrors,
     open::{Complete, open_regular},
 };
 
@@ -349,74 +348,6 @@ pub(super) fn parse<T>(
         errors.push(FileError::at(file, (1, 1), "the file is empty; expected a header row".to_owned()));
     }
     if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
-}
-
-/// Maximum length of a line in bytes for [`each_line`]. The frame intervals of a single trial that lasts 8 hours at 480
-/// Hz take up 70 MB.
-const MAX_LINE: u64 = 128 << 20;
-
-/// Reads a table that this program wrote without quotes, line by line, so that memory use does not grow with the file.
-/// The first line must be `header`. An incomplete last line, which an interrupted program left, is ignored. `take` gets
-/// the cells of each row.
-///
-/// # Errors
-/// Reports every error, with its line and column. A long list is shortened.
-pub(super) fn each_line(
-    file: &str,
-    mut reader: impl BufRead,
-    header: &str,
-    mut take: impl FnMut(&[&str]) -> Result<(), CellError>,
-) -> Result<(), FileErrors> {
-    let (mut errors, mut bytes, mut number) = (RowErrors::default(), Vec::new(), 0);
-    let names: Vec<&str> = header.split(',').collect();
-    loop {
-        bytes.clear();
-        let read = reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes);
-        number += 1;
-        match read {
-            Err(error) => return Err(FileErrors::whole(file, format!("cannot be read: {error}; expected CSV"))),
-            Ok(0) if number == 1 => {
-                let message = format!("the file is empty; expected the header {header}");
-                return Err(FileErrors::at(file, (1, 1), message));
-            }
-            Ok(0) => break,
-            Ok(_) => {}
-        }
-        let complete = bytes.pop_if(|last| *last == b'\n').is_some();
-        if !complete && bytes.len() as u64 == MAX_LINE {
-            let message = format!("the line has more than {MAX_LINE} bytes; expected a shorter line");
-            errors.add(file, None, message, || (number, 1));
-            break;
-        }
-        bytes.pop_if(|last| *last == b'\r');
-        let text = match std::str::from_utf8(&bytes) {
-            Ok(text) => text,
-            Err(error) => {
-                let column = String::from_utf8_lossy(&bytes[..error.valid_up_to()]).chars().count() + 1;
-                let message = "the row is not UTF-8 text; expected UTF-8".to_owned();
-                errors.add(file, None, message, || (number, column));
-                continue;
-            }
-        };
-        let cells: Vec<&str> = text.split(',').collect();
-        let taken = if number == 1 {
-            exactly(&cells, header)
-        } else if text.is_empty() || !complete {
-            Ok(())
-        } else if cells.len() != names.len() {
-            Err((0, format!("the number of cells in the row is {}; expected {}", cells.len(), names.len())))
-        } else {
-            take(&cells)
-        };
-        if let Err((cell, message)) = taken {
-            let column = || cells.iter().take(cell).map(|cell| cell.chars().count() + 1).sum::<usize>() + 1;
-            errors.add(file, Some(cell), message, || (number, column()));
-            if number == 1 {
-                break;
-            }
-        }
-    }
-    FileErrors::none(errors.finish(file, &names))
 }
 
 /// Checks that a header is exactly as expected.

@@ -3,7 +3,7 @@
 //!
 //! Frames describe a session but are not its data, so the session continues if this file cannot be written.
 
-use std::{io::BufReader, path::Path};
+use std::path::Path;
 
 use crate::{
     display::frames::Refresh,
@@ -11,8 +11,6 @@ use crate::{
     store::{
         FileErrors, StoreError,
         file::{AppendFile, exists},
-        open::{Complete, open_regular},
-        table::{self, CellError, shortened},
     },
 };
 
@@ -138,61 +136,4 @@ impl FrameFile {
 
 fn header() -> Vec<u8> {
     format!("{HEADER}\n").into_bytes()
-}
-
-/// Reads a whole frames file.
-///
-/// # Errors
-/// Reports every error, with its line and column.
-pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
-    let mut rows = Vec::new();
-    each(path, |row| {
-        rows.push(row);
-        Ok(())
-    })?;
-    Ok(rows)
-}
-
-/// Calls `take` with every row of a frames file. Memory use does not grow with the file, which reaches 70 MB in a
-/// session of 8 hours at 480 Hz.
-///
-/// # Errors
-/// Reports every error, with its line and column, including those that `take` returns.
-pub(crate) fn each(path: &Path, mut take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
-    let file = open_regular(path).and_then(Complete::of).map_err(|error| {
-        FileErrors::whole(path, format!("cannot be opened: {error}; expected the frames file of a session"))
-    })?;
-    table::each_line(&path.display().to_string(), BufReader::new(file), HEADER, |cells| take(row(cells)?))
-}
-
-fn row(cells: &[&str]) -> Result<FrameRow, CellError> {
-    let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells else {
-        return Err((0, format!("the number of cells in the row is {}; expected 7", cells.len())));
-    };
-    let wrong = |index: usize, expected: &str| {
-        let name = HEADER.split(',').nth(index).unwrap_or_default();
-        (index, format!("{name} is {:?}; expected {expected}", shortened(cells[index])))
-    };
-    let count = |index: usize, cell: &str| match cell.parse::<u32>() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err(wrong(index, "a whole number from 1")),
-    };
-    let refresh = match refresh {
-        "" => None,
-        text => Some(
-            (text.parse::<f64>().ok())
-                .and_then(|us| Refresh::new(us * 1e-6))
-                .ok_or_else(|| wrong(5, "a positive number of microseconds between refreshes, or an empty cell"))?,
-        ),
-    };
-    let intervals = intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>();
-    Ok(FrameRow {
-        sitting: count(0, sitting)?,
-        phase: phase.parse().map_err(|_| wrong(1, "practice or main"))?,
-        trial: count(2, trial)?,
-        attempt: count(3, attempt)?,
-        shown: state.parse().map_err(|_| wrong(4, &format!("one of {}", Shown::NAMES.join(", "))))?,
-        refresh,
-        intervals_us: intervals.ok_or_else(|| wrong(6, "whole microseconds separated by spaces"))?,
-    })
 }
