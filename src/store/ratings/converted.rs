@@ -19,8 +19,6 @@ pub(super) struct Converted {
     pub note: Option<[String; 2]>,
     /// Whether it is the sheet of a workbook, whose cells have names.
     pub is_sheet: bool,
-    /// Row and column of each number of a sheet that was probably rounded, counted from 0.
-    pub rounded: Vec<(usize, usize)>,
 }
 
 /// Converts a file that begins with `head`: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and
@@ -40,8 +38,7 @@ pub(super) fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, S
     if is_gzip {
         converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;
     } else if is_workbook {
-        (converted.bytes, converted.note, converted.rounded) =
-            workbook::first_sheet(&converted.bytes).map_err(failed)?;
+        (converted.bytes, converted.note) = workbook::first_sheet(&converted.bytes).map_err(failed)?;
     }
     if let Some(encoding) = utf16(&converted.bytes) {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();

@@ -3,7 +3,6 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    hash::{DefaultHasher, Hash as _, Hasher as _},
     path::{Path, PathBuf},
 };
 
@@ -21,13 +20,8 @@ use super::{
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError,
-        columns::Texts,
-        dataset,
-        error::{RowErrors, io},
-        file,
-        recorded::interrupted,
-        table::{Content, decoded, rows_from},
+        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, recorded::interrupted,
+        table::Content,
     },
     text::names::natural,
 };
@@ -123,16 +117,15 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
-            read.sha256 = Some(file::sha256(&bytes));
-            notes.extend(doubled(input, &bytes));
-            let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
-            if let Some(other) = may_repeat.then(|| contents.insert(cells(input, &bytes), &input.name)).flatten() {
-                let message = format!("has the same content as {other}; expected each rating once");
-                notes.push(FileError::whole(&input.name, message));
-            }
+        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
+        if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
+            && let Some(other) = contents.insert(hash, &input.name)
+        {
+            let message = format!("has the same content as {other}; expected each rating once");
+            notes.push(FileError::whole(&input.name, message));
         }
-        errors.extend(file_errors(input, rows, &selection.inputs));
+        errors.extend(file_errors(input, rows));
         reports.push(read);
     }
     if reports.iter().all(|report| report.ratings == 0) {
@@ -144,14 +137,6 @@ fn read_inputs<T>(
     warnings.extend(gaps(&selection, &sessions, &reports));
     warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
     warnings.extend(without_values(&selection, &reports));
-    warnings.extend(reports.iter().filter(|report| report.again > 0).map(|report| {
-        let message = format!(
-            "some participants have several rows for one condition ({} of {} ratings); expected a row for each participant, or \
-             factors that tell their rows apart",
-            report.again, report.ratings
-        );
-        FileError::whole(&report.path, message)
-    }));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -183,12 +168,10 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     };
     let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
     let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
-    let visible = |group: &Vec<&str>| group.iter().map(|name| values::visible(name)).collect::<Vec<_>>().join(", ");
-    let groups: Vec<String> = alike.iter().take(6).map(visible).collect();
+    let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
     let others = if alike.len() > groups.len() { " and others" } else { "" };
     let message = format!(
-        "the {names} {}{others}{of} differ only in capitals, in the form of a number or in how characters are encoded, and \
-         are different {different}; expected one {expected}",
+        "the {names} {}{others}{of} differ only in capitals or in the form of a number, and are different {different}; expected one {expected}",
         groups.join("; ")
     );
     (!groups.is_empty()).then(|| FileError::whole(file, message))
@@ -278,28 +261,24 @@ pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileE
     sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign).chain(interrupted)
 }
 
-/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
-/// of a data set, and tables of counts.
+/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, and tables of counts.
 ///
 /// # Errors
 /// A folder cannot be accessed.
 fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
-    let mut described = Vec::new();
-    for Input { path, header, .. } in inputs {
-        let of = if header.columns.is_some() { Ok(None) } else { dataset::described(path) };
-        described.push(of.map_err(|error| FileErrors(error.errors(path)))?);
-    }
     let mut warnings = Vec::new();
-    for (input, described) in inputs.iter().zip(&described) {
+    for input in inputs {
         warnings.extend(input.changed.iter().cloned());
-        if described.is_some() && input.columns.record.is_some() && !input.has_sidecar {
+        if input.columns.record.is_some()
+            && !input.has_sidecar
+            && !input.in_memory()
+            && dataset::described(&input.path).map_err(|error| FileErrors(error.errors(&input.path)))?.is_some()
+        {
             let message =
                 "has no sidecar, so nothing shows whether it was changed; expected the sidecar that belongs to it";
             warnings.push(FileError::whole(&input.path, message));
         }
     }
-    let of_datasets = inputs.iter().zip(described).filter_map(|(input, folder)| Some((&*input.path, folder?)));
-    warnings.extend(dataset::links_out(of_datasets)?);
     warnings.extend(counts_warning(inputs));
     Ok(warnings)
 }
@@ -365,7 +344,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
         rows.errors = errors;
     }
-    trials::decide(attempts, &mut sessions, tables, &selection.inputs);
+    trials::decide(attempts, &mut sessions, tables);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
         if let Ok((_, identity)) = dataset::identity(&input.path) {
@@ -431,64 +410,19 @@ fn read_attempts<'a>(
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
-/// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
-pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
-    let other = |status: &Status| match status {
-        Status::Repeated { file, is_same } => {
-            Some((&inputs[*file as usize].name, *is_same)).filter(|(name, _)| **name != input.name)
-        }
-        _ => None,
-    };
-    let others: Option<Vec<(&String, bool)>> = rows.status.iter().map(other).collect();
-    let everything = others.filter(|others| !others.is_empty()).map(|others| {
-        let (all, differing) = (others.len(), others.iter().filter(|(_, is_same)| !*is_same).count());
-        let (one, is_one) = (others[0].0, others.iter().all(|(name, _)| *name == others[0].0));
-        let place = if is_one { one } else { "other files" };
-        let message = match differing {
-            0 => format!("all its rows ({all}) already appear in {place}; expected each session only once (this file is left out)"),
-            _ => format!(
-                "has the same participant, session and trials as {place}, but other contents in {differing} of {all} rows; \
-                 expected different IDs for different participants or sessions (this file is left out)"
-            ),
-        };
-        FileError::whole(&input.name, message)
-    });
-    if everything.is_some() {
-        rows.errors = RowErrors::default();
-    }
+/// Returns the errors in a file.
+pub(super) fn file_errors(input: &Input, rows: Rows) -> Vec<FileError> {
     let errors = rows.errors.finish(&input.name, &input.header.names);
-    errors.into_iter().map(|error| input.header.in_cell(error)).chain(everything).collect()
+    errors.into_iter().map(|error| input.header.in_cell(error)).collect()
 }
 
-/// Returns the content of a file, unless it is large.
-pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
+/// Returns the hash of a file, unless it is large.
+fn hash(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
-}
-
-/// Returns a hash of the cells of a file, which may also be packed, or have another separator or other line ends.
-fn cells(input: &Input, bytes: &[u8]) -> u64 {
-    let (header, mut hasher) = (&input.header, DefaultHasher::new());
-    let bytes = header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    // Reading from memory does not fail.
-    let _ = rows_from(Content::Memory(bytes), header.separator, header.start.as_ref(), |row| {
-        row.record.len().hash(&mut hasher);
-        row.record.iter().for_each(|cell| values::with_point(decoded(cell).trim(), header.separator).hash(&mut hasher));
-        true
-    });
-    hasher.finish()
-}
-
-/// Says that the second half of the lines below the header repeats the first half.
-pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
-    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    let header = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1);
-    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
-    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
-    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
-    is_doubled.then(|| FileError::whole(&input.name, message))
+    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.

@@ -7,7 +7,6 @@ use csv::Position;
 use super::{
     selection::Input,
     values::{answer, seconds, with_point},
-    workbook,
 };
 use crate::store::{
     FileError,
@@ -50,11 +49,7 @@ pub(super) enum Status {
     /// A later attempt counts.
     Superseded,
     /// The trial and attempt also occur in the file with this index, and that row counts.
-    Repeated {
-        file: u32,
-        /// True if the response and the levels are the same.
-        is_same: bool,
-    },
+    Repeated(u32),
     /// It has an error.
     Wrong,
 }
@@ -118,19 +113,11 @@ impl Rows {
             rows.unwrap_answers(input);
             return Ok(rows);
         }
-        let rounded = header.converted.as_ref().map_or(&[][..], |converted| &converted.rounded);
-        if let Some((row, column)) = rounded.iter().find(|(_, column)| used.contains(column)) {
-            let cell = workbook::cell_name(*row, *column);
-            let message = format!(
-                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
-            );
-            return Err(FileError::whole(&input.name, message));
-        }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
         let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
-            let incomplete = interrupted(row).filter(|_| input.layout == Layout::Results);
+            let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if std::mem::take(&mut is_header) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
@@ -150,7 +137,6 @@ impl Rows {
                 let text = match row.check(&used, header.names.len(), input.layout == Layout::Results) {
                     Ok(()) => std::str::from_utf8(record.as_slice()).ok(),
                     Err((cell, message)) => {
-                        let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
                         rows.errors.add(&input.name, cell, message, || row.place(cell.unwrap_or(0)));
                         None
                     }
@@ -193,18 +179,13 @@ impl Rows {
     }
 
     /// Adds an error to those of the file.
-    pub fn report(&self, errors: &mut RowErrors, mut error: RowError, input: &Input, inputs: &[Input]) {
-        if error.row + 1 == self.status.len()
-            && let Some(Some(message)) = self.again(input, error.row, |row| partial(row, error.cell))
-        {
-            error = RowError { cell: None, what: What::Said(message), ..error };
-        }
+    pub fn report(&self, errors: &mut RowErrors, error: RowError, input: &Input, inputs: &[Input]) {
         let row = input.in_memory().then_some(error.row);
         errors.add_with(row, error.cell, || self.placed(&error, input, inputs));
     }
 
     /// Returns an error with its place.
-    pub fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
+    fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
             let message = error.message(input, inputs, |column| columns.cell(error.row, column));
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
@@ -260,24 +241,14 @@ impl RowError {
     }
 }
 
-/// Says that a row with an error in this cell was left behind by an interrupted write. In a table from elsewhere, the last
-/// row may lack a line end, so there the error must be in its last cell or its number of cells.
-fn partial(row: &Row<'_>, cell: Option<usize>) -> Option<String> {
-    let is_last = |cell| cell + 1 == row.record.len();
-    interrupted(row).filter(|what| *what == ZEROS || cell.is_none_or(is_last)).map(left_behind)
-}
-
-/// How a file looks that was enlarged but not filled.
-const ZEROS: &str = "contains zero bytes";
-
-/// Returns what looks like an interrupted write, if this is the last row.
+/// Returns what looks like an interrupted write, if this is the last row: a file may have been enlarged but not filled.
 fn interrupted(row: &Row<'_>) -> Option<&'static str> {
     if !row.last {
         return None;
     }
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    if raw.contains(&0) { Some(ZEROS) } else { (!is_ended).then_some("is cut off") }
+    if raw.contains(&0) { Some("contains zero bytes") } else { (!is_ended).then_some("is cut off") }
 }
 
 fn left_behind(what: &str) -> String {

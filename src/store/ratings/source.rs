@@ -142,7 +142,7 @@ pub struct Source {
     /// followed by the number of others.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
-    /// a sidecar, links that lead out of a data set, tables of counts, columns that are measurements, missing responses,
+    /// a sidecar, tables of counts, columns that are measurements, missing responses,
     /// IDs that look alike, and what was converted or guessed.
     pub warnings: Vec<FileError>,
 }
@@ -236,12 +236,8 @@ pub struct FileRead {
     pub simulated: BTreeMap<String, [u64; 2]>,
     /// For each factor, the number of ratings that have no value of it.
     pub without_level: Vec<u64>,
-    /// The place of the first response that is no number, unless the categories are known or hardly any is none.
-    pub word: Option<String>,
     /// Number of ratings without a response time.
     pub without_time: u64,
-    /// Number of ratings in a wide table of a participant and condition that an earlier row has.
-    pub again: u64,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,

@@ -6,7 +6,6 @@ use std::{
 };
 
 use serde_json::{Map, Value};
-use unicode_normalization::UnicodeNormalization;
 
 use crate::store::columns::Texts;
 
@@ -54,14 +53,12 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
-    let id: &str = &id.replace(is_invisible, "");
     // A number with more digits would be rounded.
     if let Some(number) = number(id).filter(|_| id.len() <= 15) {
         return (number + 0.0).to_string();
     }
     let mut form = String::new();
-    // NFKC also makes a no-break space a space.
-    let lower = id.nfkc().collect::<String>().to_lowercase();
+    let lower = id.to_lowercase();
     let mut rest = lower.chars().peekable();
     while let Some(char) = rest.next() {
         let is_first = !form.ends_with(|before: char| before.is_ascii_digit() || before == '.');
@@ -70,19 +67,6 @@ fn common_form(id: &str) -> String {
         }
     }
     form
-}
-
-/// True for characters that take no space and are mostly left behind by accident, such as a byte order mark or a soft hyphen.
-fn is_invisible(char: char) -> bool {
-    matches!(char, '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}')
-        || matches!(char, '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}')
-}
-
-/// Returns a text in which invisible characters are written as such, as `\u{200b}`.
-pub(super) fn visible(text: &str) -> String {
-    text.chars()
-        .map(|char| if is_invisible(char) { char.escape_unicode().to_string() } else { char.to_string() })
-        .collect()
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is

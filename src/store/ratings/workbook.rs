@@ -16,9 +16,8 @@ const MAX_COLUMNS: u32 = 16_384;
 /// Whole numbers below this are exact in a workbook.
 const EXACT: f64 = (1_u64 << 53) as f64;
 
-/// The rows of a sheet as CSV, what a user should know about how it was read, and row and column of the numbers that are not
-/// exact.
-type Sheet = (Vec<u8>, Option<[String; 2]>, Vec<(usize, usize)>);
+/// The rows of a sheet as CSV, and what a user should know about how it was read.
+type Sheet = (Vec<u8>, Option<[String; 2]>);
 
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
@@ -40,7 +39,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
-    let (mut characters, mut without_value, mut rounded) = (0, Vec::new(), Vec::new());
+    let mut characters = 0;
     let limited = |size: usize| match size as u64 > MAX_UNPACKED {
         true => Err(format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer")),
         false => Ok(()),
@@ -55,14 +54,15 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         }
         limited(bytes.len())
     };
-    // The formulas are not asked for as a range, which has a place for every cell between the first and the last one.
-    while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(|error| unreadable(&error))? {
-        let ((found, column), text) = (cell.pos, text(&cell.value.clone().into()));
-        let is_exact = !matches!(cell.value, DataRef::Float(number) if number.abs() >= EXACT);
-        rounded.extend((!is_exact).then_some((found as usize, column as usize)));
+    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
+        let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
+        if matches!(cell.get_value(), DataRef::Float(number) if number.abs() >= EXACT) {
+            let cell = cell_name(found as usize, column as usize);
+            return Err(format!(
+                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
+            ));
+        }
         if text.is_empty() {
-            // The value of a formula may be an empty text.
-            without_value.extend((cell.formula.is_some() && cell.value == DataRef::Empty).then_some(cell.pos));
             continue;
         }
         if found < at || found == at && (column as usize) < row.len() || column >= MAX_COLUMNS {
@@ -77,20 +77,12 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         row.push(text);
     }
     end_row(&mut row)?;
-    if let Some((row, column)) = without_value.first() {
-        return Err(format!(
-            "has no value of {} of its formulas, such as that in {}; expected values, which a spreadsheet program stores \
-             when it saves the workbook",
-            without_value.len(),
-            cell_name(*row as usize, *column as usize)
-        ));
-    }
     let note = (names.len() > 1).then(|| {
         let others = names[1..].join(", ");
         let expected = format!("expected one sheet (the others were ignored: {others})");
         [format!("only the first sheet, {name}, was read"), expected]
     });
-    Ok((bytes, note, rounded))
+    Ok((bytes, note))
 }
 
 /// Returns the name of the cell, such as `E2`, at a line and column of a sheet as CSV.

@@ -2,7 +2,7 @@
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashSet},
+    collections::{BTreeSet, HashSet},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -18,7 +18,7 @@ use crate::{
         file::{ABANDONED, exists, folder_of, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
-    system::{entries, found, link_target, unless_missing},
+    system::{entries, link_target, unless_missing},
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -137,40 +137,6 @@ pub(crate) fn of(csv: &Path) -> Result<Option<PathBuf>, StoreError> {
 pub(crate) fn described(csv: &Path) -> Result<Option<PathBuf>, StoreError> {
     let Some(folder) = of(csv)? else { return Ok(None) };
     Ok(exists(&folder.join(DESCRIPTION))?.then_some(folder))
-}
-
-/// Returns a warning for each data set of which data files or sidecars are outside once links are resolved. The data files
-/// are given with the folders of their data sets.
-///
-/// # Errors
-/// A file or folder cannot be accessed.
-pub(crate) fn links_out<'a>(
-    files: impl IntoIterator<Item = (&'a Path, PathBuf)>,
-) -> Result<Vec<FileError>, FileErrors> {
-    // One warning for each data set, because a version control system may replace every file with a link.
-    let mut links: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
-    for (csv, folder) in files {
-        let outside = || -> std::io::Result<Vec<PathBuf>> {
-            let (inside, mut outside) = (folder.canonicalize()?, Vec::new());
-            for path in [csv.to_owned(), csv.with_extension("json")] {
-                if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
-                    outside.push(path);
-                }
-            }
-            Ok(outside)
-        };
-        let outside = outside().map_err(|error| FileErrors(io(&folder, "access")(error).errors(&folder)))?;
-        links.entry(folder).or_default().extend(outside);
-    }
-    let warning = |(folder, paths): (PathBuf, Vec<PathBuf>)| {
-        let (first, all) = (paths.first()?.display(), paths.len());
-        let message = format!(
-            "some of its files are links to files outside it ({all}, such as {first}); expected regular files (the \
-             links were followed)"
-        );
-        Some(FileError::whole(folder, message))
-    };
-    Ok(links.into_iter().filter_map(warning).collect())
 }
 
 /// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.
