@@ -86,10 +86,6 @@ struct Reader {
     corners: Vec<(usize, Option<usize>)>,
     /// Where each face ends in `corners`.
     ends: Vec<usize>,
-    /// The smoothing group that faces belong to, if the file says so.
-    group: Option<Vec<u8>>,
-    /// The smoothing groups of all faces.
-    groups: BTreeSet<Option<Vec<u8>>>,
     /// What was ignored.
     notes: BTreeSet<&'static str>,
 }
@@ -97,13 +93,6 @@ struct Reader {
 impl Reader {
     fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
-        if keyword == b"usemtl" {
-            self.notes.insert("materials in the file were ignored");
-        }
-        if keyword == b"s" {
-            let group = line.trim_ascii_start()[1..].trim_ascii();
-            self.group = Some(if group == b"off" { b"0" } else { group }.to_vec());
-        }
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
@@ -165,9 +154,6 @@ impl Reader {
             self.corners.push((vertex, normal));
         }
         self.ends.push(self.corners.len());
-        if !self.groups.contains(&self.group) {
-            self.groups.insert(self.group.clone());
-        }
         Ok(())
     }
 
@@ -191,10 +177,6 @@ impl Reader {
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
         faces.notes.extend(self.notes.into_iter().map(str::to_owned));
-        let has_edges = self.groups.len() > 1 || self.groups.contains(&Some(b"0".to_vec()));
-        if has_edges && self.corners.iter().all(|(_, normal)| normal.is_none()) {
-            faces.notes.push("smoothing groups were ignored; a crease angle makes edges".to_owned());
-        }
         // Some programs write the codes of 8 bits.
         let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
         let scale = if most > 1.0 {
@@ -238,18 +220,9 @@ impl Statement<'_> {
         FileError::at(self.file, (self.number, column), message)
     }
 
-    /// Parses `x y z`, `x y z w` or `x y z red green blue`.
+    /// Parses `x y z`, perhaps followed by a weight, which only curves use, or a color.
     fn vertex(&self, words: &[&str]) -> Result<DVec3, FileError> {
-        let mut vertex = self.three_numbers(words)?;
-        if let [_, _, _, weight] = words {
-            let w = self.number(weight)?;
-            if w == 0.0 || !w.is_finite() {
-                let message =
-                    format!("{:?} is not a weight; expected a finite number that is not 0", shortened(weight));
-                return Err(self.error(weight, message));
-            }
-            vertex /= w;
-        }
+        let vertex = self.three_numbers(words)?;
         match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some(k) => {
                 let message =
