@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ::toml::Table;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 
 use super::{
     FileErrors, StoreError, Writer,
@@ -30,7 +30,7 @@ use crate::{
 /// screen_width_cm = 53.1
 /// native_px = [2560, 1440]
 ///
-/// [measured]                        # or a single text
+/// [measured]
 /// on = "2026-01-31"
 /// by = "N. N."
 /// with = "a photometer"
@@ -81,7 +81,8 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
         document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));
     }
-    if let Some(Primaries { red, green, blue, white }) = profile.primaries {
+    if let Some(primaries) = profile.primaries {
+        let Primaries { red, green, blue, white } = primaries;
         for (key, [x, y]) in [("red", red), ("green", green), ("blue", blue), ("white", white)] {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
                 let expected = "expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1";
@@ -89,12 +90,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
                 document.error(&path, format!("{path} is [{x}, {y}]; {expected}"));
             }
         }
-        // Twice the areas of the triangles of two primaries and white, which lies inside if all have one sign.
-        let area = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| {
-            (ax - white[0]) * (by - white[1]) - (bx - white[0]) * (ay - white[1])
-        };
-        let areas = [area(red, green), area(green, blue), area(blue, red)];
-        if !areas.iter().all(|area| *area > 1e-6) && !areas.iter().all(|area| *area < -1e-6) {
+        if primaries.weights().is_none() {
             let message =
                 "white does not lie within the triangle of red, green and blue; expected the primaries of a screen";
             document.error("primaries", message.to_owned());
@@ -121,7 +117,6 @@ struct ProfileForm {
     bits: Option<u32>,
     screen_width_cm: Option<f64>,
     native_px: Option<[u32; 2]>,
-    #[serde(default, deserialize_with = "measured")]
     measured: Option<Measurement>,
     primaries: Option<Primaries>,
     channels: Option<ChannelForms>,
@@ -244,30 +239,6 @@ fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<Luminanc
         }
     }
     None
-}
-
-/// Reads the measurement from a table, or from a string such as `"2026-01-31, photometer"`.
-fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measurement>, D::Error> {
-    struct Visitor;
-    impl<'de> de::Visitor<'de> for Visitor {
-        type Value = Measurement;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str("a table or text in quotes")
-        }
-
-        fn visit_str<E>(self, text: &str) -> Result<Measurement, E> {
-            let (first, rest) = text.split_once(',').unwrap_or((text, ""));
-            let on = first.trim().parse().ok();
-            let with = if on.is_some() { rest.trim() } else { text };
-            Ok(Measurement { on, by: None, with: Some(with.to_owned()).filter(|with| !with.is_empty()) })
-        }
-
-        fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Measurement, A::Error> {
-            Measurement::deserialize(de::value::MapAccessDeserializer::new(map))
-        }
-    }
-    deserializer.deserialize_any(Visitor).map(Some)
 }
 
 /// Returns the known values of the profile, in the structure of its file.
