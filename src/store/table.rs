@@ -300,6 +300,18 @@ pub(super) fn rows_from(
     Ok(())
 }
 
+/// Returns the separator of a table with this header: a comma or, if it has more of them outside quotes, a semicolon or tab, as
+/// in spreadsheets from some countries.
+pub(super) fn separator(header: &[u8]) -> u8 {
+    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
+    let mut quoted = false;
+    for byte in header {
+        quoted ^= *byte == b'"';
+        counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
+    }
+    counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
+}
+
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
 /// is of a different kind, and its rows are not read.
 ///
@@ -308,12 +320,13 @@ pub(super) fn rows_from(
 pub(super) fn parse<T>(
     file: &str,
     text: &[u8],
+    separator: u8,
     header: impl FnOnce(&[&str]) -> Result<(), CellError>,
-    mut row: impl FnMut(&[&str]) -> Result<T, CellError>,
+    mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
 ) -> Result<Vec<T>, FileErrors> {
     let (mut rows, mut errors, mut header) = (Vec::new(), Vec::new(), Some(header));
     let (mut width, mut is_other) = (0, false);
-    let read = each_row(Content::Memory(text), b',', |found| {
+    let read = each_row(Content::Memory(text), separator, |found| {
         if is_other {
             return;
         }
@@ -336,7 +349,7 @@ pub(super) fn parse<T>(
         } else if cells.len() != width {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
         } else {
-            match row(&cells) {
+            match row(&cells, found) {
                 Ok(row) => rows.push(row),
                 Err(found) => error(found),
             }

@@ -21,7 +21,7 @@ use crate::{
         error::io,
         frames,
         open::{is_data, open_regular},
-        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
+        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from, separator},
     },
     system::{entries, found, identified, is_of_another_user},
     text::names::natural,
@@ -430,16 +430,4 @@ fn separator_line(text: &[u8]) -> (Option<u8>, &[u8]) {
         }
         _ => (None, text),
     }
-}
-
-/// Returns the separator: a comma or, if the header has more of them outside quotes, a semicolon or tab, as in
-/// spreadsheets from some countries.
-fn separator(line: &[u8]) -> u8 {
-    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
-    let mut quoted = false;
-    for byte in line {
-        quoted ^= *byte == b'"';
-        counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
-    }
-    counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
 }

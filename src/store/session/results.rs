@@ -77,8 +77,9 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     table::parse(
         file,
         content,
-        |header: &[&str]| check_header(header, columns),
-        |cells: &[&str]| TrialRecord::from_cells(cells, columns),
+        b',',
+        |header| check_header(header, columns),
+        |cells, _| TrialRecord::from_cells(cells, columns),
     )
 }
 
