@@ -1,9 +1,6 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    path::Path,
-};
+use std::{collections::BTreeSet, path::Path};
 
 use super::{
     FileError, FileErrors, StoreError, dataset, definition,
@@ -149,14 +146,7 @@ fn check_results(path: &Path) -> Result<Checked, StoreError> {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
     let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let mut lines = HashMap::new();
-    let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
-        let first = lines.insert(row.row_id.as_str(), line)?;
-        let message = format!("row_id {} already appears in line {first}; expected every row_id once", row.row_id);
-        Some(FileError::at(path, (line, 1), message))
-    });
-    let mut errors: Vec<_> = repeated.collect();
-    let mut order = Order::new(false, usize::MAX);
+    let (mut errors, mut order) = (Vec::new(), Order::new(false, usize::MAX));
     for (row, line) in rows.iter().zip(2..) {
         errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
     }

@@ -399,18 +399,3 @@ fn frames_have_a_seal_and_the_generator_is_known() {
     });
     assert!(errors(&csv).contains("the generator is \"MT19937\""), "{}", errors(&csv));
 }
-
-/// The time of a simulated observer runs ahead of the wall clock, so the rows of its next sitting are earlier.
-#[test]
-fn only_a_clock_that_was_set_back_is_reported() {
-    let folder = tempfile::tempdir().unwrap();
-    succeeds(folder.path(), &["simulate", "quick"]);
-    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
-    edit(&csv, without_last_row);
-    let resume = ["simulate", "quick", "--resume", "--accept-changes"];
-    succeeds(folder.path(), &resume);
-    let notes = || verified(&csv).notes.join("; ");
-    assert!(!notes().contains("clock"), "{}", notes());
-    edit_sidecar(&csv, |sidecar| sidecar.sittings[0].ended_at = Some("2999-01-01T00:00:00Z".to_owned()));
-    assert!(notes().contains("the wall clock was set back (times: 1)"), "{}", notes());
-}

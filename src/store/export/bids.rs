@@ -250,7 +250,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         ("Keywords", "keywords"),
         ("License", "license"),
         ("HowToAcknowledge", "citation"),
-        ("DatasetDOI", "identifier"),
     ] {
         let is_list = matches!(theirs, "Authors" | "Funding" | "Keywords");
         let mut all: Vec<String> = Vec::new();
@@ -262,13 +261,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         let value = match &all[..] {
             [] => None,
             _ if is_list => Some(all.into()),
-            [one] => {
-                let value = doi(theirs, one);
-                if value.is_none() {
-                    notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is omitted"));
-                }
-                value.map(Value::from)
-            }
+            [one] => Some(one.as_str().into()),
             several => {
                 let count = several.len();
                 notes.push(format!(
@@ -282,15 +275,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
     Ok(entries.into())
-}
-
-/// Converts a DOI to its BIDS form; values of other keys are unchanged.
-fn doi(key: &str, value: &str) -> Option<String> {
-    if key != "DatasetDOI" {
-        return Some(value.to_owned());
-    }
-    let bare = ["https://doi.org/", "http://doi.org/", "doi:"].iter().find_map(|start| value.strip_prefix(start));
-    bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
 /// Reads the descriptions next to the data, if they exist.

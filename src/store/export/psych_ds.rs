@@ -125,13 +125,11 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
         if name == DESCRIPTION {
             parse_json::<Map<String, Value>>(&path, &content, "the description of a data set")?;
         }
-        known = Some(match known {
-            None => (path, content),
-            Some((first, other)) => match joined(&other, &content) {
-                Some(all) => (first, all),
-                None => return Err(different(&path, "differs from", &first).into()),
-            },
-        });
+        match &known {
+            None => known = Some((path, content)),
+            Some((first, other)) if *other != content => return Err(different(&path, "differs from", first).into()),
+            Some(_) => {}
+        }
     }
     match known.as_ref().zip(without) {
         Some(((first, _), path)) => Err(different(&path, "is missing, but there is", first).into()),
@@ -142,32 +140,6 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
 fn different(path: &Path, how: &str, other: &Path) -> FileErrors {
     let expected = "and an export has only one such file; expected the same content, or one export for each folder";
     FileErrors::whole(path, format!("{how} {}, {expected}", other.display()))
-}
-
-/// Joins two files that say the same about their data sets; `None` if they do not. Each description may list columns that
-/// the other does not have.
-fn joined(one: &[u8], other: &[u8]) -> Option<Vec<u8>> {
-    const COLUMNS: &str = "variableMeasured";
-    if one == other {
-        return Some(one.to_owned());
-    }
-    let [mut all, mut further] = [one, other].map(|content| serde_json::from_slice::<Map<String, Value>>(content).ok());
-    let (all, further) = (all.as_mut()?, further.as_mut()?);
-    let [known, also] = [&mut *all, further].map(|said| said.remove(COLUMNS).unwrap_or_default());
-    if all != further {
-        return None;
-    }
-    let name = |column: &Value| column.as_str().or_else(|| column.get("name")?.as_str()).map(str::to_owned);
-    let mut columns = known.as_array().cloned().unwrap_or_default();
-    for column in also.as_array().into_iter().flatten() {
-        match columns.iter().find(|known| name(known) == name(column)) {
-            None => columns.push(column.clone()),
-            Some(known) if known != column => return None,
-            Some(_) => {}
-        }
-    }
-    all.insert(COLUMNS.to_owned(), columns.into());
-    serde_json::to_vec_pretty(&all).ok()
 }
 
 /// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.

@@ -6,13 +6,10 @@ use std::{
     path::Path,
 };
 
-use jiff::Timestamp;
-
 use super::{
     chain,
     recorded::{Recorded, interrupted},
     seal::ACCEPTED,
-    sidecar::Sidecar,
     sitting::{OtherPicture, Pictures},
 };
 use crate::{experiment::GENERATOR, stimulus::Stimulus, store::FileError};
@@ -126,22 +123,6 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
-    let turned_back = turned_back(&recorded.sidecar);
-    if turned_back > 0 {
-        found.notes.push(format!("the wall clock was set back (times: {turned_back}); onset_s gives the true order"));
-    }
-}
-
-/// Returns how often the wall clock was set back between sittings. Within a sitting, `started_at` is computed from the
-/// session's own time, which never goes back. The time of a simulated observer runs ahead of the wall clock, so the
-/// rows of two sittings are not compared.
-fn turned_back(sidecar: &Sidecar) -> usize {
-    let time = |text: &str| text.parse::<Timestamp>().ok();
-    let pairs = sidecar.sittings.windows(2).filter_map(|pair| {
-        let before = pair[0].ended_at.as_ref().unwrap_or(&pair[0].started_at);
-        Some((time(before)?, time(&pair[1].started_at)?))
-    });
-    pairs.filter(|(before, after)| after < before).count()
 }
 
 /// Checks that the files have not changed since the session ended.
