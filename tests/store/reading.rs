@@ -635,7 +635,7 @@ mod elsewhere {
         let wrong = sheet.replace("<c r=\"D2\"><v>1</v>", "<c r=\"D2\"><v>1.5</v>");
         let counted = ReadOptions { count: Some("y".to_owned()), ..of("c", &["note"]) };
         let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
-        assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count without a fraction"]);
+        assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count, a whole number from 0 to 10^12"]);
         let twice = sheet.replace("<t>note</t>", "<t>a, b</t>").replace("<t>y</t>", "<t>c</t>");
         let said = errors(&[&file(&folder, "h.xlsx", workbook(&[("One", &twice)], ""))], &how);
         assert_eq!(said[1], "h.xlsx: cell D1: the column c appears twice; expected it once");
@@ -1031,10 +1031,10 @@ mod errors {
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,\0,1,1\nA,0.1,1,7",
                 counts.clone(),
                 &[
-                    "2:9: count is \"x\"; expected a count, a whole number",
-                    "3:9: count is \"-2\"; expected a count, 0 or more",
-                    "4:9: count is \"1.5\"; expected a count without a fraction",
-                    "5:9: count is \"1e30\"; expected a count of at most 10^12",
+                    "2:9: count is \"x\"; expected a count, a whole number from 0 to 10^12",
+                    "3:9: count is \"-2\"; expected a count, a whole number from 0 to 10^12",
+                    "4:9: count is \"1.5\"; expected a count, a whole number from 0 to 10^12",
+                    "5:9: count is \"1e30\"; expected a count, a whole number from 0 to 10^12",
                     "8:1: the row has 3 cells; expected 4, as in the header",
                     "9:3: the cell contains a zero byte; expected text",
                 ],
@@ -1044,9 +1044,9 @@ mod errors {
                 "\u{feff}subject_id,width,rating,count\n\nä,\"x \"\"y\"\", z\",1,x\r\n\"two\nlines\",u,1,x\r\n\r\n1,2,1,x\n1,2,1,4\n",
                 counts,
                 &[
-                    "3:18: count is \"x\"; expected a count, a whole number",
-                    "5:12: count is \"x\"; expected a count, a whole number",
-                    "7:7: count is \"x\"; expected a count, a whole number",
+                    "3:18: count is \"x\"; expected a count, a whole number from 0 to 10^12",
+                    "5:12: count is \"x\"; expected a count, a whole number from 0 to 10^12",
+                    "7:7: count is \"x\"; expected a count, a whole number from 0 to 10^12",
                 ],
                 &["1 2 1 4"],
             ),

@@ -9,10 +9,7 @@ use std::{
 
 use csv::Position;
 
-use super::{
-    converted::{Converted, converted},
-    workbook::{cell_at, cell_name},
-};
+use super::converted::{Converted, cell_at, cell_name, converted};
 use crate::{
     experiment::{IN_BIDS, Phase},
     store::{

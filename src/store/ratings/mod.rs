@@ -15,7 +15,6 @@ mod selection;
 mod source;
 mod trials;
 mod values;
-mod workbook;
 
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};

@@ -428,8 +428,10 @@ fn hash(input: &Input) -> Result<Option<String>, StoreError> {
 /// Returns the error that no row counts, with the reasons.
 fn no_row_counts(reports: &[FileRead]) -> FileError {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
-    let of = |reason| reports.iter().filter_map(|report| report.left_out.get(&reason)).flatten().map(|(_, n)| n).sum();
-    let reasons = Reason::ALL.map(|reason| (of(reason), reason.to_string()));
+    let of = |reason: &Reason| {
+        reports.iter().filter_map(|report| report.left_out.get(reason)).flatten().map(|(_, n)| n).sum()
+    };
+    let reasons: Vec<_> = Reason::ALL.iter().map(|reason| (of(reason), reason.to_string())).collect();
     let parts = [
         (sum(|report| report.practice), "from practice".to_owned()),
         (sum(|report| report.superseded), "superseded".to_owned()),

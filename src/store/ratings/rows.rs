@@ -54,12 +54,6 @@ pub(super) enum Status {
     Wrong,
 }
 
-impl Default for Status {
-    fn default() -> Self {
-        Self::Counts(0)
-    }
-}
-
 /// An error in a row.
 #[derive(Debug)]
 pub(super) struct RowError {
@@ -107,7 +101,7 @@ impl Rows {
             let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
                 times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
-                status: vec![Status::default(); columns.rows()],
+                status: vec![Status::Counts(0); columns.rows()],
                 ..Self::default()
             };
             rows.unwrap_answers(input);
@@ -150,7 +144,7 @@ impl Rows {
                     }
                 }
                 rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
-                rows.status.push(if text.is_some() { Status::default() } else { Status::Wrong });
+                rows.status.push(if text.is_some() { Status::Counts(0) } else { Status::Wrong });
             }
             rows.status.len() <= MAX_ROWS
         });

@@ -12,6 +12,7 @@ use crate::{
     experiment::Protocol,
     stimulus::{MachBand, Parameter},
     store::{FileError, FileErrors, definition, sidecar::Sidecar},
+    text::names::named,
 };
 
 /// Options for reading files.
@@ -163,35 +164,20 @@ impl Source {
     }
 }
 
-/// Why rows of main trials do not count although they can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Reason {
-    /// There is no response.
-    NoResponse,
-    /// There is no participant.
-    NoParticipant,
-    /// The answer came before the lower limit of [`ReadOptions::time_limits`].
-    TooFast,
-    /// The answer came after the upper limit.
-    TooSlow,
-    /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
-    Unfinished,
-}
-
-impl Reason {
-    /// All reasons.
-    pub const ALL: [Self; 5] = [Self::NoResponse, Self::NoParticipant, Self::TooFast, Self::TooSlow, Self::Unfinished];
-}
-
-impl std::fmt::Display for Reason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::NoResponse => "without a response",
-            Self::NoParticipant => "without a participant",
-            Self::TooFast => "answered too fast",
-            Self::TooSlow => "answered too slowly",
-            Self::Unfinished => "from unfinished sessions",
-        })
+named! {
+    /// Why rows of main trials do not count although they can be read.
+    #[derive(PartialOrd, Ord)]
+    Reason, UnknownReason {
+        /// There is no response.
+        NoResponse = "without a response",
+        /// There is no participant.
+        NoParticipant = "without a participant",
+        /// The answer came before the lower limit of [`ReadOptions::time_limits`].
+        TooFast = "answered too fast",
+        /// The answer came after the upper limit.
+        TooSlow = "answered too slowly",
+        /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
+        Unfinished = "from unfinished sessions",
     }
 }
 

@@ -144,13 +144,8 @@ pub(super) fn level<'a>(text: &'a str, defined: &'a [String], among_numbers: boo
 /// # Errors
 /// Says what was expected.
 pub(super) fn count(text: &str) -> Result<u64, &'static str> {
-    match text.parse::<f64>() {
-        Ok(count) if (0.0..=MAX_COUNT).contains(&count) && count.fract() == 0.0 => Ok(count as u64),
-        Ok(number) if number < 0.0 => Err("a count, 0 or more"),
-        Ok(number) if number > MAX_COUNT => Err("a count of at most 10^12"),
-        Ok(_) => Err("a count without a fraction"),
-        Err(_) => Err("a count, a whole number"),
-    }
+    let count = text.parse::<f64>().ok().filter(|count| (0.0..=MAX_COUNT).contains(count) && count.fract() == 0.0);
+    count.map(|count| count as u64).ok_or("a count, a whole number from 0 to 10^12")
 }
 
 /// Returns the number of a repetition; `None` if it is missing.
