@@ -9,8 +9,8 @@ use std::{
 use serde_json::{Map, Value, json};
 
 use super::{
-    psych_ds::{self, changed_files},
-    sessions::{self, Experiment},
+    psych_ds,
+    sessions::Experiment,
     stimuli::{self, Stimuli},
 };
 use crate::{
@@ -186,7 +186,11 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
         Value::from(entries)
     });
     let (rated, planned) = session.rated();
-    let changed: Vec<String> = sessions::changed(session).collect();
+    let changed = session.changed.iter().map(|error| {
+        let name = Path::new(&error.file).file_name().unwrap_or_default().to_string_lossy();
+        format!("{name}: {}", error.message)
+    });
+    let changed: Vec<String> = changed.collect();
     keys([
         ("ChangedFiles", (!changed.is_empty()).then(|| changed.into())),
         ("StimulusPresentation", Some(common.into())),
@@ -324,7 +328,7 @@ than `TrialsPlanned`, the session is unfinished. `Sittings` describes the progra
 `stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
-" + &changed_files(experiments)
+"
 }
 
 /// Writes the change log in the form that BIDS requires: a version, the date of the last sitting, and the content.
@@ -333,9 +337,7 @@ fn changes(experiments: &[Experiment]) -> String {
     let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
     let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
     let version = env!("CARGO_PKG_VERSION");
-    let changed = experiments.iter().flat_map(Experiment::changed);
-    let changed: String = changed.map(|line| format!("  - Exported although it was changed: {line}\n")).collect();
-    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n{changed}")
+    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n")
 }
 
 /// Writes one row per participant: what they answered, the number of sessions, and whether a person or a simulated

@@ -59,19 +59,6 @@ impl Experiment {
         }
         Ok(datasets)
     }
-
-    /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.
-    pub fn changed(&self) -> impl Iterator<Item = String> {
-        self.sessions.iter().flat_map(changed)
-    }
-}
-
-/// Returns a line for each file of a session that was changed after the session ended.
-pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
-    session.changed.iter().map(|error| {
-        let name = Path::new(&error.file).file_name().unwrap_or_default().to_string_lossy();
-        format!("{name}: {}", error.message)
-    })
 }
 
 /// Refuses links among the files to export and the folders that contain them. An export is published, and a link could
@@ -83,7 +70,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
-        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| seal::beside(csv, suffix)));
+        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| dataset::beside(csv, suffix)));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));

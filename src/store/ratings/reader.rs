@@ -347,7 +347,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     trials::decide(attempts, &mut sessions, tables);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
-        if let Ok((_, identity)) = dataset::identity(&input.path) {
+        if let Ok(identity) = dataset::identity(&input.path) {
             let (subject, session) = (identity.subject(), identity.session());
             if !index.contains_key(&(subject.to_owned(), session.to_owned())) {
                 sessions.push(session_read(subject, session, input));

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity, refuse_link},
+    dataset::{self, DAMAGED, identity, refuse_link},
     lock::LockFile,
     recorded::Order,
     results,
@@ -46,8 +46,7 @@ pub struct Repaired {
 /// belongs to another session; more than half of the lines would be moved; planned rows are not in the order of recording; a
 /// link; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
-    let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
-    let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
+    let (identity, sidecar_path) = (identity(csv)?, csv.with_extension("json"));
     let dataset = dataset::of(csv)?;
     [csv, &sidecar_path].into_iter().chain(dataset.as_deref()).chain(csv.parent()).try_for_each(refuse_link)?;
     let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
