@@ -5,7 +5,7 @@
 //! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
 //! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
-use std::{borrow::Cow, collections::BTreeSet};
+use std::collections::BTreeSet;
 
 use glam::DVec3;
 
@@ -24,48 +24,18 @@ const MAX_ERRORS: usize = 20;
 /// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
 /// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners.
 pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
-    let lines =
-        lines(content).map_err(|number| FileErrors::at(file, (number, 1), "is not text; expected an OBJ file"))?;
-    let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
-    let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
-    Ok(reader.faces())
-}
-
-/// A line of a file and its number, from 1.
-type Line<'a> = (usize, Cow<'a, [u8]>);
-
-/// Splits the content into lines with their numbers, from 1. A line that ends with a backslash continues on the next
-/// line.
-///
-/// # Errors
-/// Returns the number of a line that is not text.
-fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
     // A byte order mark is not part of the first line.
     let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
     let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
-    let mut split = content.split(|byte| *byte == end).zip(1..);
-    let mut lines = Vec::new();
-    while let Some((line, number)) = split.next() {
-        let mut continued = Vec::new();
-        let mut last = line;
-        while let Some(piece) = last.trim_ascii_end().strip_suffix(b"\\") {
-            continued.push(piece);
-            last = split.next().map_or(&[], |(next, _)| next);
-        }
-        let line = if continued.is_empty() {
-            Cow::Borrowed(line)
-        } else {
-            continued.push(last);
-            Cow::Owned(continued.join(&b' '))
-        };
-        if line.contains(&0) {
-            return Err(number);
-        }
-        lines.push((number, line));
+    let lines: Vec<&[u8]> = content.split(|byte| *byte == end).collect();
+    if let Some(number) = lines.iter().position(|line| line.contains(&0)) {
+        return Err(FileErrors::at(file, (number + 1, 1), "is not text; expected an OBJ file"));
     }
-    Ok(lines)
+    let count = |wanted: &[u8]| lines.iter().filter(|line| keyword(line) == wanted).count();
+    let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
+    let errors = lines.iter().zip(1..).filter_map(|(line, number)| reader.line(file, number, line).err());
+    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
+    Ok(reader.faces())
 }
 
 fn keyword(line: &[u8]) -> &[u8] {

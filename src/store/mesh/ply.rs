@@ -143,7 +143,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
     let mut line = reader.line();
     let mut rest = reader.into_inner();
-    let (mut mesh, mut early) = (PlyMesh::default(), Vec::new());
+    let mut mesh = PlyMesh::default();
     // One element after the other: an element needs much more memory than what it becomes.
     for (name, definition) in &header.elements {
         // Without properties, any number of elements needs no bytes.
@@ -174,17 +174,11 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
             match name.as_str() {
                 "vertex" => mesh.vertex(&element).map_err(wrong)?,
-                // Faces may stand before the vertices.
-                "face" | "tristrips" if mesh.vertices.is_empty() => early.push((name, i, element)),
                 "face" => mesh.face(&element).map_err(wrong)?,
                 "tristrips" => mesh.strips(&element).map_err(wrong)?,
                 _ => {}
             }
         }
-    }
-    for (name, i, element) in early {
-        let added = if name == "face" { mesh.face(&element) } else { mesh.strips(&element) };
-        added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
     }
     mesh.faces.polygons.coats.push(Coat::default());
     Ok(mesh.faces)
