@@ -333,35 +333,6 @@ mod layouts {
         );
     }
 
-    /// A number that is different in most rows describes the row and not the condition.
-    #[test]
-    fn measurements_are_not_guessed_to_be_factors() {
-        let folder = tempfile::tempdir().unwrap();
-        let row = |i: u32| format!("{},{},{},{},{},1\n", i % 4, i % 3, i * 7 % 100, i % 30, i % 4);
-        let rows: String = (0..100).map(row).collect();
-        let path = file(&folder, "t.csv", format!("subject_id,width,age_ms,size,rating,count\n{rows}"));
-        let factors = |how: &ReadOptions| {
-            let study = Study::read(std::slice::from_ref(&path), how).unwrap();
-            let names: Vec<_> = study.measured.counts.factors.iter().map(|factor| factor.name.clone()).collect();
-            let warnings: Vec<String> = study.source.warnings.iter().map(|warning| warning.message.clone()).collect();
-            assert_eq!(study.source.shape.factors, names);
-            (names.join(" "), warnings.join("\n"))
-        };
-        let (names, warnings) = factors(&ReadOptions::default());
-        assert_eq!(names, "width size");
-        assert!(
-            warnings.contains("column age_ms has 100 different numbers") && warnings.contains("num:age_ms"),
-            "{warnings}"
-        );
-        for how in [
-            with_factors(&["width", "age_ms", "size"]),
-            ReadOptions { also: vec!["age_ms".to_owned()], ..ReadOptions::default() },
-        ] {
-            let (names, warnings) = factors(&how);
-            assert!(names == "width age_ms size" && !warnings.contains("age_ms"), "{names} {warnings}");
-        }
-    }
-
     #[test]
     fn formulas_are_written_as_text_and_numbers_stay_numbers() {
         for formula in ["=1+1", "+cmd|' /C calc'!A0", "-2+3", "@SUM(A1)", "\t=1", "\r=1", "-", "=", "-1,5"] {

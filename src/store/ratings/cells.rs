@@ -25,7 +25,7 @@ pub(super) fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
 pub(super) struct Known<'a> {
     /// For each factor, whether its column has only numbers, in all files together.
     factors: Vec<bool>,
-    /// The same for each column with responses; also if hardly any value is something else and the categories are not named.
+    /// The same for each column with responses.
     responses: Vec<bool>,
     /// Texts that mean a missing response.
     missing: &'a [String],
@@ -43,8 +43,7 @@ impl<'a> Known<'a> {
             responses: (0..first.responses.len())
                 .map(|i| {
                     let column = selection.texts(&tables, |columns| columns.responses[i]);
-                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
-                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                    selection.own_scale.is_none() && values::are_numbers(&column)
                 })
                 .collect(),
             missing,
@@ -139,15 +138,12 @@ impl<'a> Cells<'a> {
             Ok(rating) => rating,
             Err(true) => return Ok(Err(Reason::NoResponse)),
             Err(false) => {
-                let response = columns.responses[which];
-                let Some(highest) = own_scale else {
-                    let expected = "a number, as in other rows, unless this value is named as missing";
-                    return Err(RowError::new(row, response, expected));
-                };
                 // Any scale is possible in a table from elsewhere.
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
-                return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
+                let rating = |highest| format!("a rating from 0 to {highest}{unless}");
+                let expected = own_scale.map_or_else(|| "a response".to_owned(), rating);
+                return Err(RowError::new(row, columns.responses[which], expected));
             }
         };
         Ok(Ok((subject, rating, value(&self.counts, row)?.unwrap_or(1))))

@@ -89,7 +89,7 @@ fn read_inputs<T>(
 ) -> Result<(Source, T), FileErrors> {
     let (selection, found) = Selection::new(inputs, options);
     errors.extend(found);
-    let Some(mut selection) = selection else {
+    let Some(selection) = selection else {
         if errors.is_empty() {
             errors.push(FileError::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
@@ -105,7 +105,6 @@ fn read_inputs<T>(
         let message = format!("there are more than {MAX_ROWS} rows; expected fewer, or a table of counts");
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
     }
-    let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     notes.extend(unnamed(&selection, &tables));
@@ -135,7 +134,7 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
-    warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
+    warnings.extend(notes.into_iter().chain(missing(&reports, &options.missing)));
     warnings.extend(without_values(&selection, &reports));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;

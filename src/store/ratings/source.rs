@@ -32,8 +32,7 @@ pub struct ReadOptions {
     /// Column with the number of trials per row; by default `count`, if present.
     pub count: Option<String>,
     /// Columns with the factors. `None` means the factors of the definition; for a table of counts, all other columns;
-    /// for result files without a sidecar, all columns with stimulus parameters. Measurements are left out of the last
-    /// two.
+    /// for result files without a sidecar, all columns with stimulus parameters.
     pub factors: Option<Vec<String>>,
     /// Additional columns to read as factors, such as the ones in a model's terms. A column that no file has is
     /// ignored, except that `inv_n` then means `depth`.

@@ -1,9 +1,6 @@
 //! What the text of a cell means.
 
-use std::{
-    borrow::Cow,
-    collections::{BTreeMap, HashSet},
-};
+use std::{borrow::Cow, collections::BTreeMap};
 
 use serde_json::{Map, Value};
 
@@ -11,8 +8,6 @@ use crate::store::columns::Texts;
 
 /// Maximum count in a row. The sum of many such counts still fits in 64 bits.
 const MAX_COUNT: f64 = 1e12;
-/// Maximum number of different numbers in a column that is a factor no matter how often each of them occurs.
-const MAX_UNIQUE: usize = 20;
 
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
@@ -91,24 +86,6 @@ pub(super) fn number(text: &str) -> Option<f64> {
 pub(super) fn are_numbers(column: &[&Texts]) -> bool {
     let mut values = column.iter().flat_map(|file| &file.texts).filter(|text| !is_missing(text, true)).peekable();
     values.peek().is_some() && values.all(|text| number(text).is_some())
-}
-
-/// True if hardly any values of a column, at most one in 50, are not numbers: these are then mistakes.
-pub(super) fn are_mostly_numbers(column: &[&Texts]) -> bool {
-    let rows = |is: fn(&str) -> bool| -> usize {
-        column.iter().map(|file| file.map(is).iter().filter(|is| **is).count()).sum()
-    };
-    50 * rows(|text| !is_missing(text, true) && number(text).is_none()) <= rows(|text| !is_missing(text, true))
-}
-
-/// Returns how many different numbers a column has, and in how many rows, if it is a measurement, such as an age or a
-/// time, and not a factor: more than 20, which occur less than twice on average.
-pub(super) fn measurement(column: &[&Texts]) -> Option<(usize, u64)> {
-    let numbers = column.iter().flat_map(|file| &file.texts).filter_map(|text| number(text));
-    let different = numbers.map(f64::to_bits).collect::<HashSet<_>>().len();
-    let values = |file: &&Texts| file.map(|text| number(text).is_some()).iter().filter(|is| **is).count() as u64;
-    let rows = column.iter().map(values).sum();
-    (are_numbers(column) && different > MAX_UNIQUE && rows < 2 * different as u64).then_some((different, rows))
 }
 
 /// Returns a whole number from 1 to a million, written with digits only; a session has at most 100,000 trials.
