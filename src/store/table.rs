@@ -32,6 +32,8 @@ pub(super) type CellError = (usize, String);
 pub(super) enum Content<'a> {
     File(&'a Path),
     Memory(&'a [u8]),
+    /// A sheet as CSV, in which the column of a place is that of the sheet.
+    Sheet(&'a [u8]),
 }
 
 trait Source: Read + Seek {}
@@ -41,7 +43,7 @@ impl<'a> Content<'a> {
     fn open(self) -> io::Result<Box<dyn Source + 'a>> {
         Ok(match self {
             Self::File(path) => Box::new(Complete::of(open_regular(path)?)?),
-            Self::Memory(content) => Box::new(Cursor::new(content)),
+            Self::Memory(content) | Self::Sheet(content) => Box::new(Cursor::new(content)),
         })
     }
 
@@ -55,7 +57,7 @@ impl<'a> Content<'a> {
     fn len(self) -> io::Result<u64> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
-            Self::Memory(content) => Ok(content.len() as u64),
+            Self::Memory(content) | Self::Sheet(content) => Ok(content.len() as u64),
         }
     }
 
@@ -135,7 +137,11 @@ impl<'a> Row<'a> {
         let before = &raw[..at.min(raw.len())];
         let line = before.iter().filter(|byte| **byte == b'\n').count();
         let line_start = before.iter().rposition(|byte| is_line_end(*byte)).map_or(0, |end| end + 1);
-        (self.start.line() as usize + line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
+        let column = match self.content {
+            Content::Sheet(_) => cell,
+            _ => String::from_utf8_lossy(&before[line_start..]).chars().count(),
+        };
+        (self.start.line() as usize + line, column + 1)
     }
 
     /// True if the last cell has an unclosed quote, so that it includes everything up to the end of the file.

@@ -601,28 +601,28 @@ mod elsewhere {
         let wide = sheet.replace("<c r=\"F4\" s=\"0\"/>", "<c r=\"F4\"><v>1</v></c>");
         let how = of("y", &["c"]);
         let said = errors(&[&file(&folder, "w.xlsx", workbook(&[("One", &wide)], ""))], &how);
-        assert_eq!(said, ["w.xlsx: cell A4: the row has 6 cells; expected 4, as in the header"]);
+        assert_eq!(said, ["w.xlsx:4:1: the row has 6 cells; expected 4, as in the header"]);
         // The quoted comma in B2 ends no cell.
         let wrong = sheet.replace("<c r=\"D2\"><v>1</v>", "<c r=\"D2\"><v>1.5</v>");
         let counted = ReadOptions { count: Some("y".to_owned()), ..of("c", &["note"]) };
         let said = errors(&[&file(&folder, "c.xlsx", workbook(&[("One", &wrong)], ""))], &counted);
-        assert_eq!(said, ["c.xlsx: cell D2: y is \"1.5\"; expected a count, a whole number from 0 to 10^12"]);
+        assert_eq!(said, ["c.xlsx:2:4: y is \"1.5\"; expected a count, a whole number from 0 to 10^12"]);
         let twice = sheet.replace("<t>note</t>", "<t>a, b</t>").replace("<t>y</t>", "<t>c</t>");
         let said = errors(&[&file(&folder, "h.xlsx", workbook(&[("One", &twice)], ""))], &how);
-        assert_eq!(said[1], "h.xlsx: cell D1: the column c appears twice; expected it once");
+        assert_eq!(said[1], "h.xlsx:1:4: the column c appears twice; expected it once");
         let said =
             errors(&[&file(&folder, "s.xlsx", workbook(&[("One", &sheet), ("Two", "")], ""))], &of("answer", &["c"]));
         assert_eq!(
             said,
             [
-                "s.xlsx: cell A1: the column answer is missing (only the first sheet, One, was read); expected one of subject, note, c, y"
+                "s.xlsx:1:1: the column answer is missing (only the first sheet, One, was read); expected one of subject, note, c, y"
             ]
         );
         // A workbook keeps 53 bits of a number.
         for number in ["9007199254740991", "9007199254740993"] {
             let long = sheet.replace("<v>0.5</v>", &format!("<v>{number}</v>"));
             let said = errors(&[&file(&folder, "n.xlsx", workbook(&[("One", &long)], ""))], &how);
-            let expected = "n.xlsx: cell C2: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text";
+            let expected = "n.xlsx: row 2, column 3: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text";
             assert_eq!(said, [expected; 1][..usize::from(number.ends_with('3'))], "{number}");
         }
 

@@ -3,23 +3,15 @@
 use std::collections::HashMap;
 
 use super::{
-    rows::{RowError, Rows, Status, What},
+    rows::{RowError, Rows, Status, What, column_of},
     selection::{Columns as Used, Input, Selection},
     source::{FileRead, Reason},
     values,
 };
 use crate::{
     experiment::RatingRow,
-    store::{
-        columns::{Mapped, Texts},
-        error::RowErrors,
-    },
+    store::{columns::Mapped, error::RowErrors},
 };
-
-/// Returns the columns of each file.
-pub(super) fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
-    tables.iter().map(|rows| &rows.columns[..]).collect()
-}
 
 /// What is known before rows are added.
 pub(super) struct Known<'a> {
@@ -35,14 +27,14 @@ pub(super) struct Known<'a> {
 
 impl<'a> Known<'a> {
     pub fn new(selection: &Selection, tables: &[Rows], missing: &'a [String], unfinished: Vec<bool>) -> Self {
-        let tables = texts(tables);
-        let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
+        let are_numbers =
+            |column: &dyn Fn(&Used) -> usize| values::are_numbers(&column_of(&selection.inputs, tables, column));
         let first = &selection.inputs[0].columns;
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
                 .map(|i| {
-                    let column = selection.texts(&tables, |columns| columns.responses[i]);
+                    let column = column_of(&selection.inputs, tables, |columns| columns.responses[i]);
                     selection.own_scale.is_none() && values::are_numbers(&column)
                 })
                 .collect(),

@@ -20,7 +20,7 @@ pub(super) struct Converted {
     pub bytes: Vec<u8>,
     /// What a user should know about how the file was read, and what was expected.
     pub note: Option<[String; 2]>,
-    /// Whether it is the sheet of a workbook, whose cells have names.
+    /// Whether it is the sheet of a workbook.
     pub is_sheet: bool,
 }
 
@@ -108,9 +108,10 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
         let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
         if matches!(cell.get_value(), DataRef::Float(number) if number.abs() >= EXACT) {
-            let cell = cell_name(found as usize, column as usize);
             return Err(format!(
-                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
+                "row {}, column {}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text",
+                found + 1,
+                column + 1
             ));
         }
         if text.is_empty() {
@@ -134,28 +135,6 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         [format!("only the first sheet, {name}, was read"), expected]
     });
     Ok((bytes, note))
-}
-
-/// Returns the name of the cell, such as `E2`, at a line and column of a sheet as CSV.
-pub(super) fn cell_at(sheet: &[u8], (line, column): (usize, usize)) -> String {
-    let text = String::from_utf8_lossy(sheet.split(|byte| *byte == b'\n').nth(line - 1).unwrap_or_default());
-    let mut is_quoted = false;
-    let is_end = |char: &char| {
-        is_quoted ^= *char == '"';
-        *char == ',' && !is_quoted
-    };
-    cell_name(line - 1, text.chars().take(column - 1).filter(is_end).count())
-}
-
-/// Returns the name of the cell at a row and column, both counted from 0.
-pub(super) fn cell_name(row: usize, column: usize) -> String {
-    format!("{}{}", letters(column), row + 1)
-}
-
-/// Returns the letters of a column, counted from 0: `A` to `Z`, `AA`, `AB` and so on.
-fn letters(column: usize) -> String {
-    let last = char::from(b'A' + (column % 26) as u8);
-    if column < 26 { last.to_string() } else { format!("{}{last}", letters(column / 26 - 1)) }
 }
 
 /// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.

@@ -9,7 +9,7 @@ use std::{
 
 use csv::Position;
 
-use super::converted::{Converted, cell_at, cell_name, converted};
+use super::converted::{Converted, converted};
 use crate::{
     experiment::{IN_BIDS, Phase},
     store::{
@@ -366,7 +366,10 @@ impl Header {
 
     /// Returns the content of the file at `path`, from memory if it was converted.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        self.converted.as_ref().map_or(Content::File(path), |converted| Content::Memory(&converted.bytes))
+        self.converted.as_ref().map_or(Content::File(path), |converted| match converted.is_sheet {
+            true => Content::Sheet(&converted.bytes),
+            false => Content::Memory(&converted.bytes),
+        })
     }
 
     /// Returns the index of a column, the first one with this name.
@@ -398,20 +401,12 @@ impl Header {
         Some(self.error(name, index, message))
     }
 
-    /// Names the cell of an error in a sheet: who sees it in a spreadsheet program does not see lines of text.
-    pub fn in_cell(&self, error: FileError) -> FileError {
-        let sheet = self.converted.as_ref().filter(|converted| converted.is_sheet);
-        let Some((sheet, position)) = sheet.zip(error.position) else { return error };
-        let message = format!("cell {}: {}", cell_at(&sheet.bytes, position), error.message);
-        FileError { position: None, message, ..error }
-    }
-
     /// Creates an error in the header of the file `name`, at the name with this index.
     pub fn error(&self, name: &str, index: usize, message: String) -> FileError {
         if self.columns.is_some() {
             return FileError::whole(name, message);
         } else if self.converted.as_ref().is_some_and(|converted| converted.is_sheet) {
-            return FileError::whole(name, format!("cell {}: {message}", cell_name(self.line - 1, index)));
+            return FileError::at(name, (self.line, index + 1), message);
         }
         let column = self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1;
         FileError::at(name, (self.line, column), message)

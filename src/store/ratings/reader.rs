@@ -9,9 +9,9 @@ use std::{
 use rayon::{iter::Either, prelude::*};
 
 use super::{
-    cells::{Known, add_rows, texts},
+    cells::{Known, add_rows},
     files::{self, Header},
-    rows::{MAX_ROWS, RowError, Rows, Status},
+    rows::{MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
     source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
@@ -124,7 +124,7 @@ fn read_inputs<T>(
             let message = format!("has the same content as {other}; expected each rating once");
             notes.push(FileError::whole(&input.name, message));
         }
-        errors.extend(file_errors(input, rows));
+        errors.extend(rows.errors.finish(&input.name, &input.header.names));
         reports.push(read);
     }
     if reports.iter().all(|report| report.ratings == 0) {
@@ -149,12 +149,11 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
     if options.subject.is_none() && first.columns.record.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
-    let files = texts(tables);
-    notes.extend(alike(&first.name, None, &selection.texts(&files, |columns| columns.subject)));
+    notes.extend(alike(&first.name, None, &column_of(&selection.inputs, tables, |columns| columns.subject)));
     // Levels are those of the definition, if there is one.
     let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
     notes.extend(factors.filter(|_| selection.protocol.is_none()).filter_map(|(index, name)| {
-        alike(&first.name, Some(name), &selection.texts(&files, |columns| columns.factors[index]))
+        alike(&first.name, Some(name), &column_of(&selection.inputs, tables, |columns| columns.factors[index]))
     }));
     notes
 }
@@ -407,12 +406,6 @@ fn read_attempts<'a>(
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
     };
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
-}
-
-/// Returns the errors in a file.
-pub(super) fn file_errors(input: &Input, rows: Rows) -> Vec<FileError> {
-    let errors = rows.errors.finish(&input.name, &input.header.names);
-    errors.into_iter().map(|error| input.header.in_cell(error)).collect()
 }
 
 /// Returns the hash of a file, unless it is large.

@@ -5,7 +5,7 @@ use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 use csv::Position;
 
 use super::{
-    selection::Input,
+    selection::{Columns, Input},
     values::{answer, seconds, with_point},
 };
 use crate::store::{
@@ -247,4 +247,13 @@ fn interrupted(row: &Row<'_>) -> Option<&'static str> {
 
 fn left_behind(what: &str) -> String {
     format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)")
+}
+
+/// Returns one column of all files.
+pub(super) fn column_of<'a>(
+    inputs: &[Input],
+    tables: &'a [Rows],
+    column: impl Fn(&Columns) -> usize,
+) -> Vec<&'a Texts> {
+    inputs.iter().zip(tables).map(|(input, rows)| &rows.columns[column(&input.columns)]).collect()
 }

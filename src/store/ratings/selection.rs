@@ -15,7 +15,7 @@ use super::{
 use crate::{
     experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, StoreError, columns::Texts, file::exists, session::seal, sidecar::Sidecar},
+    store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
 };
 
@@ -147,11 +147,6 @@ impl Selection {
         let is_empty = inputs.is_empty();
         let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, wide, levels };
         ((!is_empty).then_some(selection), errors)
-    }
-
-    /// Returns one column of all files.
-    pub fn texts<'a>(&self, files: &[&'a [Texts]], column: impl Fn(&Columns) -> usize) -> Vec<&'a Texts> {
-        self.inputs.iter().zip(files).map(|(input, columns)| &columns[column(&input.columns)]).collect()
     }
 }
 
