@@ -223,20 +223,21 @@ fn transfer(
 }
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {
-    let names = ["black_cd_m2", "white_cd_m2"];
-    match [form.black_cd_m2, form.white_cd_m2] {
-        [Some(black_cd_m2), Some(white_cd_m2)] if black_cd_m2 < white_cd_m2 => {
+    let (black, white) = ("black_cd_m2", "white_cd_m2");
+    match (form.black_cd_m2, form.white_cd_m2) {
+        (Some(black_cd_m2), Some(white_cd_m2)) if black_cd_m2 < white_cd_m2 => {
             return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
         }
-        [Some(black), Some(white)] => document
-            .error(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
-        [black, white] => {
-            for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
-                if given.is_some() && !document.has(other) {
-                    document.error(name, format!("{name} is given without {other}; expected both"));
-                }
-            }
+        (Some(dark), Some(bright)) => {
+            document.error(white, format!("{white} {bright} is not above {black} {dark}; expected a larger number"));
         }
+        (Some(_), None) if !document.has(white) => {
+            document.error(black, format!("{black} is given without {white}; expected both"));
+        }
+        (None, Some(_)) if !document.has(black) => {
+            document.error(white, format!("{white} is given without {black}; expected both"));
+        }
+        _ => {}
     }
     None
 }

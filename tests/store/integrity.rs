@@ -14,7 +14,7 @@ use machband::store::{
 };
 
 use crate::{
-    common::{change_rating, edit, everything, machband, session_csv, set_cell, succeeds, text, verified},
+    common::{change_rating, edit, everything, machband, set_cell, succeeds, text, verified},
     recording::{self, SEED, create, identity, paths, resume, sitting, small},
 };
 

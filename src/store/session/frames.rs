@@ -89,8 +89,8 @@ impl FrameFile {
     }
 
     /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
-    /// After an error, the next call tries again, with a new file if the old one no longer exists. A power failure may
-    /// lose the last rows, because the session does not wait for the disk.
+    /// After an error, the next call tries again. A power failure may lose the last rows, because the session does not wait for
+    /// the disk.
     ///
     /// # Errors
     /// I/O errors.
@@ -99,14 +99,7 @@ impl FrameFile {
             return Ok(());
         }
         let text: String = rows.iter().map(FrameRow::line).collect();
-        self.0.append(text.as_bytes()).or_else(|error| {
-            let path = self.0.path().to_owned();
-            if matches!(error, StoreError::Changed { .. }) && !exists(&path)? {
-                self.continue_in(&path)
-            } else {
-                Err(error)
-            }
-        })
+        self.0.append(text.as_bytes())
     }
 
     /// Writes everything that is not in the file yet, and waits until it is on disk, so that the file can be sealed.
