@@ -369,15 +369,21 @@ pub(super) fn parse<T>(
     if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
 }
 
-/// Checks that a header is exactly as expected.
+/// Checks that a header has these columns.
 ///
 /// # Errors
-/// It is different.
-pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellError> {
-    if header.iter().copied().eq(expected.split(',')) {
-        return Ok(());
+/// Names the first column that is not the expected one.
+pub(super) fn exactly<'a>(header: &[&str], expected: impl Iterator<Item = &'a str>) -> Result<(), CellError> {
+    let expected: Vec<&str> = expected.collect();
+    for i in 0..expected.len().max(header.len()) {
+        let (found, expected) = (header.get(i), expected.get(i));
+        if found != expected {
+            let found = found.map_or("missing".to_owned(), |name| format!("{:?}", shortened(name)));
+            let expected = expected.map_or("no other column".to_owned(), |name| format!("{name:?}"));
+            return Err((i, format!("column {} is {found}; expected {expected}", i + 1)));
+        }
     }
-    Err((0, format!("the header is different; expected {expected}")))
+    Ok(())
 }
 
 /// Formats one line of CSV. A line break within a cell becomes a space, so that each line is a row.

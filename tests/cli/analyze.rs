@@ -531,12 +531,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
-        (
-            "two",
-            &["--terms", "count"],
-            0,
-            "h1.csv: 2 of 8 rows of 2 files, of which this is the first, have no response",
-        ),
+        ("two", &["--terms", "count"], 0, "h1.csv: 2 of 8 rows have no response"),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
         ("q.csv", &["--terms", "a"], 1, "remove its second and third rows"),

@@ -48,7 +48,6 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
-    write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
         psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
@@ -329,15 +328,6 @@ than `TrialsPlanned`, the session is unfinished. `Sittings` describes the progra
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
 "
-}
-
-/// Writes the change log in the form that BIDS requires: a version, the date of the last sitting, and the content.
-fn changes(experiments: &[Experiment]) -> String {
-    let sittings = experiments.iter().flat_map(|one| &one.sessions).flat_map(|session| &session.sidecar.sittings);
-    let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
-    let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
-    let version = env!("CARGO_PKG_VERSION");
-    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n")
 }
 
 /// Writes one row per participant: what they answered, the number of sessions, and whether a person or a simulated

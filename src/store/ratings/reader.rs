@@ -134,8 +134,7 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
-    warnings.extend(notes.into_iter().chain(missing(&reports, &options.missing)));
-    warnings.extend(without_values(&selection, &reports));
+    warnings.extend(notes.into_iter().chain(missing(&selection, &reports, &options.missing)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -175,44 +174,41 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     (!groups.is_empty()).then(|| FileError::whole(file, message))
 }
 
-/// Returns a warning for each kind of missing value.
-fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileError> {
-    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
-    [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
-        move |(why, what)| {
-            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
-            let affected: Vec<&FileRead> = reports.iter().filter(|report| of(report) > 0).collect();
-            let (found, rows) = affected.iter().fold((0, 0), |(found, rows), one| (found + of(one), rows + one.rows));
-            let files = if affected.len() > 1 { format!(" of {} files, of which this is the first,", affected.len()) } else { String::new() };
-            let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
-            let message = format!(
-                "{found} of {rows} rows{files} {have} no {what} (an empty cell, NA, {named}or another text for a missing value) and {are} left out; \
-             expected a {what} in every row"
-            );
-            Some(FileError::whole(&affected.first()?.path, message))
-        },
-    )
+/// Says how many of all rows, or ratings, lack something and what becomes of `one` or `more` of them, at the first file with
+/// such rows.
+fn lacking(
+    reports: &[FileRead],
+    (of, all): (&dyn Fn(&FileRead) -> u64, &dyn Fn(&FileRead) -> u64),
+    (rows, what, [one, more]): (&str, &str, [&str; 2]),
+) -> Option<FileError> {
+    let first = reports.iter().find(|report| of(report) > 0)?;
+    let [found, all] = [of, all].map(|of| reports.iter().map(of).sum::<u64>());
+    let (have, fate) = if found == 1 { ("has", one) } else { ("have", more) };
+    let message = format!("{found} of {all} {rows} {have} no {what}{fate}; expected one in every row");
+    Some(FileError::whole(&first.path, message))
 }
 
-/// Returns a warning for each factor of which some ratings have no value, unless it was guessed and may be about other rows;
-/// and one if ratings without a response time are kept although the time was limited.
-fn without_values(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> {
-    let ratings = reports.iter().map(|report| report.ratings).sum::<u64>();
-    let warning = |of: &dyn Fn(&FileRead) -> u64, what: &str, is_kept: bool| {
-        let first = reports.iter().find(|report| of(report) > 0)?;
-        let found = reports.iter().map(of).sum::<u64>();
-        let (have, are_kept) = if found == 1 { ("has", " and is kept") } else { ("have", " and are kept") };
-        let kept = if is_kept { are_kept } else { "" };
-        let message = format!("{found} of {ratings} ratings {have} no {what}{kept}; expected one in every row");
-        Some(FileError::whole(&first.path, message))
+/// Returns a warning for each kind of missing value that leaves out rows; for each factor of which some ratings have no
+/// value, unless it was guessed and may be about other rows; and if ratings without a response time are kept although the
+/// time was limited.
+fn missing(selection: &Selection, reports: &[FileRead], named: &[String]) -> Vec<FileError> {
+    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
+    let rows = [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
+        |(why, what)| {
+            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
+            let what = format!("{what} (an empty cell, NA, {named}or another text for a missing value)");
+            lacking(reports, (&of, &|report| report.rows), ("rows", &what, [" and is left out", " and are left out"]))
+        },
+    );
+    let ratings = |of: &dyn Fn(&FileRead) -> u64, what: &str, fate: [&str; 2]| {
+        lacking(reports, (of, &|report| report.ratings), ("ratings", what, fate))
     };
     let factors = selection.shape.factors.iter().enumerate().filter(|_| !selection.shape.guessed);
-    let levels = factors.filter_map(|(factor, name)| {
-        warning(&|report| report.without_level[factor], &format!("value of {name}"), false)
-    });
+    let levels = factors
+        .filter_map(|(at, name)| ratings(&|report| report.without_level[at], &format!("value of {name}"), [""; 2]));
     let is_limited = selection.shape.time_limits != (None, None);
-    let without_time = || warning(&|report| report.without_time, "response time", true);
-    levels.chain(is_limited.then(without_time).flatten()).collect()
+    let without_time = || ratings(&|report| report.without_time, "response time", [" and is kept", " and are kept"]);
+    rows.chain(levels).chain(is_limited.then(without_time).flatten()).collect()
 }
 
 /// Says how many rows are practice or later attempts according to columns that no option names. In a table from elsewhere,
