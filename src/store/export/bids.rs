@@ -27,9 +27,6 @@ use crate::{
 
 /// Version of the BIDS standard.
 const VERSION: &str = "1.11.1";
-/// How many of the columns with another name come first in the table, followed by the picture's file. Onset and duration
-/// keep our names: with the BIDS names, a behavioral table would be mistaken for a table of events.
-const LEADING: usize = 2;
 
 /// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
@@ -77,38 +74,36 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
 }
 
-/// Returns the columns of a result file, and the one that says whether a program answered.
+/// Returns the columns of a result file with their names in BIDS, and those that only BIDS has. Onset and duration keep our
+/// names: with the BIDS names, a behavioral table would be mistaken for a table of events.
 fn described_columns(protocol: &Protocol) -> Vec<Column> {
-    let description = "Whether a program answered instead of a person: 1 or 0.".to_owned();
-    let simulated = Column { name: SIMULATED.to_owned(), description, ..Column::default() };
-    columns(protocol).into_iter().chain([simulated]).collect()
-}
-
-/// Returns the columns in table order, each with its index in a row; `None` for the picture's file.
-fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
-    let leads = |column: &Column| IN_BIDS[..LEADING].iter().any(|(ours, _)| *ours == column.name);
-    let (leading, rest): (Vec<_>, Vec<_>) = columns.iter().enumerate().partition(|(_, column)| leads(column));
-    let places = leading.iter().map(Some).chain([None]).chain(rest.iter().map(Some));
-    places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
-}
-
-/// Returns the BIDS name of a column.
-fn name(column: &Column) -> &str {
-    IN_BIDS.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
+    let own = columns(protocol).into_iter().map(|column| {
+        let theirs = IN_BIDS.iter().find(|(ours, _)| *ours == column.name).map(|(_, theirs)| (*theirs).to_owned());
+        Column { name: theirs.unwrap_or(column.name), ..column }
+    });
+    let further = [
+        (SIMULATED, "Whether a program answered instead of a person: 1 or 0."),
+        (STIM_FILE, "File of the picture that was shown, in stimuli/."),
+    ];
+    own.chain(further.map(|(name, description)| Column {
+        name: name.to_owned(),
+        description: description.to_owned(),
+        ..Column::default()
+    }))
+    .collect()
 }
 
 fn table(session: &Recorded, stimuli: &Stimuli) -> String {
-    let columns = described_columns(&session.protocol);
-    let ordered = ordered(&columns);
-    let mut text = ordered.iter().map(|(_, name)| *name).collect::<Vec<_>>().join("\t") + "\n";
+    let names: Vec<String> = described_columns(&session.protocol).into_iter().map(|column| column.name).collect();
+    let mut text = names.join("\t") + "\n";
     for (index, row) in session.rows.iter().enumerate() {
         let sitting = session.sidecar.sittings.get((row.sitting as usize).wrapping_sub(1));
         let is_simulated = sitting.is_some_and(|sitting| sitting.observer.is_some());
         let mut cells = row.cells();
         cells.push(u8::from(is_simulated).to_string());
-        let picture = stimuli.of(session, index).unwrap_or_default();
-        let cell = |(place, name): &(Option<usize>, &str)| clean(name, place.map_or(picture, |place| &cells[place]));
-        text += &(ordered.iter().map(cell).collect::<Vec<_>>().join("\t") + "\n");
+        cells.push(stimuli.of(session, index).unwrap_or_default().to_owned());
+        let cells = names.iter().zip(&cells).map(|(name, cell)| clean(name, cell));
+        text += &(cells.collect::<Vec<_>>().join("\t") + "\n");
     }
     text
 }
@@ -125,19 +120,12 @@ fn clean(name: &str, cell: &str) -> String {
 
 /// Returns the metadata that all sessions of a task share: the instructions and the meaning of the columns.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
-    let columns = described_columns(protocol);
     let mut entries = keys([
         ("TaskName", Some(protocol.file_task().into())),
         ("TaskDescription", Some(protocol.title.as_str().into())),
         ("Instructions", Some(instructions(protocol).into())),
     ]);
-    for (place, name) in ordered(&columns) {
-        let described = place.map_or_else(
-            || json!({ "Description": "File of the picture that was shown, in stimuli/." }),
-            |place| described(&columns[place]),
-        );
-        entries.insert(name.to_owned(), described);
-    }
+    entries.extend(described_columns(protocol).into_iter().map(|column| (column.name.clone(), described(&column))));
     entries
 }
 
