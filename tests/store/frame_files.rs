@@ -3,16 +3,14 @@
 use std::{fs, path::Path, time::Duration};
 
 use machband::{
-    display::frames::Refresh,
     experiment::{
-        Course, Effect, Event, FrameCount, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, Shown, State,
-        TrialRecord,
+        Course, Effect, Event, FrameCount, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
     },
     report::Study,
     store::{
         StoreError,
         check::check,
-        frames::{FrameFile, FrameRow, HEADER},
+        frames::{self, FrameFile, HEADER},
         ratings::ReadOptions,
         session::SessionStore,
         sidecar::Sidecar,
@@ -20,18 +18,6 @@ use machband::{
 };
 
 use crate::recording::{SEED, create, identity, paths, rows, small};
-
-fn row(intervals_us: &[u32]) -> FrameRow {
-    FrameRow {
-        sitting: 1,
-        phase: Phase::Main,
-        trial: 2,
-        attempt: 1,
-        shown: Shown::Stimulus,
-        refresh: Refresh::from_hz(59.94),
-        intervals_us: intervals_us.to_vec(),
-    }
-}
 
 /// Rates trials at 60 Hz, as the window does, until `trials` trials are rated.
 fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sitting: u32, trials: usize) {
@@ -53,8 +39,9 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
         if let Some(Effect::Record(response)) = event.map(|event| session.step(event, now)) {
             store.append(&TrialRecord::new(&context, &response, jiff::Timestamp::UNIX_EPOCH + response.onset)).unwrap();
             session.step(Event::Stored, now);
-            let rows = session.take_frame_runs().into_iter();
-            store.append_frames(&rows.filter_map(|s| FrameRow::new(s, schedule, sitting)).collect::<Vec<_>>());
+            let runs = session.take_frame_runs();
+            let lines = runs.iter().filter_map(|run| frames::line(run, schedule, sitting));
+            store.append_frames(&lines.collect::<Vec<_>>());
             rated += 1;
         }
         if rated == trials {
@@ -83,27 +70,22 @@ fn session(results: &Path, trials: usize) -> SessionStore {
 }
 
 #[test]
-fn frames_are_one_row_for_each_content() {
+fn frames_are_appended() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a_frames.csv");
     let mut file = FrameFile::new(&path);
     file.append(&[]).unwrap();
     assert!(!path.exists(), "a session without frames has no file");
     let rows = [
-        row(&[16_683, 16_684, 33_367]),
-        FrameRow { phase: Phase::Practice, shown: Shown::Recovery, refresh: None, sitting: 2, ..row(&[u32::MAX]) },
-        FrameRow { shown: Shown::Response, attempt: 3, ..row(&[1]) },
-        FrameRow { shown: Shown::Closing, ..row(&[7, 8]) },
-    ];
+        "1,main,2,1,stimulus,16683.350,16683 16684 33367\n",
+        "2,practice,2,1,recovery,,4294967295\n",
+        "1,main,2,3,response,16683.350,1\n",
+        "1,main,2,1,closing,16683.350,7 8\n",
+    ]
+    .map(str::to_owned);
     file.append(&rows[..1]).unwrap();
     file.append(&rows[1..]).unwrap();
-    assert_eq!(
-        fs::read_to_string(&path).unwrap().lines().nth(1),
-        Some("1,main,2,1,stimulus,16683.350,16683 16684 33367")
-    );
-    let last =
-        ["2,practice,2,1,recovery,,4294967295", "1,main,2,3,response,16683.350,1", "1,main,2,1,closing,16683.350,7 8"];
-    assert_eq!(fs::read_to_string(&path).unwrap().lines().skip(2).collect::<Vec<_>>(), last);
+    assert_eq!(fs::read_to_string(&path).unwrap(), format!("{HEADER}\n{}", rows.concat()));
     assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("frames of a session"));
     // If a power failure truncates the file, it continues after the last complete row.
     drop(file);

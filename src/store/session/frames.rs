@@ -6,8 +6,7 @@
 use std::path::Path;
 
 use crate::{
-    display::frames::Refresh,
-    experiment::{FrameRun, Phase, Schedule, Shown},
+    experiment::{FrameRun, Schedule, Trial},
     store::{
         FileErrors, StoreError,
         file::{AppendFile, exists},
@@ -22,39 +21,14 @@ pub const SUFFIX: &str = "_frames.csv";
 /// Maximum size of a frames file that a session continues, in bytes. Frames of 8 hours at 480 Hz have half of it.
 const MAX_FILE: u64 = 2 << 30;
 
-/// One row: consecutive frames with the same content.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrameRow {
-    /// Number of the sitting: 1, plus 1 for each time the session was resumed.
-    pub sitting: u32,
-    /// Phase, as in the data.
-    pub phase: Phase,
-    /// Trial, as in the data: its planned position within the phase, from 1.
-    pub trial: u32,
-    /// Attempt, as in the data.
-    pub attempt: u32,
-    /// Content of the frames.
-    pub shown: Shown,
-    /// The refresh interval that the frames were compared with; `None` if it was not known.
-    pub refresh: Option<Refresh>,
-    /// How long each frame was shown, in microseconds.
-    pub intervals_us: Vec<u32>,
-}
-
-impl FrameRow {
-    /// Creates the row for a run of frames; `None` if the schedule has no such trial.
-    pub fn new(run: FrameRun, schedule: &Schedule, sitting: u32) -> Option<Self> {
-        let trial = schedule.trials.get(run.trial)?;
-        let FrameRun { attempt, shown, refresh, intervals_us, .. } = run;
-        Some(Self { sitting, phase: trial.phase, trial: trial.number, attempt, shown, refresh, intervals_us })
-    }
-
-    fn line(&self) -> String {
-        let refresh = self.refresh.map_or_else(String::new, |refresh| format!("{:.3}", refresh.seconds() * 1e6));
-        let intervals: Vec<String> = self.intervals_us.iter().map(u32::to_string).collect();
-        let (phase, state) = (self.phase, self.shown.name());
-        format!("{},{phase},{},{},{state},{refresh},{}\n", self.sitting, self.trial, self.attempt, intervals.join(" "))
-    }
+/// Returns the line of a run of frames in a sitting, whose number is 1, plus 1 for each time the session was resumed; `None` if
+/// the schedule has no such trial.
+pub fn line(run: &FrameRun, schedule: &Schedule, sitting: u32) -> Option<String> {
+    let Trial { phase, number, .. } = schedule.trials.get(run.trial)?;
+    let refresh = run.refresh.map_or_else(String::new, |refresh| format!("{:.3}", refresh.seconds() * 1e6));
+    let intervals: Vec<String> = run.intervals_us.iter().map(u32::to_string).collect();
+    let (attempt, state) = (run.attempt, run.shown.name());
+    Some(format!("{sitting},{phase},{number},{attempt},{state},{refresh},{}\n", intervals.join(" ")))
 }
 
 /// The frames file of a running session. It is created with the first row, so a session without a screen has none.
@@ -88,18 +62,17 @@ impl FrameFile {
         self.0.content() == header()
     }
 
-    /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
+    /// Appends lines. They are kept in memory from now on, and they are in the file when this returns without an error.
     /// After an error, the next call tries again. A power failure may lose the last rows, because the session does not wait for
     /// the disk.
     ///
     /// # Errors
     /// I/O errors.
-    pub fn append(&mut self, rows: &[FrameRow]) -> Result<(), StoreError> {
-        if self.is_empty() && rows.is_empty() {
+    pub fn append(&mut self, lines: &[String]) -> Result<(), StoreError> {
+        if self.is_empty() && lines.is_empty() {
             return Ok(());
         }
-        let text: String = rows.iter().map(FrameRow::line).collect();
-        self.0.append(text.as_bytes())
+        self.0.append(lines.concat().as_bytes())
     }
 
     /// Writes everything that is not in the file yet, and waits until it is on disk, so that the file can be sealed.

@@ -5,7 +5,7 @@ use std::{path::Path, sync::Arc};
 use super::{
     chain,
     dataset::{PARTICIPANTS, SessionPaths},
-    frames::{FrameFile, FrameRow},
+    frames::FrameFile,
     lock::LockFile,
     participants,
     recorded::{Replays, replay},
@@ -234,8 +234,8 @@ impl SessionStore {
 
     /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session
     /// continues.
-    pub fn append_frames(&mut self, rows: &[FrameRow]) {
-        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(rows));
+    pub fn append_frames(&mut self, lines: &[String]) {
+        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(lines));
         if let Err(error) = written
             && !std::mem::replace(&mut self.frames_refused, true)
         {
