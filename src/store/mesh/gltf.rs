@@ -380,9 +380,11 @@ impl Reader<'_> {
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
         }
         let transform = "KHR_texture_transform";
-        let of_base = base.base_color_texture().filter(|t| self.has_image(&t.texture()));
+        // An extension may give a texture another image, which is ignored like the extension.
+        let has_image = |texture: gltf::Texture<'_>| texture.source().is_some();
+        let of_base = base.base_color_texture().filter(|t| has_image(t.texture()));
         let of_base = of_base.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let of_normals = material.normal_texture().filter(|t| self.has_image(&t.texture()));
+        let of_normals = material.normal_texture().filter(|t| has_image(t.texture()));
         let of_normals = of_normals.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
         let asked = [of_base.transpose()?, of_normals.transpose()?];
         let has_places = |place: &TexturePlace| get(Semantic::TexCoords(place.set)).is_some();
@@ -411,15 +413,6 @@ impl Reader<'_> {
             }
         }
         Ok(textures)
-    }
-
-    /// True if a texture has an image of its own; an extension may give another one.
-    fn has_image(&mut self, texture: &gltf::Texture<'_>) -> bool {
-        let image = texture.source();
-        if image.is_none() {
-            self.notes.insert("textures without an image were ignored");
-        }
-        image.is_some()
     }
 
     /// Returns the vertex of each corner of a primitive with `count` vertices.

@@ -1,9 +1,8 @@
 //! Reads Wavefront OBJ files.
 //!
-//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files,
-//! or from 0 to 255 if any is above 1),
-//! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
-//! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
+//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files, or
+//! from 0 to 255 if any is above 1), normals (`vn`) and faces (`f`) with any number of corners, with positive and relative
+//! indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
 use std::collections::BTreeSet;
 

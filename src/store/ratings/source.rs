@@ -142,8 +142,7 @@ pub struct Source {
     /// followed by the number of others.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
-    /// a sidecar, tables of counts, columns that are measurements, missing responses,
-    /// IDs that look alike, and what was converted or guessed.
+    /// a sidecar, tables of counts, missing responses, IDs that look alike, and what was converted or guessed.
     pub warnings: Vec<FileError>,
 }
 
