@@ -317,18 +317,27 @@ fn counts_warning(inputs: &[Input]) -> Option<FileError> {
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
 fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     let (mut sessions, mut attempts, mut index) = (Vec::new(), Vec::new(), HashMap::new());
+    let mut enter = |subject: &str, session: &str, input: &Input| {
+        *index.entry((subject.to_owned(), session.to_owned())).or_insert_with(|| {
+            sessions.push(SessionRead {
+                subject: subject.to_owned(),
+                session: session.to_owned(),
+                path: input.path.clone(),
+                planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
+                rated: 0,
+                skipped: 0,
+                dropped: None,
+                sidecar: input.sidecar.clone(),
+            });
+            sessions.len() as u32 - 1
+        })
+    };
     for (file, (input, rows)) in (0..).zip(selection.inputs.iter().zip(&mut *tables)) {
         let Some(own) = &input.columns.record else { continue };
-        let mut enter = |subject: &str, session: &str| {
-            *index.entry((subject.to_owned(), session.to_owned())).or_insert_with(|| {
-                sessions.push(session_read(subject, session, input));
-                sessions.len() as u32 - 1
-            })
-        };
         let (mut wrong, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
         read_attempts(selection, input, own, rows, |row, attempt| match attempt {
             Ok((subject, session, attempt)) => {
-                attempts.push(Attempt { session: enter(subject, session), file, row: row as u32, ..attempt });
+                attempts.push(Attempt { session: enter(subject, session, input), file, row: row as u32, ..attempt });
             }
             Err(error) => {
                 wrong.push(row);
@@ -338,30 +347,14 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
         rows.errors = errors;
     }
-    trials::decide(attempts, &mut sessions, tables);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
         if let Ok(identity) = dataset::identity(&input.path) {
-            let (subject, session) = (identity.subject(), identity.session());
-            if !index.contains_key(&(subject.to_owned(), session.to_owned())) {
-                sessions.push(session_read(subject, session, input));
-            }
+            enter(identity.subject(), identity.session(), input);
         }
     }
+    trials::decide(attempts, &mut sessions, tables);
     sessions
-}
-
-fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
-    SessionRead {
-        subject: subject.to_owned(),
-        session: session.to_owned(),
-        path: input.path.clone(),
-        planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
-        rated: 0,
-        skipped: 0,
-        dropped: None,
-        sidecar: input.sidecar.clone(),
-    }
 }
 
 /// Calls `take` with every readable row of a result file: its participant, session and trial, or the first error.

@@ -185,26 +185,19 @@ impl Rows {
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
             return FileError { rows: vec![error.row], ..FileError::whole(place, message) };
         }
-        let found = self.again(input, error.row, |row| {
-            let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
-            FileError::at(&input.name, row.place(error.cell.unwrap_or(0)), error.message(input, inputs, written))
-        });
-        found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
-    }
-
-    /// Reads a row of a file again, which is acceptable because errors are rare.
-    fn again<T>(&self, input: &Input, index: usize, mut take: impl FnMut(&Row<'_>) -> T) -> Option<T> {
-        let (header, mut skipped, mut found) = (&input.header, index % MARK, None);
-        let from = self.marks.get(index / MARK)?;
-        let _ = table::rows_from(header.content(&input.path), header.separator, Some(from), |row| {
-            let is_found = skipped == 0;
-            if is_found {
-                found = Some(take(row));
+        let (header, mut skipped, mut found) = (&input.header, error.row % MARK, None);
+        let from = self.marks.get(error.row / MARK);
+        // The row is read again, which is acceptable because errors are rare.
+        let _ = table::rows_from(header.content(&input.path), header.separator, from, |row| {
+            if skipped == 0 {
+                let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
+                let place = row.place(error.cell.unwrap_or(0));
+                found = Some(FileError::at(&input.name, place, error.message(input, inputs, written)));
             }
             skipped = skipped.saturating_sub(1);
-            !is_found
+            found.is_none()
         });
-        found
+        found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
     }
 }
 
