@@ -329,6 +329,9 @@ impl Header {
         if text.iter().all(u8::is_ascii_whitespace) {
             return Err("the file is empty; expected a header row");
         }
+        if is_packed(text) {
+            return Err("is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: export it as CSV");
+        }
         if text.trim_ascii_start().starts_with(b"{") || text.trim_ascii_start().starts_with(b"[") {
             return Err("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
         }
@@ -422,4 +425,11 @@ fn separator_line(text: &[u8]) -> (Option<u8>, &[u8]) {
         }
         _ => (None, text),
     }
+}
+
+/// True if a file begins like a compressed file (gzip, bzip2, xz, Zstandard, zip) or a spreadsheet.
+fn is_packed(head: &[u8]) -> bool {
+    let kinds: [&[u8]; 6] =
+        [b"\x1f\x8b", b"BZh91AY", b"\xfd7zXZ\0", b"\x28\xb5\x2f\xfd", b"PK\x03\x04", b"\xd0\xcf\x11\xe0"];
+    kinds.iter().any(|first| head.starts_with(first))
 }
