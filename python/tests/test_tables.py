@@ -388,6 +388,6 @@ def test_what_is_no_value_is_refused():
     for wrong in [corners.astype(complex), corners.astype(str)]:
         with pytest.raises(TypeError, match="(?s)vertices is .*; expected numbers"):
             machband.shade(wrong, [[0, 1, 2]], size=16)
-    with pytest.raises(machband.Error, match='rating: "1,0" is not a number, first in .*row 0 .*; expected numbers'):
+    with pytest.raises(machband.Error, match='rating: "1,0" is not a number; expected numbers'):
         rows = {"subject_id": [*"ab"] * 4, "width": [1, 1, 2, 2] * 2, "rating": ["1,0"] * 6 + ["2", "3"]}
         machband.analyze(rows, factors=["width"])

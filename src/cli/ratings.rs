@@ -25,7 +25,7 @@ pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
         (sum(|file| file.erroneous), "with errors".to_owned()),
     ]
     .into_iter()
-    .chain(Reason::ALL.map(|reason| (source.left_out(reason).0, reason.to_string())))
+    .chain(Reason::ALL.iter().map(|reason| (source.left_out(*reason).0, reason.to_string())))
     .filter(|(rows, _)| *rows > 0)
     .map(|(rows, what)| format!("{rows} {what}"))
     .collect();

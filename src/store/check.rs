@@ -1,9 +1,6 @@
 //! Identifies the type of a file and finds every error in it, not only the first.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    path::Path,
-};
+use std::{collections::BTreeSet, path::Path};
 
 use super::{
     FileError, FileErrors, StoreError, dataset, definition,
@@ -149,14 +146,7 @@ fn check_results(path: &Path) -> Result<Checked, StoreError> {
     let header = content.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let columns = columns_by_header(String::from_utf8_lossy(header).trim_end().split(','));
     let rows = results::parse(&path.display().to_string(), &content, &columns)?;
-    let mut lines = HashMap::new();
-    let repeated = rows.iter().zip(2..).filter_map(|(row, line)| {
-        let first = lines.insert(row.row_id.as_str(), line)?;
-        let message = format!("row_id {} already appears in line {first}; expected every row_id once", row.row_id);
-        Some(FileError::at(path, (line, 1), message))
-    });
-    let mut errors: Vec<_> = repeated.collect();
-    let mut order = Order::new(false, usize::MAX);
+    let (mut errors, mut order) = (Vec::new(), Order::new(false, usize::MAX));
     for (row, line) in rows.iter().zip(2..) {
         errors.extend(order.add(row).into_iter().map(|message| FileError::at(path, (line, 1), message)));
     }
@@ -191,20 +181,18 @@ fn check_matches(path: &Path) -> Result<String, StoreError> {
     Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
-/// Checks the frames file of a session, which is next to its result file and sidecar.
+/// Checks the frames file of a session against the seals in its sidecar.
 fn check_frames(path: &Path) -> Result<String, StoreError> {
-    let (mut rows, mut intervals) = (0, 0);
-    frames::each(path, |row| {
-        (rows, intervals) = (rows + 1, intervals + row.intervals_us.len());
-        Ok(())
-    })?;
+    if !exists(path)? {
+        return Err(FileErrors::whole(path, "does not exist; expected the frames file of a session").into());
+    }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
-    let mut errors = match Sidecar::read(&csv.with_extension("json"))? {
-        Some(sidecar) => seal::errors(&csv, &sidecar)?,
-        None => Vec::new(),
+    let Some(sidecar) = Sidecar::read(&csv.with_extension("json"))?.filter(Sidecar::is_sealed) else {
+        return Ok("frames of a session; they were not checked because they have no seal".to_owned());
     };
+    let mut errors = seal::errors(&csv, &sidecar)?;
     errors.retain(|error| error.file == path.display().to_string());
     FileErrors::none(errors)?;
-    Ok(format!("frames of a session: {intervals} intervals in {rows} rows"))
+    Ok("frames of a session, as it wrote them".to_owned())
 }

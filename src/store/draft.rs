@@ -1,8 +1,8 @@
-//! Edits the text of a definition. Comments, order and layout stay as they are, except where a value changes.
+//! Edits the text of a definition. Comments, order and layout stay as they are, except within a value that changes.
 
 use std::path::{Path, PathBuf};
 
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 use super::{FileErrors, definition, toml};
 use crate::{
@@ -283,11 +283,10 @@ impl Draft {
     }
 
     fn put_list(&mut self, key: &str, values: Vec<Value>) {
-        let (table, name) = split(key);
-        let list = self.table(table).and_then(|table| table.get_mut(name)).and_then(Item::as_array_mut);
-        match list {
-            Some(list) => change(list, values),
-            None => self.put(key, Value::Array(values.into_iter().collect())),
+        // A list that says the same keeps its layout and its comments.
+        let list = self.value(key).and_then(Value::as_array);
+        if !list.is_some_and(|list| list.iter().map(listed).eq(values.iter().map(listed))) {
+            self.put(key, Value::Array(values.into_iter().collect()));
         }
     }
 }
@@ -295,46 +294,6 @@ impl Draft {
 /// Splits a key into its table, which is empty at the top level, and its name.
 fn split(key: &str) -> (&str, &str) {
     key.rsplit_once('.').unwrap_or(("", key))
-}
-
-/// Changes the items of a list. Only the items between the first and the last change are touched, so that the others
-/// keep their comments.
-fn change(list: &mut Array, values: Vec<Value>) {
-    let (old, new): (Vec<_>, Vec<_>) = (list.iter().map(listed).collect(), values.iter().map(listed).collect());
-    let front = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
-    let back = old[front..].iter().rev().zip(new[front..].iter().rev()).take_while(|(a, b)| a == b).count();
-    let is_one_line = !list.to_string().contains('\n');
-    let (old_end, new_end) = (old.len() - back, new.len() - back);
-    for (i, value) in values.into_iter().enumerate().take(new_end).skip(front) {
-        if i < old_end {
-            list.replace(i, value);
-        } else {
-            // On a line of its own, indented as the first item.
-            let prefix = list.get(0).map(prefix).unwrap_or_default();
-            let indent = prefix.rfind('\n').map_or(" ", |at| &prefix[at..]);
-            list.insert_formatted(i, value.decorated(indent, ""));
-        }
-    }
-    for i in (new_end..old_end).rev() {
-        let removed = prefix(&list.remove(i));
-        // A comment before this item, on the line of the item before it, belongs to that item.
-        let comment = removed.rsplit_once('\n').map_or("", |(comment, _)| comment);
-        match list.get_mut(i) {
-            Some(next) => {
-                let kept = format!("{comment}{}", prefix(next));
-                next.decor_mut().set_prefix(kept);
-            }
-            None => list.set_trailing(format!("{comment}{}", list.trailing().as_str().unwrap_or_default())),
-        }
-    }
-    if is_one_line {
-        list.fmt();
-    }
-}
-
-/// Returns the spaces and comments before a value.
-fn prefix(value: &Value) -> String {
-    value.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default().to_owned()
 }
 
 /// Returns the text of a value without quotes.

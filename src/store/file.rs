@@ -595,12 +595,7 @@ pub(super) fn complete_lines_or_header(
     } else if header.starts_with(found.as_bytes()) {
         return Ok(header);
     }
-    let has_old_ends = found.contains('\r');
     let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
-    let message = if has_old_ends {
-        "its lines end in carriage returns alone, because another program saved it; expected line feeds".to_owned()
-    } else {
-        format!("the file begins with {found:?}; expected the header {expected:?}")
-    };
+    let message = format!("the file begins with {found:?}; expected the header {expected:?}");
     Err(FileErrors::at(path, (1, 1), message))
 }

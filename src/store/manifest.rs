@@ -1,8 +1,8 @@
-//! The images of a definition's conditions, and their manifest. An interrupted run can be resumed: images that are
-//! intact are not made again.
+//! The images of a definition's conditions, and their manifest. An interrupted run can be repeated: images that are intact
+//! are not written again.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashMap,
     fs::{self, File, OpenOptions},
     io::{Seek as _, Write as _},
     path::{Path, PathBuf},
@@ -45,15 +45,12 @@ pub struct Manifest<'a> {
     shards: usize,
     list: PathBuf,
     file: Mutex<File>,
-    /// Number of this shard's images that already exist.
-    pub kept: usize,
     /// Indices of the images to make.
-    pub missing: Vec<usize>,
+    pub own: Vec<usize>,
 }
 
 impl<'a> Manifest<'a> {
-    /// Opens or creates a folder for shard `index` of `shards`, counted from 1, and determines which of the shard's
-    /// images already exist.
+    /// Opens or creates a folder for shard `index` of `shards`, counted from 1.
     ///
     /// # Errors
     /// The same errors as [`Writer::write`]: a file that is neither one of these images nor a list of them is replaced
@@ -80,58 +77,41 @@ impl<'a> Manifest<'a> {
         let header = ["file", "sha256"].into_iter().chain(names.iter().copied()).chain(["bits", "transfer", "dither"]);
         let header: Vec<String> = header.map(str::to_owned).collect();
         let (list, whole) = (folder.join(list_name(index, shards)), folder.join(MANIFEST));
-        let own = (index - 1..rows.len()).step_by(shards);
-        // Hashes recorded by earlier runs.
-        let (mut known, mut foreign) = (HashMap::new(), Vec::new());
+        let own: Vec<usize> = (index - 1..rows.len()).step_by(shards).collect();
+        let mut foreign = Vec::new();
         let names_of_whole = String::from_utf8_lossy(&table::line(&header)).into_owned();
         for (path, names) in [(&whole, &*names_of_whole), (&list, "")] {
             let Some(text) = text_of(path)? else { continue };
-            match text.strip_prefix(names).and_then(|lines| hashes(lines, &rows, recipes)) {
-                Some(listed) => known.extend(listed),
-                None => foreign.push(path.clone()),
+            if !text.strip_prefix(names).is_some_and(|lines| are_ours(lines, &rows, recipes)) {
+                foreign.push(path.clone());
             }
         }
-        // A killed run may have made an image without listing it, so an image of the same recipe may stay.
-        let mut ours = HashSet::new();
-        for i in own.clone() {
+        for &i in &own {
             let path = folder.join(&rows[i].0);
             // Asked first: another run may make the image at any moment, and does so as a whole.
-            if !exists(&path)? {
-                continue;
-            }
-            match image::recipe_text(&path).map_err(io(&path, "read"))? {
-                Some(text) if text == image::describe(&recipes[i]) => _ = ours.insert(i),
-                _ => foreign.push(path),
+            if exists(&path)?
+                && image::recipe_text(&path).map_err(io(&path, "read"))? != Some(image::describe(&recipes[i]))
+            {
+                foreign.push(path);
             }
         }
         writer.check(foreign.iter().map(PathBuf::as_path))?;
-        let mut file = locked(writer, &list)?;
-        let (mut lines, mut missing) = (Vec::new(), Vec::new());
-        for i in own.clone() {
-            let hash = known.get(&rows[i].0).filter(|_| ours.contains(&i));
-            // An image needs at most 6 bytes a pixel, and its recipe far less than 1 MiB.
-            let most = (1 << 20) + 6 * (recipes[i].size as usize).pow(2);
-            let found = if hash.is_some() { content(&folder.join(&rows[i].0), most)? } else { None };
-            match hash.filter(|hash| found.is_some_and(|bytes| sha256(&bytes) == **hash)) {
-                Some(hash) => lines.extend(line(&rows[i], hash, &recipes[i])),
-                None => missing.push(i),
-            }
-        }
-        let kept = own.len() - missing.len();
-        file.set_len(0).and_then(|()| file.write_all(&lines)).map_err(io(&list, "write"))?;
+        let file = locked(writer, &list)?;
+        file.set_len(0).map_err(io(&list, "write"))?;
         let (folder, file) = (folder.to_owned(), Mutex::new(file));
-        Ok(Self { writer, folder, recipes, header, rows, shards, list, file, kept, missing })
+        Ok(Self { writer, folder, recipes, header, rows, shards, list, file, own })
     }
 
-    /// Makes image `i`.
+    /// Makes image `i`, and returns whether it was not there yet.
     ///
     /// # Errors
     /// The same errors as [`Writer::write`].
-    pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<(), StoreError> {
+    pub fn make(&self, i: usize, quantizer: &Quantizer) -> Result<bool, StoreError> {
         let path = self.folder.join(&self.rows[i].0);
         let bytes = image::recipe_png(&path, &self.recipes[i], quantizer)?;
         let found = content(&path, bytes.len())?;
-        if found.as_ref() != Some(&bytes) {
+        let is_new = found.as_ref() != Some(&bytes);
+        if is_new {
             match self.writer.put(&path, &bytes) {
                 // A run that divides the work differently made it a moment ago.
                 Err(StoreError::Occupied(_))
@@ -144,7 +124,8 @@ impl<'a> Manifest<'a> {
         // A panic on another thread leaves the file valid. Because each line is a single write, only the last line of a
         // killed run can be incomplete.
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.write_all(&line).map_err(io(&self.list, "write"))
+        file.write_all(&line).map_err(io(&self.list, "write"))?;
+        Ok(is_new)
     }
 
     /// If every image exists, joins the lists of all shards into `manifest.csv`. Returns whether it lists every image.
@@ -218,18 +199,16 @@ fn in_use(path: &Path) -> StoreError {
     FileErrors::whole(path, what).into()
 }
 
-/// Returns the name and the hash of each image in the lines of a list; `None` if it lists anything else. A line that someone
-/// changed is not one of ours.
-fn hashes(lines: &str, rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> Option<Vec<(String, String)>> {
+/// Returns whether the lines of a list are those of images. A line that someone changed is not one of ours.
+fn are_ours(lines: &str, rows: &[(String, Vec<String>)], recipes: &[Recipe]) -> bool {
     let images: HashMap<&str, _> = rows.iter().zip(recipes).map(|image| (&*image.0.0, image)).collect();
-    let listed = |text: &str| {
+    let is_ours = |text: &str| {
         let mut cells = text.split(',');
-        let (name, hash) = cells.next().zip(cells.next())?;
-        let (row, recipe) = images.get(name)?;
-        (line(row, hash, recipe) == text.as_bytes()).then(|| (name.to_owned(), hash.to_owned()))
+        let image = cells.next().and_then(|name| images.get(name));
+        image.zip(cells.next()).is_some_and(|((row, recipe), hash)| line(row, hash, recipe) == text.as_bytes())
     };
     // The last line of a killed run can be incomplete.
-    lines.split_inclusive('\n').filter(|line| line.ends_with('\n')).map(listed).collect()
+    lines.split_inclusive('\n').filter(|line| line.ends_with('\n')).all(is_ours)
 }
 
 /// Returns the text of a list of images; `None` if there is none.

@@ -112,7 +112,7 @@ fn counted(rows: Vec<Row>) -> Vec<Match> {
 }
 
 fn rows(file: &str, text: &[u8]) -> Result<Vec<Row>, FileErrors> {
-    table::parse(file, text, |header| exactly(header, COLUMNS), row)
+    table::parse(file, text, b',', |header| exactly(header, COLUMNS.split(',')), |cells, _| row(cells))
 }
 
 /// Parses a row.

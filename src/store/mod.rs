@@ -16,7 +16,6 @@
 //! [`Writer`] writes every file that the user named. Private modules provide atomic and append-only files, and readers
 //! of tables and TOML that keep track of locations.
 
-mod calibrations;
 pub mod check;
 mod columns;
 pub mod curve;

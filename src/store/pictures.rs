@@ -1,6 +1,7 @@
 //! The pictures that a study brings itself: files beside its definition, and a table of their levels.
 
 use std::{
+    cell::{Cell, RefCell},
     collections::HashMap,
     path::{Path, PathBuf},
     sync::Arc,
@@ -10,11 +11,11 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use super::{
-    FileError, FileErrors, StoreError,
-    file::{read_bytes, sha256},
+    FileErrors, StoreError,
+    file::{read_bytes, read_text, sha256},
     image::{self, parse_picture},
-    ratings::{Header, with_point},
-    table::{Row, decoded, rows_from},
+    ratings::with_point,
+    table::{self, separator},
     toml::TableReader,
 };
 use crate::{
@@ -151,41 +152,33 @@ fn levels(folder: &Path, pattern: &str) -> Result<Levels, StoreError> {
         return Ok(Levels::default());
     }
     let fail = |message: String| StoreError::from(FileErrors::whole(&path, message));
-    let header = Header::read(&path)?;
-    let file = header.position(FILE);
-    let file = file.ok_or_else(|| fail(format!("has no column {FILE:?}; expected the name of each picture in it")))?;
-    let others = |cells: Vec<String>| -> Vec<String> {
-        cells.into_iter().enumerate().filter(|(at, _)| *at != file).map(|(_, cell)| cell).collect()
+    let (file, text) = (path.display().to_string(), read_text(&path)?);
+    let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
+    let (place, others) = (Cell::new(0), RefCell::new(Vec::new()));
+    let header = |names: &[&str]| {
+        let mut names: Vec<String> = names.iter().map(|name| name.trim().to_owned()).collect();
+        let at = names.iter().position(|name| name == FILE);
+        place.set(at.ok_or_else(|| (0, format!("has no column {FILE:?}; expected the name of each picture in it")))?);
+        names.remove(place.get());
+        others.replace(names);
+        Ok(())
     };
-    let (mut levels, used) = (HashMap::new(), (0..header.names.len()).collect());
-    let mut add = |row: &Row<'_>| {
-        row.check(&used, used.len(), false)?;
-        let text = |cell| with_point(decoded(cell).trim(), header.separator).into_owned();
-        let mut cells: Vec<String> = row.record.iter().map(text).collect();
-        let name = std::mem::take(&mut cells[file]);
+    let mut levels = HashMap::new();
+    table::parse(&file, text.as_bytes(), separator, header, |cells, _| {
+        let mut cells: Vec<String> = cells.iter().map(|cell| with_point(cell.trim(), separator).into_owned()).collect();
+        let name = cells.remove(place.get());
         // Another pattern may match the file.
-        let picture = found(&path.with_file_name(&name)).map_err(|error| {
-            (None, format!("{name:?} cannot be accessed: {error}; expected a picture for each row"))
-        })?;
+        let picture = found(&path.with_file_name(&name))
+            .map_err(|error| (0, format!("{name:?} cannot be accessed: {error}; expected a picture for each row")))?;
         if name.is_empty() || picture.is_none() {
-            return Err((None, format!("there is no file {name:?}; expected a picture for each row")));
+            return Err((0, format!("there is no file {name:?}; expected a picture for each row")));
         }
-        match levels.insert(name.clone(), others(cells)) {
-            Some(_) => Err((None, format!("{name} appears twice; expected one row for each picture"))),
+        match levels.insert(name.clone(), cells) {
+            Some(_) => Err((0, format!("{name} appears twice; expected one row for each picture"))),
             None => Ok(()),
         }
-    };
-    let (mut wrong, mut is_header) = (None, true);
-    rows_from(header.content(&path), header.separator, header.start.as_ref(), |row| {
-        if !std::mem::take(&mut is_header) {
-            let failed = |(cell, message)| FileError::at(&path, row.place(Option::unwrap_or(cell, 0)), message);
-            wrong = add(row).err().map(failed);
-        }
-        wrong.is_none()
-    })
-    .map_err(|error| StoreError::io(&path, "read", error))?;
-    FileErrors::none(wrong.into_iter().collect())?;
-    let names = others(header.names.clone());
+    })?;
+    let names = others.into_inner();
     if let Some(name) = names.iter().find(|name| *name == Picture::PICTURE || is_reserved(name)) {
         return Err(fail(format!("the column {name} has the name of a column of the data; expected another name")));
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ::toml::Table;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 
 use super::{
     FileErrors, StoreError, Writer,
@@ -30,7 +30,7 @@ use crate::{
 /// screen_width_cm = 53.1
 /// native_px = [2560, 1440]
 ///
-/// [measured]                        # or a single text
+/// [measured]
 /// on = "2026-01-31"
 /// by = "N. N."
 /// with = "a photometer"
@@ -81,7 +81,8 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
         document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));
     }
-    if let Some(Primaries { red, green, blue, white }) = profile.primaries {
+    if let Some(primaries) = profile.primaries {
+        let Primaries { red, green, blue, white } = primaries;
         for (key, [x, y]) in [("red", red), ("green", green), ("blue", blue), ("white", white)] {
             if !(x >= 0.0 && y > 0.0 && x + y <= 1.0) {
                 let expected = "expected CIE 1931 [x, y] with x ≥ 0, y > 0 and x + y ≤ 1";
@@ -89,12 +90,7 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
                 document.error(&path, format!("{path} is [{x}, {y}]; {expected}"));
             }
         }
-        // Twice the areas of the triangles of two primaries and white, which lies inside if all have one sign.
-        let area = |[ax, ay]: [f64; 2], [bx, by]: [f64; 2]| {
-            (ax - white[0]) * (by - white[1]) - (bx - white[0]) * (ay - white[1])
-        };
-        let areas = [area(red, green), area(green, blue), area(blue, red)];
-        if !areas.iter().all(|area| *area > 1e-6) && !areas.iter().all(|area| *area < -1e-6) {
+        if primaries.weights().is_none() {
             let message =
                 "white does not lie within the triangle of red, green and blue; expected the primaries of a screen";
             document.error("primaries", message.to_owned());
@@ -121,7 +117,6 @@ struct ProfileForm {
     bits: Option<u32>,
     screen_width_cm: Option<f64>,
     native_px: Option<[u32; 2]>,
-    #[serde(default, deserialize_with = "measured")]
     measured: Option<Measurement>,
     primaries: Option<Primaries>,
     channels: Option<ChannelForms>,
@@ -228,46 +223,23 @@ fn transfer(
 }
 
 fn luminance(form: &ProfileForm, document: &mut Document<'_>) -> Option<LuminanceRange> {
-    let names = ["black_cd_m2", "white_cd_m2"];
-    match [form.black_cd_m2, form.white_cd_m2] {
-        [Some(black_cd_m2), Some(white_cd_m2)] if black_cd_m2 < white_cd_m2 => {
+    let (black, white) = ("black_cd_m2", "white_cd_m2");
+    match (form.black_cd_m2, form.white_cd_m2) {
+        (Some(black_cd_m2), Some(white_cd_m2)) if black_cd_m2 < white_cd_m2 => {
             return Some(LuminanceRange { black_cd_m2, white_cd_m2 });
         }
-        [Some(black), Some(white)] => document
-            .error(names[1], format!("white_cd_m2 {white} is not above black_cd_m2 {black}; expected a larger number")),
-        [black, white] => {
-            for (given, (name, other)) in [black, white].iter().zip([(names[0], names[1]), (names[1], names[0])]) {
-                if given.is_some() && !document.has(other) {
-                    document.error(name, format!("{name} is given without {other}; expected both"));
-                }
-            }
+        (Some(dark), Some(bright)) => {
+            document.error(white, format!("{white} {bright} is not above {black} {dark}; expected a larger number"));
         }
+        (Some(_), None) if !document.has(white) => {
+            document.error(black, format!("{black} is given without {white}; expected both"));
+        }
+        (None, Some(_)) if !document.has(black) => {
+            document.error(white, format!("{white} is given without {black}; expected both"));
+        }
+        _ => {}
     }
     None
-}
-
-/// Reads the measurement from a table, or from a string such as `"2026-01-31, photometer"`.
-fn measured<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Measurement>, D::Error> {
-    struct Visitor;
-    impl<'de> de::Visitor<'de> for Visitor {
-        type Value = Measurement;
-
-        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-            f.write_str("a table or text in quotes")
-        }
-
-        fn visit_str<E>(self, text: &str) -> Result<Measurement, E> {
-            let (first, rest) = text.split_once(',').unwrap_or((text, ""));
-            let on = first.trim().parse().ok();
-            let with = if on.is_some() { rest.trim() } else { text };
-            Ok(Measurement { on, by: None, with: Some(with.to_owned()).filter(|with| !with.is_empty()) })
-        }
-
-        fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Measurement, A::Error> {
-            Measurement::deserialize(de::value::MapAccessDeserializer::new(map))
-        }
-    }
-    deserializer.deserialize_any(Visitor).map(Some)
 }
 
 /// Returns the known values of the profile, in the structure of its file.

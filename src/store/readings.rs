@@ -1,16 +1,20 @@
-//! Photometer readings: CSV with the columns `channel,level,luminance_cd_m2`, or a file of another program.
+//! Photometer readings: CSV with the columns `channel,level,luminance_cd_m2`, or a file of another program: CGATS tables,
+//! which ArgyllCMS writes as `.ti3`, and the monitor files of PsychoPy.
 
-use std::path::Path;
+use std::{cell::Cell, collections::HashSet, path::Path};
+
+use serde_json::Value;
 
 use super::{
-    FileError, FileErrors, StoreError, Writer, calibrations,
+    FileError, FileErrors, StoreError, Writer,
     error::RowErrors,
     file::{folder_of, read_text},
-    table::{Content, each_row},
+    ratings::with_point,
+    table::{self, separator},
 };
 use crate::display::{
     Channel,
-    photometer::{ErrorLocation, Reading, Readings},
+    photometer::{ErrorLocation, MIN_LEVELS, Reading, Readings},
 };
 
 /// The columns, in the order in which they are written. Additional columns are ignored when reading.
@@ -22,8 +26,8 @@ const MAX_READINGS: usize = 4000;
 /// Reads a complete set of readings, sufficient for a profile, in the order in which they were taken.
 ///
 /// # Errors
-/// Reports every error, with its line and column if it is in a cell. If a column has many errors, only the first ones
-/// are listed, followed by the number of others.
+/// Reports every error, with its line and column if it is in a cell. If a column has many values that are not possible, only
+/// the first ones are listed, followed by the number of others.
 pub fn open(path: &Path) -> Result<Readings, FileErrors> {
     parse(&path.display().to_string(), &read_text(path)?)
 }
@@ -33,16 +37,15 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let mut rows = match calibrations::parse(file, text) {
+    let mut rows = match of_other_program(file, text) {
         Some(found) => (found?.into_iter()).map(|(reading, line)| Row { reading, places: [(line, 1); 3] }).collect(),
         None => rows(file, text)?,
     };
     complete_black(&mut rows);
     Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
-        let exchanged = rows.iter().all(|row| (0.0..=1.0).contains(&row.reading.luminance_cd_m2));
         let (mut errors, mut of_all) = (RowErrors::default(), Vec::new());
         for error in found {
-            let mut message = error.message.clone();
+            let message = error.message.clone();
             let (index, column) = match error.location {
                 ErrorLocation::Luminance(index) => (index, 2),
                 ErrorLocation::Level(index) => (index, 1),
@@ -51,9 +54,6 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
                     continue;
                 }
             };
-            if column == 1 && exchanged {
-                message += EXCHANGED;
-            }
             errors.add(file, Some(column), message, || rows[index].places[column]);
         }
         FileErrors([errors.finish(file, &COLUMNS), of_all].concat())
@@ -73,14 +73,10 @@ fn complete_black(rows: &mut Vec<Row>) {
     }
 }
 
-/// The likely cause if levels are outside 0…1 but all luminances are inside 0…1.
-const EXCHANGED: &str = " (every luminance_cd_m2 is within 0…1: are the columns level and luminance_cd_m2 swapped?)";
-
 /// Reads the readings in a possibly incomplete file in order to resume it.
 ///
 /// # Errors
-/// Reports cells that are not readings, with their line and column. If a column has many errors, only the first ones
-/// are listed, followed by the number of others.
+/// Reports rows that are not readings, with their line and column.
 pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
     let rows = rows(&path.display().to_string(), &read_text(path)?)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
@@ -107,63 +103,149 @@ struct Row {
 }
 
 fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
-    // In many countries, spreadsheets separate cells with semicolons because the comma is the decimal separator.
-    let first = text.lines().next().unwrap_or_default();
-    let separator = if first.contains(';') && !first.contains(',') { b';' } else { b',' };
-    let (mut rows, mut errors) = (Vec::new(), RowErrors::default());
-    let (mut columns, mut width) = ([None; 3], None);
-    // Reading from memory does not fail.
-    let _ = each_row(Content::Memory(text.as_bytes()), separator, |row| {
-        let cells: Vec<&str> =
-            row.record.iter().map(|cell| std::str::from_utf8(cell).unwrap_or_default().trim()).collect();
-        let Some(width) = width else {
-            width = Some(cells.len());
-            columns = COLUMNS.map(|column| cells.iter().position(|name| name.eq_ignore_ascii_case(column)));
-            return;
+    let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
+    let columns = Cell::new([0; 3]);
+    let header = |names: &[&str]| {
+        let found = COLUMNS.map(|column| names.iter().position(|name| name.trim().eq_ignore_ascii_case(column)));
+        let missing = COLUMNS.into_iter().zip(found).filter(|(_, index)| index.is_none()).map(|(name, _)| name);
+        let missing: Vec<&str> = missing.collect();
+        columns.set(found.map(Option::unwrap_or_default));
+        let message = || format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
+        if missing.is_empty() { Ok(()) } else { Err((0, message())) }
+    };
+    let rows = table::parse(file, text.as_bytes(), separator, header, |cells, row| {
+        let columns = columns.get();
+        let number = |index: usize| {
+            let cell = cells[columns[index]].trim();
+            let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
+            with_point(cell, separator).parse::<f64>().map_err(|_| (columns[index], message()))
         };
-        let [Some(channel_at), Some(level_at), Some(luminance_at)] = columns else { return };
-        // If a row has more fields than the header, it is unclear which of them are the reading.
-        if cells.len() > width {
-            let why = if separator == b',' { " (a decimal comma?)" } else { "" };
-            return errors.add(file, None, format!("{} fields; expected {width}{why}", cells.len()), || row.place(0));
-        }
-        let mut cell = |index: usize, column: usize| {
-            let found = cells.get(column).copied().filter(|cell| !cell.is_empty());
-            if found.is_none() {
-                let message = format!("{} is empty; expected a value", COLUMNS[index]);
-                errors.add(file, Some(index), message, || row.place(column.min(cells.len())));
-            }
-            found
-        };
-        let (channel, level, luminance) = (cell(0, channel_at), cell(1, level_at), cell(2, luminance_at));
-        let mut number = |index: usize, column: usize, cell: Option<&str>| {
-            let cell = cell?;
-            let number = if separator == b';' { cell.replace(',', ".").parse() } else { cell.parse() };
-            number
-                .map_err(|_| {
-                    let message = format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
-                    errors.add(file, Some(index), message, || row.place(column));
-                })
-                .ok()
-        };
-        let (level, luminance_cd_m2) = (number(1, level_at, level), number(2, luminance_at, luminance));
-        let channel = channel.map(str::parse::<Channel>).and_then(|channel| {
-            channel.map_err(|error| errors.add(file, Some(0), error.to_string(), || row.place(channel_at))).ok()
-        });
-        if let (Some(channel), Some(level), Some(luminance_cd_m2)) = (channel, level, luminance_cd_m2) {
-            let places = [channel_at, level_at, luminance_at].map(|column| row.place(column));
-            rows.push(Row { reading: Reading { channel, level, luminance_cd_m2 }, places });
-        }
-    });
-    let missing: Vec<&str> =
-        COLUMNS.into_iter().zip(columns).filter(|(_, index)| index.is_none()).map(|(name, _)| name).collect();
-    if !missing.is_empty() {
-        let message = format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
-        return Err(FileErrors::at(file, (1, 1), message));
-    }
+        let channel: Channel = cells[columns[0]].trim().parse().map_err(|error| (columns[0], format!("{error}")))?;
+        let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
+        Ok(Row { reading, places: columns.map(|column| row.place(column)) })
+    })?;
     if rows.len() > MAX_READINGS {
         let message = format!("the number of readings is {}; expected at most {MAX_READINGS}", rows.len());
         return Err(FileErrors::whole(file, message));
     }
-    FileErrors::none(errors.finish(file, &COLUMNS)).map(|()| rows)
+    Ok(rows)
+}
+
+/// A reading, and its line in the file.
+type Found = (Reading, usize);
+
+/// Reads the readings of another program; `None` if the text is not one of these formats. Black belongs to every channel
+/// that has readings; mixed colors are not readings of a channel and are left out.
+fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErrors>> {
+    let first = text.split_whitespace().next().unwrap_or_default();
+    if first.starts_with("CTI") || first.starts_with("CGATS") {
+        return Some(cgats(text).map_err(|message| FileErrors::whole(file, message)));
+    }
+    if first.starts_with('{') {
+        return Some(psychopy(text).map_err(|message| FileErrors::whole(file, message)));
+    }
+    None
+}
+
+/// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
+fn cgats(text: &str) -> Result<Vec<Found>, String> {
+    let mut fields: Vec<&str> = Vec::new();
+    let (mut in_format, mut in_data, mut white_cd_m2, mut relative) = (false, false, None, false);
+    let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
+    for (line, content) in (1..).zip(text.lines()) {
+        let words: Vec<&str> = content.split_whitespace().collect();
+        match words.first().copied() {
+            Some("BEGIN_DATA_FORMAT") => in_format = true,
+            Some("END_DATA_FORMAT") => in_format = false,
+            Some("BEGIN_DATA") => in_data = true,
+            // A second table describes something else.
+            Some("END_DATA") => break,
+            Some("LUMINANCE_XYZ_CDM2") => {
+                white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
+            }
+            Some("NORMALIZED_TO_Y_100") => relative = content.contains("YES"),
+            Some(_) if in_format => fields.extend(words),
+            Some(_) if in_data => {
+                let value = |name: &str| {
+                    let place = fields.iter().position(|field| *field == name);
+                    let place =
+                        place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
+                    let word = words.get(place).copied().unwrap_or_default();
+                    word.parse::<f64>().map_err(|_| format!("line {line}: {name} {word:?} is not a number"))
+                };
+                rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, line));
+            }
+            _ => {}
+        }
+    }
+    if rows.is_empty() {
+        return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
+    }
+    let scale = match (relative, white_cd_m2) {
+        (false, _) => 1.0,
+        (true, Some(white)) => white / 100.0,
+        (true, None) => {
+            return Err(
+                "has luminances relative to white only; expected LUMINANCE_XYZ_CDM2 with that of white".to_owned()
+            );
+        }
+    };
+    let largest = rows.iter().flat_map(|(rgb, ..)| rgb).fold(0.0_f64, |most, value| most.max(*value));
+    let full = if largest > 100.0 { 255.0 } else { 100.0 };
+    let mut found = Vec::new();
+    for (rgb, y, line) in &rows {
+        let levels = rgb.map(|value| value / full);
+        let channel = match levels {
+            [0.0, 0.0, 0.0] => continue,
+            [r, g, b] if r == g && g == b => Channel::Gray,
+            [_, 0.0, 0.0] => Channel::Red,
+            [0.0, _, 0.0] => Channel::Green,
+            [0.0, 0.0, _] => Channel::Blue,
+            _ => continue,
+        };
+        let level = levels.into_iter().fold(0.0, f64::max);
+        found.push((Reading { channel, level, luminance_cd_m2: y * scale }, *line));
+    }
+    // A chart of colors has a few patches of pure primaries, which are not a curve beside the grays.
+    let levels = |channel: Channel| {
+        let own = found.iter().filter(|(one, _)| one.channel == channel);
+        own.map(|(one, _)| one.level.to_bits()).collect::<HashSet<_>>().len()
+    };
+    let is_curve = |channel: &Channel| match levels(Channel::Gray) {
+        0 => levels(*channel) > 0,
+        _ => levels(*channel) + 1 >= MIN_LEVELS,
+    };
+    let channels: Vec<Channel> = Channel::ALL.into_iter().filter(is_curve).collect();
+    found.retain(|(one, _)| channels.contains(&one.channel));
+    for (_, y, line) in rows.iter().filter(|(rgb, ..)| *rgb == [0.0; 3]) {
+        let black = |channel: &Channel| (Reading { channel: *channel, level: 0.0, luminance_cd_m2: y * scale }, *line);
+        found.extend(channels.iter().map(black));
+    }
+    Ok(found)
+}
+
+/// Reads the newest calibration in a monitor file of PsychoPy: `levelsPre`, 0 to 255, and `lumsPre`, one row for gray and
+/// then one each for red, green and blue.
+fn psychopy(text: &str) -> Result<Vec<Found>, String> {
+    let file: Value = serde_json::from_str(text).map_err(|error| format!("is not valid JSON: {error}"))?;
+    let has_readings = |one: &&Value| one.get("levelsPre").is_some_and(|levels| !levels.is_null());
+    let all = file.as_object().into_iter().flat_map(|all| all.values());
+    let calibration = if has_readings(&&file) { Some(&file) } else { all.rev().find(has_readings) };
+    let calibration =
+        calibration.ok_or("has no readings; expected a monitor file of PsychoPy with levelsPre and lumsPre")?;
+    let list = |value: &Value| -> Option<Vec<Value>> { value.get("__ndarray__").unwrap_or(value).as_array().cloned() };
+    let numbers = |value: &Value| -> Option<Vec<f64>> { list(value)?.iter().map(Value::as_f64).collect() };
+    let levels = numbers(&calibration["levelsPre"]).ok_or("levelsPre is not a list of numbers")?;
+    let rows = list(&calibration["lumsPre"]).ok_or("lumsPre is not a list")?;
+    let rows = if rows.iter().all(Value::is_number) { vec![calibration["lumsPre"].clone()] } else { rows };
+    let mut found = Vec::new();
+    for (channel, row) in [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].into_iter().zip(&rows) {
+        let lums = numbers(row).filter(|lums| lums.len() == levels.len());
+        let lums =
+            lums.ok_or_else(|| format!("lumsPre has a row without {} numbers, one for each level", levels.len()))?;
+        let reading =
+            |(level, luminance_cd_m2): (&f64, f64)| Reading { channel, level: level / 255.0, luminance_cd_m2 };
+        found.extend(levels.iter().zip(lums).map(reading).map(|reading| (reading, 1)));
+    }
+    Ok(found)
 }

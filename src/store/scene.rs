@@ -242,9 +242,6 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
         if mesh.mesh.is_empty() {
             document.error(&format!("mesh.{i}"), "mesh is missing; expected mesh = \"torus\", or the path to a file");
         }
-        for (key, problem) in idle(mesh) {
-            document.error(&of(key), format!("{key} {problem}"));
-        }
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
         let of = |key: &str| format!("lamp.{i}.{key}");
@@ -259,49 +256,10 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
             document.error(&format!("lamp.{i}"), message);
         } else if length.is_some_and(|length| length < 1e-6) {
             document.error(&of("direction"), "direction has no length; expected a vector toward the lamp");
-        } else if lamp.position.is_none() && lamp.attenuation != LampTable::default().attenuation {
-            let message =
-                "attenuation has no effect on a far lamp; expected position = [x, y, z] in place of direction";
-            document.error(&of("attenuation"), message);
         } else if lamp.attenuation == [0.0; 3] {
             document.error(&of("attenuation"), "attenuation is 0; expected at least one number above 0");
         }
     }
-}
-
-/// Returns the keys of a mesh that differ from their defaults but have no effect, and what is wrong with each.
-fn idle(table: &MeshTable) -> Vec<(&'static str, String)> {
-    let (shade, default) = (table.shade(), MeshTable::default());
-    let shape = table.mesh.parse::<Shape>().ok();
-    let has_vertices = shape.map_or(!table.mesh.contains('.'), Shape::has_vertices);
-    let on_shader = format!("on the shader {}; expected none", table.shader);
-    let on_dull = "without specular light; expected none, or specular above 0";
-    let on_opaque = "on an opaque mesh; expected transparency";
-    let on_unfiltered = "without a filter; expected transparency = \"filtered\"";
-    let (is_dull, is_opaque) = (table.specular == 0.0, table.transparency == Transmits::Opaque);
-    let is_shiny = table.shininess != default.shininess;
-    // Each key, whether it is given in vain, and where it has no effect.
-    let rules = [
-        ("depth", table.depth.is_some() && !shade.has_strip(), on_shader.as_str()),
-        ("boundary", table.boundary.is_some() && !shade.has_strip(), &on_shader),
-        ("vertices", table.vertices != default.vertices && !has_vertices, "on this mesh; expected none"),
-        ("crease", table.crease != default.crease && shape.is_some(), "on a built-in shape; expected none"),
-        ("specular_color", table.specular_color != default.specular_color && is_dull, on_dull),
-        ("highlight", table.highlight != default.highlight && is_dull, on_dull),
-        ("shininess", is_shiny && is_dull, on_dull),
-        ("shininess", is_shiny && table.facet_slope.is_some(), "beside facet_slope; expected one"),
-        ("facet_slope", table.facet_slope.is_some() && is_dull, on_dull),
-        ("facet_c1", table.facet_c1.is_some() && is_dull, on_dull),
-        ("facet_index", table.facet_index.is_some() && is_dull, on_dull),
-        ("transmission", table.transmission != default.transmission && is_opaque, on_opaque),
-        ("index", table.index.is_some() && is_opaque, on_opaque),
-        ("filter", table.filter != default.filter && table.transparency != Transmits::Filtered, on_unfiltered),
-    ];
-    let idle = rules.into_iter().filter(|(_, is_idle, _)| *is_idle);
-    let idle = idle.map(|(key, _, place)| (key, format!("has no effect {place}")));
-    let correction = shade.idle_correction(&table.shader);
-    let correction = correction.map(|(key, _, problem)| (key, format!("{problem}; expected \"off\"")));
-    idle.chain(correction).chain(table.highlight.idle_option(table.mirrors())).collect()
 }
 
 impl MeshTable {

@@ -4,7 +4,7 @@ use std::{
     borrow::Cow,
     cell::Cell,
     collections::BTreeSet,
-    io::{self, BufRead, Cursor, Read, Seek, SeekFrom},
+    io::{self, Cursor, Read, Seek, SeekFrom},
     path::Path,
 };
 
@@ -12,7 +12,6 @@ use csv::{ByteRecord, Position};
 
 use super::{
     FileError, FileErrors,
-    error::RowErrors,
     open::{Complete, open_regular},
 };
 
@@ -33,6 +32,8 @@ pub(super) type CellError = (usize, String);
 pub(super) enum Content<'a> {
     File(&'a Path),
     Memory(&'a [u8]),
+    /// A sheet as CSV, in which the column of a place is that of the sheet.
+    Sheet(&'a [u8]),
 }
 
 trait Source: Read + Seek {}
@@ -42,7 +43,7 @@ impl<'a> Content<'a> {
     fn open(self) -> io::Result<Box<dyn Source + 'a>> {
         Ok(match self {
             Self::File(path) => Box::new(Complete::of(open_regular(path)?)?),
-            Self::Memory(content) => Box::new(Cursor::new(content)),
+            Self::Memory(content) | Self::Sheet(content) => Box::new(Cursor::new(content)),
         })
     }
 
@@ -56,7 +57,7 @@ impl<'a> Content<'a> {
     fn len(self) -> io::Result<u64> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
-            Self::Memory(content) => Ok(content.len() as u64),
+            Self::Memory(content) | Self::Sheet(content) => Ok(content.len() as u64),
         }
     }
 
@@ -136,7 +137,11 @@ impl<'a> Row<'a> {
         let before = &raw[..at.min(raw.len())];
         let line = before.iter().filter(|byte| **byte == b'\n').count();
         let line_start = before.iter().rposition(|byte| is_line_end(*byte)).map_or(0, |end| end + 1);
-        (self.start.line() as usize + line, String::from_utf8_lossy(&before[line_start..]).chars().count() + 1)
+        let column = match self.content {
+            Content::Sheet(_) => cell,
+            _ => String::from_utf8_lossy(&before[line_start..]).chars().count(),
+        };
+        (self.start.line() as usize + line, column + 1)
     }
 
     /// True if the last cell has an unclosed quote, so that it includes everything up to the end of the file.
@@ -301,6 +306,18 @@ pub(super) fn rows_from(
     Ok(())
 }
 
+/// Returns the separator of a table with this header: a comma or, if it has more of them outside quotes, a semicolon or tab, as
+/// in spreadsheets from some countries.
+pub(super) fn separator(header: &[u8]) -> u8 {
+    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
+    let mut quoted = false;
+    for byte in header {
+        quoted ^= *byte == b'"';
+        counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
+    }
+    counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
+}
+
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
 /// is of a different kind, and its rows are not read.
 ///
@@ -309,12 +326,13 @@ pub(super) fn rows_from(
 pub(super) fn parse<T>(
     file: &str,
     text: &[u8],
+    separator: u8,
     header: impl FnOnce(&[&str]) -> Result<(), CellError>,
-    mut row: impl FnMut(&[&str]) -> Result<T, CellError>,
+    mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
 ) -> Result<Vec<T>, FileErrors> {
     let (mut rows, mut errors, mut header) = (Vec::new(), Vec::new(), Some(header));
     let (mut width, mut is_other) = (0, false);
-    let read = each_row(Content::Memory(text), b',', |found| {
+    let read = each_row(Content::Memory(text), separator, |found| {
         if is_other {
             return;
         }
@@ -337,7 +355,7 @@ pub(super) fn parse<T>(
         } else if cells.len() != width {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
         } else {
-            match row(&cells) {
+            match row(&cells, found) {
                 Ok(row) => rows.push(row),
                 Err(found) => error(found),
             }
@@ -351,83 +369,21 @@ pub(super) fn parse<T>(
     if errors.is_empty() { Ok(rows) } else { Err(FileErrors(errors)) }
 }
 
-/// Maximum length of a line in bytes for [`each_line`]. The frame intervals of a single trial that lasts 8 hours at 480
-/// Hz take up 70 MB.
-const MAX_LINE: u64 = 128 << 20;
-
-/// Reads a table that this program wrote without quotes, line by line, so that memory use does not grow with the file.
-/// The first line must be `header`. An incomplete last line, which an interrupted program left, is ignored. `take` gets
-/// the cells of each row.
+/// Checks that a header has these columns.
 ///
 /// # Errors
-/// Reports every error, with its line and column. A long list is shortened.
-pub(super) fn each_line(
-    file: &str,
-    mut reader: impl BufRead,
-    header: &str,
-    mut take: impl FnMut(&[&str]) -> Result<(), CellError>,
-) -> Result<(), FileErrors> {
-    let (mut errors, mut bytes, mut number) = (RowErrors::default(), Vec::new(), 0);
-    let names: Vec<&str> = header.split(',').collect();
-    loop {
-        bytes.clear();
-        let read = reader.by_ref().take(MAX_LINE).read_until(b'\n', &mut bytes);
-        number += 1;
-        match read {
-            Err(error) => return Err(FileErrors::whole(file, format!("cannot be read: {error}; expected CSV"))),
-            Ok(0) if number == 1 => {
-                let message = format!("the file is empty; expected the header {header}");
-                return Err(FileErrors::at(file, (1, 1), message));
-            }
-            Ok(0) => break,
-            Ok(_) => {}
-        }
-        let complete = bytes.pop_if(|last| *last == b'\n').is_some();
-        if !complete && bytes.len() as u64 == MAX_LINE {
-            let message = format!("the line has more than {MAX_LINE} bytes; expected a shorter line");
-            errors.add(file, None, message, || (number, 1));
-            break;
-        }
-        bytes.pop_if(|last| *last == b'\r');
-        let text = match std::str::from_utf8(&bytes) {
-            Ok(text) => text,
-            Err(error) => {
-                let column = String::from_utf8_lossy(&bytes[..error.valid_up_to()]).chars().count() + 1;
-                let message = "the row is not UTF-8 text; expected UTF-8".to_owned();
-                errors.add(file, None, message, || (number, column));
-                continue;
-            }
-        };
-        let cells: Vec<&str> = text.split(',').collect();
-        let taken = if number == 1 {
-            exactly(&cells, header)
-        } else if text.is_empty() || !complete {
-            Ok(())
-        } else if cells.len() != names.len() {
-            Err((0, format!("the number of cells in the row is {}; expected {}", cells.len(), names.len())))
-        } else {
-            take(&cells)
-        };
-        if let Err((cell, message)) = taken {
-            let column = || cells.iter().take(cell).map(|cell| cell.chars().count() + 1).sum::<usize>() + 1;
-            errors.add(file, Some(cell), message, || (number, column()));
-            if number == 1 {
-                break;
-            }
+/// Names the first column that is not the expected one.
+pub(super) fn exactly<'a>(header: &[&str], expected: impl Iterator<Item = &'a str>) -> Result<(), CellError> {
+    let expected: Vec<&str> = expected.collect();
+    for i in 0..expected.len().max(header.len()) {
+        let (found, expected) = (header.get(i), expected.get(i));
+        if found != expected {
+            let found = found.map_or("missing".to_owned(), |name| format!("{:?}", shortened(name)));
+            let expected = expected.map_or("no other column".to_owned(), |name| format!("{name:?}"));
+            return Err((i, format!("column {} is {found}; expected {expected}", i + 1)));
         }
     }
-    FileErrors::none(errors.finish(file, &names))
-}
-
-/// Checks that a header is exactly as expected.
-///
-/// # Errors
-/// It is different.
-pub(super) fn exactly(header: &[&str], expected: &str) -> Result<(), CellError> {
-    if header.iter().copied().eq(expected.split(',')) {
-        return Ok(());
-    }
-    Err((0, format!("the header is different; expected {expected}")))
+    Ok(())
 }
 
 /// Formats one line of CSV. A line break within a cell becomes a space, so that each line is a row.

@@ -224,13 +224,11 @@ pub fn check_order(study: &Study, may_be_words: bool) -> Result<(), RequestError
     if counts.is_ordered(shape.categories.as_deref()) || are_all && may_be_words {
         return Ok(());
     }
-    let place = study.source.files.iter().find_map(|file| file.word.as_ref()).filter(|_| !are_all);
     let message = format!(
-        "{}: {} {}{}; expected numbers, or the order of all categories, lowest first",
+        "{}: {} {}; expected numbers, or the order of all categories, lowest first",
         shape.response,
         list(words.iter().take(12)),
         if words.len() == 1 { "is not a number" } else { "are not numbers" },
-        place.map_or_else(String::new, |place| format!(", first in {place}"))
     );
     // Not an order of these words, which somebody would copy.
     Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST"))

@@ -17,8 +17,7 @@ use crate::{
 
 /// Move damaged lines of a session's data file to a file next to it, so that the session can be resumed.
 ///
-/// A line is damaged if it cannot be read, if the definition and the seed do not plan it, or if it repeats a row or is
-/// not in the order of recording. A damaged header is replaced. No byte is deleted: the lines go to a new file
+/// A line is damaged if it cannot be read, if the definition and the seed do not plan it, or if it repeats a row. A damaged header is replaced. No byte is deleted: the lines go to a new file
 /// …_data.csv.damaged-N. The sidecar records the repair, or that rows are missing, and machband verify lists it. When the
 /// session is resumed, it shows the trials of these rows again. If the lines were damaged after their sitting ended, machband
 /// verify reports that the file was changed, and resuming needs --accept-changes.
@@ -57,15 +56,14 @@ impl Repair {
 }
 
 /// Says what was done.
-fn sentence(Repaired { lines, moved_to, header_restored, order_restored, has_gaps }: Repaired) -> String {
+fn sentence(Repaired { lines, moved_to, header_restored, has_gaps }: Repaired) -> String {
     let numbers: Vec<String> = lines.iter().map(usize::to_string).collect();
     let moved = moved_to.map(|path| {
         let moved = count(lines.len() as u64, "damaged line");
         format!("{moved} moved to {}: {}", path.display(), numbers.join(", "))
     });
     let header = header_restored.then(|| "the header was restored".to_owned());
-    let order = order_restored.then(|| "the order of the rows was restored".to_owned());
     let gaps = has_gaps.then(|| "no line is damaged, but rows are missing, as the sidecar now says".to_owned());
-    let done: Vec<String> = moved.into_iter().chain(header).chain(order).chain(gaps).collect();
+    let done: Vec<String> = moved.into_iter().chain(header).chain(gaps).collect();
     if done.is_empty() { "no line is damaged".to_owned() } else { done.join("; ") }
 }

@@ -4,7 +4,7 @@ use std::{
     fmt,
     path::{Path, PathBuf},
     str::FromStr,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::atomic::{AtomicUsize, Ordering},
 };
 
 use rayon::prelude::*;
@@ -100,15 +100,16 @@ impl RenderAll {
         let recipes: Vec<Recipe> = conditions.iter().map(of).collect();
         let Shard { index, of } = self.shard;
         let manifest = Manifest::open(writer, out, &protocol, conditions, &recipes, (index, of))?;
-        let (made, kept, done) = (manifest.missing.len(), manifest.kept, AtomicU64::new(0));
+        let (own, [made, done]) = (manifest.own.len(), [(); 2].map(|()| AtomicUsize::new(0)));
         let quantizer = like.quantizer();
-        for together in manifest.missing.chunks(at_once(self.image.size)) {
+        for together in manifest.own.chunks(at_once(self.image.size)) {
             together.par_iter().try_for_each(|i| {
-                manifest.make(*i, &quantizer)?;
-                watcher.progress(done.fetch_add(1, Ordering::Relaxed) + 1, made as u64);
+                made.fetch_add(usize::from(manifest.make(*i, &quantizer)?), Ordering::Relaxed);
+                watcher.progress(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, own as u64);
                 anyhow::Ok(())
             })?;
         }
-        Ok(Rendered { made, kept, is_whole: manifest.finish()? })
+        let made = made.into_inner();
+        Ok(Rendered { made, kept: own - made, is_whole: manifest.finish()? })
     }
 }

@@ -9,14 +9,12 @@ use std::{
 
 use jiff::Timestamp;
 use machband::{
-    display::frames::Refresh,
     experiment::{
-        Course, FrameCount, Identity, OrderedLogit, Phase, Protocol, RowContext, Schedule, Session, SessionOptions,
-        Shown, TrialRecord, simulate,
+        Course, FrameCount, Identity, OrderedLogit, Protocol, RowContext, Schedule, Session, SessionOptions,
+        TrialRecord, simulate,
     },
     store::{
         StoreError, definition,
-        frames::FrameRow,
         session::{Changes, Interrupted, SessionStore},
         sitting::Sitting,
     },
@@ -190,15 +188,8 @@ pub fn undone(definition: usize, results: &Path) {
         again.started_at += Duration::from_millis(10);
         store.append(&undone).and_then(|()| store.append(&again)).map_err(drop)
     });
-    store.append_frames(&[FrameRow {
-        sitting: 1,
-        phase: Phase::Main,
-        trial: 1,
-        attempt: 1,
-        shown: Shown::Stimulus,
-        refresh: Refresh::from_hz(60.0),
-        intervals_us: vec![16_667; 8],
-    }]);
+    let intervals = ["16667"; 8].join(" ");
+    store.append_frames(&[format!("1,main,1,1,stimulus,16666.667,{intervals}\n")]);
     store.finish(true, Timestamp::UNIX_EPOCH.to_string(), None).unwrap();
 }
 

@@ -159,25 +159,6 @@ fn nodes_of_a_glb_file_are_placed() {
     }
 }
 
-/// Numbers without a buffer view are 0, and sparse ones replace some of the others.
-#[test]
-fn accessors_of_a_glb_file_may_be_sparse_or_empty() {
-    let content = glb(|json| {
-        let place = |from: usize, length: usize| json!({ "buffer": 1, "byteOffset": from, "byteLength": length });
-        json["bufferViews"].as_array_mut().unwrap().extend([place(0, 2), place(4, 12)]);
-        // The place 2, and (5, 6, 7).
-        let uri = "data:application/octet-stream;base64,AgAAAAAAoEAAAMBAAADgQA==";
-        json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": 16, "uri": uri }));
-        json["accessors"][0]["sparse"] =
-            json!({ "count": 1, "indices": { "bufferView": 6, "componentType": 5123 }, "values": { "bufferView": 7 } });
-        json["accessors"][3].as_object_mut().unwrap().remove("bufferView");
-    });
-    let mesh = parsed(&content).mesh;
-    let far = mesh.vertices.iter().filter(|vertex| vertex.position == DVec3::new(5.0, 6.0, 7.0)).count();
-    assert!(far == 1 && mesh.vertices.len() == 4, "{:?}", mesh.vertices);
-    assert!(mesh.paint.unwrap().corners.iter().flatten().all(|corner| corner.color == DVec3::ZERO));
-}
-
 #[test]
 fn errors_of_glb_files_say_what_is_expected() {
     let set = |path: &'static str, value: Value| glb(move |json| *json.pointer_mut(path).unwrap() = value);
@@ -185,6 +166,14 @@ fn errors_of_glb_files_say_what_is_expected() {
         (set("/accessors/0/count", json!(40_000)), "its positions (accessor 0) reach beyond their buffer view"),
         (set("/accessors/1/count", json!(3)), "it has 4 positions and 3 normals; expected the same number"),
         (set("/accessors/4/count", json!(5)), "its triangles have 5 corners; expected a multiple of 3"),
+        (
+            glb(|json| {
+                let indices = json!({ "bufferView": 4, "componentType": 5123 });
+                json["accessors"][0]["sparse"] =
+                    json!({ "count": 1, "indices": indices, "values": { "bufferView": 0 } });
+            }),
+            "its positions (accessor 0) are sparse, which machband does not read; expected all of them",
+        ),
         (set("/asset/version", json!("3.0")), "is glTF 3.0; expected glTF 2.0"),
         (set("/asset", json!({ "version": "2.1", "minVersion": "2.1" })), "is glTF 2.1; expected glTF 2.0"),
         (glb(|_| {})[..700].to_vec(), "ends after 700 bytes; expected 1"),
@@ -272,26 +261,16 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
 
     let ascii = String::from_utf8(ply("ascii")).unwrap();
     assert_eq!(parsed(ascii.replace('\n', "\r").as_bytes()), parsed(ascii.as_bytes()));
-    // Faces may come first.
-    let (vertices, faces) = (ascii.find("element vertex").unwrap(), ascii.find("element face").unwrap());
-    let (end, first) = (ascii.find("end_header").unwrap(), ascii.find("-1 -1 0").unwrap());
-    let data = ascii[first..].split_once("4 0 1 2 3\n").unwrap().0;
-    let [head, of_vertices, of_faces] = [&ascii[..vertices], &ascii[vertices..faces], &ascii[faces..end]];
-    assert_eq!(
-        parsed(format!("{head}{of_faces}{of_vertices}end_header\n4 0 1 2 3\n{data}").as_bytes()),
-        parsed(ascii.as_bytes())
-    );
     for (from, to, words) in [
         ("4 0 1 2 3", "4 0 1 2 9", "face 0 refers to vertex 9, which does not exist; expected 0…3"),
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
-        ("4 0 1 2 3", "", "it:18:1: vertex_indices is \"\"; expected a number of the type uchar"),
-        ("4 0 1 2 3", "4 0 1 2.5 3", "it:18:7: vertex_indices is \"2.5\"; expected a number of the type int"),
-        ("-1 -1 0 255", "-1 -1 0 256", "it:14:9: red is \"256\"; expected a number of the type uchar"),
+        ("4 0 1 2 3", "", "it:18:1: vertex_indices is \"\"; expected a whole number"),
+        ("4 0 1 2 3", "4 0 1 2.5 3", "it:18:1: vertex_indices is \"2.5\"; expected a whole number"),
         ("-1 -1 0", "-1 1e300 0", "vertex 0 has a position that is not finite"),
-        ("-1 -1 0", "-1 one 0", "it:14:4: y is \"one\"; expected a number of the type float"),
-        ("list uchar int", "list uchar float", "it:18:1: vertex_indices has another type; expected a list of whole"),
+        ("-1 -1 0", "-1 one 0", "it:14:1: y is \"one\"; expected a number"),
+        ("list uchar int", "list uchar float", "it:18:1: vertex_indices has another type; expected"),
         ("property float z\n", "", "vertex 0 has no position; expected x, y and z"),
-        ("property uchar red", "property int red", "it:8:1: the color red has the type int; expected uchar"),
+        ("property uchar red", "property int red", "it:14:1: red has another type; expected uchar, ushort or float"),
         ("element face 1", "element faces 1", "has no faces; expected an element \"face\""),
     ] {
         let message = message(ascii.replace(from, to).as_bytes());
@@ -410,9 +389,9 @@ fn paint_shows_under_every_shader() {
     }
 }
 
-/// Morph targets have their default weights, textures wrap as the file says, and what is ignored is named.
+/// Textures wrap as the file says, and what is ignored is named.
 #[test]
-fn glb_files_are_morphed_and_wrapped() {
+fn textures_of_glb_files_wrap_and_what_is_ignored_is_named() {
     let file = parsed(&glb(|json| {
         json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }, { "POSITION": 0 }]);
         json["meshes"][0]["weights"] = json!([0.5, 0.0]);
@@ -421,16 +400,15 @@ fn glb_files_are_morphed_and_wrapped() {
         json["animations"] = json!([{ "channels": [], "samplers": [] }]);
         json["materials"][0]["alphaMode"] = json!("BLEND");
         json["extensionsUsed"] = json!(["EXT_b", "EXT_a", "EXT_b"]);
-        json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
+        json["samplers"] = json!([{ "wrapS": 33071, "wrapT": 33648 }]);
         json["textures"][0]["sampler"] = json!(0);
     }));
-    assert!(file.mesh.vertices.iter().all(|vertex| vertex.position.abs() == DVec3::new(1.5, 1.5, 0.0)));
     assert_eq!(
         file.notes,
         [
             "animations were ignored",
+            "morph targets were ignored",
             "skins were ignored",
-            "textures are interpolated, although the file asks for the nearest texel",
             "transparency was ignored",
             "extensions were ignored: EXT_a, EXT_b"
         ]
@@ -442,12 +420,8 @@ fn glb_files_are_morphed_and_wrapped() {
     for (is_placed, texture, note) in [
         (false, None, "textures without texture coordinates were ignored"),
         (true, Some(()), "normal maps with other texture coordinates than the base color were ignored"),
-        (true, None, "textures without an image were ignored"),
     ] {
         let file = parsed(&glb(|json| {
-            if note.contains("image") {
-                json["textures"][0] = json!({});
-            }
             json["materials"][0]["normalTexture"] = normals.clone();
             let attributes = &mut json["meshes"][0]["primitives"][0]["attributes"];
             attributes["TEXCOORD_1"] = json!(2);
@@ -621,12 +595,6 @@ fn extensions_of_glb_files_are_read_or_named() {
         ("KHR_something", "requires extensions that are not read (KHR_something)"),
     ] {
         assert!(message(&required(name)).contains(words), "{}", message(&required(name)));
-    }
-    let old = br#"{"asset": {"version": "1.0"}, "meshes": {"box": {}}}"#;
-    let number = br#"{"asset": {"version": 1}, "meshes": {"box": {}}}"#;
-    assert!(message(number).contains("is glTF 1.0; expected glTF 2.0"), "{}", message(number));
-    for content in [&old[..], b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0"] {
-        assert!(message(content).contains("is glTF 1"), "{}", message(content));
     }
     let used = glb(|json| json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_texture_transform"]));
     assert_eq!(parsed(&used).notes, ["extensions were ignored: KHR_materials_ior"]);

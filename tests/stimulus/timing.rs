@@ -9,7 +9,7 @@ use machband::{
         Course, Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown,
         State, TrialResponse,
     },
-    store::{definition, frames::FrameRow},
+    store::{definition, frames},
 };
 use proptest::prelude::*;
 
@@ -423,7 +423,11 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
     assert_eq!(sitting.session.take_frame_runs(), [], "each run is returned only once");
     // A run of frames becomes a row according to the schedule.
     let run = FrameRun { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
-    let row = FrameRow::new(run.clone(), sitting.session.schedule(), 3).unwrap();
-    assert_eq!((row.sitting, row.trial, row.attempt, row.intervals_us), (3, 2, 2, vec![1, 2]));
-    assert!(FrameRow::new(FrameRun { trial: 99, ..run }, sitting.session.schedule(), 3).is_none());
+    let run = FrameRun { refresh: Refresh::from_hz(59.94), ..run };
+    let (schedule, phase) = (sitting.session.schedule(), sitting.session.schedule().trials[1].phase);
+    let line = format!("3,{phase},2,2,stimulus,16683.350,1 2\n");
+    assert_eq!(frames::line(&run, schedule, 3), Some(line));
+    let line = format!("3,{phase},2,2,stimulus,,1 2\n");
+    assert_eq!(frames::line(&FrameRun { refresh: None, ..run.clone() }, schedule, 3), Some(line));
+    assert_eq!(frames::line(&FrameRun { trial: 99, ..run }, schedule, 3), None);
 }

@@ -365,8 +365,7 @@ fn any_parameter_of_any_kind_can_be_a_factor() {
 
 #[test]
 fn display_profiles_and_observers_are_validated_too() {
-    let good =
-        "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = \"2026-01-31\"\nscreen_width_cm = 53.1\n";
+    let good = "schema = 1\nname = \"Left\"\ntransfer = \"gamma:2.2\"\nmeasured = { on = \"2026-01-31\" }\nscreen_width_cm = 53.1\n";
     let profile = profile::parse("p.toml", good).unwrap();
     assert_eq!((profile.transfers, profile.screen_width_cm), (Transfer::Gamma(2.2).into(), Some(53.1)));
     let table = "schema = 1\nname = \"T\"\ntransfer = \"table\"\nencoded = [0, 0.5, 1]\nlinear = [0, 0.2, 1]\n";

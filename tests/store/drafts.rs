@@ -80,7 +80,10 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     draft.set("instructions.welcome", "Guten Tag\n\"Freund\"", Typed::Text);
     draft.set_texts("response.labels", &["kein Band", "breit", "schmal", "scharf"].map(str::to_owned));
     let expected = COMMENTED
-        .replace("    0.4,  # as in the paper\n    0.8,  # wide\n]", "    0.4,  # as in the paper\n    0.9,\n    1,  # wide\n]")
+        .replace(
+            "[\n    0.1,  # narrow\n    0.4,  # as in the paper\n    0.8,  # wide\n]",
+            "[0.1, 0.4, 0.9, 1]",
+        )
         .replace(
             "# An infinite depth is smooth everywhere.\ndepth = [1, 2, \"inf\"] # not 3\norientation_deg = [0, 90]\n",
             "orientation_deg = [0, 90]\n# An infinite depth is smooth everywhere.\ndepth = [1, \"inf\"] # not 3\n",
@@ -106,10 +109,6 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     assert_eq!(protocol.instructions.welcome, "Guten Tag\n\"Freund\"");
     assert_eq!(protocol.main_trials(), 4 * 2 * 2 * 2);
 
-    // A comment outlives the item on the next line.
-    draft.set("factors.width", "0.1", Typed::Values);
-    assert!(draft.text().contains("width = [\n    0.1,  # narrow"), "{}", draft.text());
-    assert_eq!(draft.get("factors.width").unwrap(), "0.1");
     // Parameters that the new kind does not have are removed. Factors are kept, with an error.
     draft.set_kind("kanizsa");
     let errors = draft.check(None).unwrap_err();

@@ -8,14 +8,12 @@ use std::{
 };
 
 use machband::{
-    display::frames::Refresh,
-    experiment::{Identity, Phase, Shown},
+    experiment::Identity,
     report::Study,
     store::{
         check::check,
         dataset,
         export::{Choice, Format, export},
-        frames::FrameRow,
         ratings::{Listed, ReadOptions},
         session::{Changes, SessionStore},
         sitting::{Pictures, Sitting},
@@ -100,16 +98,8 @@ fn record(results: &Path, state: State) {
     let hashes = Pictures::without_screen(&protocol).hashes(&stimuli);
     for (subject, longest) in [("S001", 33_333), ("S002", 50_000)] {
         let identity = Identity::new(subject, "1").unwrap();
-        let frames = |store: &mut SessionStore, sitting, trials: [u32; 2]| {
-            let row = |trial| FrameRow {
-                sitting,
-                phase: Phase::Main,
-                trial,
-                attempt: 1,
-                shown: Shown::Stimulus,
-                refresh: Refresh::from_hz(60.0),
-                intervals_us: vec![16_667, 16_666, longest],
-            };
+        let frames = |store: &mut SessionStore, sitting: u32, trials: [u32; 2]| {
+            let row = |trial| format!("{sitting},main,{trial},1,stimulus,16666.667,16667 16666 {longest}\n");
             store.append_frames(&trials.map(row));
             store.note_pictures(stimuli.iter().copied().zip(hashes.iter().cloned()));
         };

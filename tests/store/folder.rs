@@ -259,7 +259,7 @@ mod interrupted {
             // A foreign text, which is not an incomplete header and must not be truncated.
             (b"My notes on this participant".to_vec(), "1:1".into(), "begins with \"My notes"),
             // The line endings of an old system make the file a single line, so no row could be appended.
-            (whole.replace('\n', "\r").into(), "1:1".into(), "end in carriage returns alone"),
+            (whole.replace('\n', "\r").into(), "1:1".into(), "the file begins with"),
         ];
         for (content, position, part) in cases {
             fs::write(&csv, &content).unwrap();

@@ -24,9 +24,7 @@ use crate::{
     report::terminal::message,
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError,
-        frames::FrameRow,
-        image,
+        FileErrors, StoreError, frames, image,
         session::SessionStore,
         sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
@@ -129,9 +127,8 @@ impl Recording {
 
     fn store_frames(&mut self, session: &mut Session) {
         let runs = session.take_frame_runs();
-        let row = |run| FrameRow::new(run, session.schedule(), self.sitting);
-        let rows: Vec<_> = runs.into_iter().filter_map(row).collect();
-        self.store.append_frames(&rows);
+        let lines = runs.iter().filter_map(|run| frames::line(run, session.schedule(), self.sitting));
+        self.store.append_frames(&lines.collect::<Vec<_>>());
     }
 
     /// Returns how the ratings of this sitting were timestamped.

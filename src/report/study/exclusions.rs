@@ -63,8 +63,8 @@ pub(super) fn sentences(source: &Source, results: &Results) -> Vec<String> {
 
 /// Adds a table of everything that was left out and can be read: why, how much, and of how many participants.
 pub(super) fn table(section: &mut Section, source: &Source, results: &Results) {
-    let reasons = Reason::ALL.map(|reason| (format!("rows {reason}"), source.left_out(reason)));
-    let reasons = reasons.into_iter().filter(|(_, (rows, _))| *rows > 0);
+    let reasons = Reason::ALL.iter().map(|reason| (format!("rows {reason}"), source.left_out(*reason)));
+    let reasons = reasons.filter(|(_, (rows, _))| *rows > 0);
     let reasons = reasons.map(|(why, (rows, people))| (why, rows, people as u64));
     let requests = results.measured.excluded.iter().map(|excluded| {
         let why = match &excluded.what {

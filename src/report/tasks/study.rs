@@ -15,7 +15,7 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         answers::AnswerRow,
-        dataset, definition,
+        definition,
         ratings::{self, Listed},
         recorded::Recorded,
         sidecar::Sidecar,
@@ -155,12 +155,6 @@ impl TaskStudy {
             }
             study.add(session, exclude);
         }
-        let mut folders = Vec::new();
-        for session in &sessions {
-            let folder = dataset::of(&session.csv).map_err(|error| FileErrors(error.errors(&session.csv)))?;
-            folders.extend(folder.map(|folder| (&*session.csv, folder)));
-        }
-        warnings.extend(dataset::links_out(folders)?);
         study.warnings = warnings;
         let unknown = exclude.iter().find(|id| !study.excluded.contains(id));
         if let Some(unknown) = unknown {

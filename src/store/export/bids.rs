@@ -9,8 +9,8 @@ use std::{
 use serde_json::{Map, Value, json};
 
 use super::{
-    psych_ds::{self, changed_files},
-    sessions::{self, Experiment},
+    psych_ds,
+    sessions::Experiment,
     stimuli::{self, Stimuli},
 };
 use crate::{
@@ -27,9 +27,6 @@ use crate::{
 
 /// Version of the BIDS standard.
 const VERSION: &str = "1.11.1";
-/// How many of the columns with another name come first in the table, followed by the picture's file. Onset and duration
-/// keep our names: with the BIDS names, a behavioral table would be mistaken for a table of events.
-const LEADING: usize = 2;
 
 /// Writes the data set into `to`, and returns its number of pictures.
 pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<usize, StoreError> {
@@ -48,7 +45,6 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
-    write_file(&to.join("CHANGES"), changes(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
         psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
@@ -78,38 +74,36 @@ fn write_session(session: &Recorded, stimuli: &Stimuli, common: bool, to: &Path)
     write_json(&folder.join(format!("{stem}.json")), &sidecar.into())
 }
 
-/// Returns the columns of a result file, and the one that says whether a program answered.
+/// Returns the columns of a result file with their names in BIDS, and those that only BIDS has. Onset and duration keep our
+/// names: with the BIDS names, a behavioral table would be mistaken for a table of events.
 fn described_columns(protocol: &Protocol) -> Vec<Column> {
-    let description = "Whether a program answered instead of a person: 1 or 0.".to_owned();
-    let simulated = Column { name: SIMULATED.to_owned(), description, ..Column::default() };
-    columns(protocol).into_iter().chain([simulated]).collect()
-}
-
-/// Returns the columns in table order, each with its index in a row; `None` for the picture's file.
-fn ordered(columns: &[Column]) -> Vec<(Option<usize>, &str)> {
-    let leads = |column: &Column| IN_BIDS[..LEADING].iter().any(|(ours, _)| *ours == column.name);
-    let (leading, rest): (Vec<_>, Vec<_>) = columns.iter().enumerate().partition(|(_, column)| leads(column));
-    let places = leading.iter().map(Some).chain([None]).chain(rest.iter().map(Some));
-    places.map(|place| place.map_or((None, STIM_FILE), |(i, column)| (Some(*i), name(column)))).collect()
-}
-
-/// Returns the BIDS name of a column.
-fn name(column: &Column) -> &str {
-    IN_BIDS.iter().find(|(ours, _)| *ours == column.name).map_or(&column.name, |(_, theirs)| theirs)
+    let own = columns(protocol).into_iter().map(|column| {
+        let theirs = IN_BIDS.iter().find(|(ours, _)| *ours == column.name).map(|(_, theirs)| (*theirs).to_owned());
+        Column { name: theirs.unwrap_or(column.name), ..column }
+    });
+    let further = [
+        (SIMULATED, "Whether a program answered instead of a person: 1 or 0."),
+        (STIM_FILE, "File of the picture that was shown, in stimuli/."),
+    ];
+    own.chain(further.map(|(name, description)| Column {
+        name: name.to_owned(),
+        description: description.to_owned(),
+        ..Column::default()
+    }))
+    .collect()
 }
 
 fn table(session: &Recorded, stimuli: &Stimuli) -> String {
-    let columns = described_columns(&session.protocol);
-    let ordered = ordered(&columns);
-    let mut text = ordered.iter().map(|(_, name)| *name).collect::<Vec<_>>().join("\t") + "\n";
+    let names: Vec<String> = described_columns(&session.protocol).into_iter().map(|column| column.name).collect();
+    let mut text = names.join("\t") + "\n";
     for (index, row) in session.rows.iter().enumerate() {
         let sitting = session.sidecar.sittings.get((row.sitting as usize).wrapping_sub(1));
         let is_simulated = sitting.is_some_and(|sitting| sitting.observer.is_some());
         let mut cells = row.cells();
         cells.push(u8::from(is_simulated).to_string());
-        let picture = stimuli.of(session, index).unwrap_or_default();
-        let cell = |(place, name): &(Option<usize>, &str)| clean(name, place.map_or(picture, |place| &cells[place]));
-        text += &(ordered.iter().map(cell).collect::<Vec<_>>().join("\t") + "\n");
+        cells.push(stimuli.of(session, index).unwrap_or_default().to_owned());
+        let cells = names.iter().zip(&cells).map(|(name, cell)| clean(name, cell));
+        text += &(cells.collect::<Vec<_>>().join("\t") + "\n");
     }
     text
 }
@@ -126,19 +120,12 @@ fn clean(name: &str, cell: &str) -> String {
 
 /// Returns the metadata that all sessions of a task share: the instructions and the meaning of the columns.
 fn of_task(protocol: &Protocol) -> Map<String, Value> {
-    let columns = described_columns(protocol);
     let mut entries = keys([
         ("TaskName", Some(protocol.file_task().into())),
         ("TaskDescription", Some(protocol.title.as_str().into())),
         ("Instructions", Some(instructions(protocol).into())),
     ]);
-    for (place, name) in ordered(&columns) {
-        let described = place.map_or_else(
-            || json!({ "Description": "File of the picture that was shown, in stimuli/." }),
-            |place| described(&columns[place]),
-        );
-        entries.insert(name.to_owned(), described);
-    }
+    entries.extend(described_columns(protocol).into_iter().map(|column| (column.name.clone(), described(&column))));
     entries
 }
 
@@ -186,7 +173,11 @@ fn of_session(session: &Recorded) -> Map<String, Value> {
         Value::from(entries)
     });
     let (rated, planned) = session.rated();
-    let changed: Vec<String> = sessions::changed(session).collect();
+    let changed = session.changed.iter().map(|error| {
+        let name = Path::new(&error.file).file_name().unwrap_or_default().to_string_lossy();
+        format!("{name}: {}", error.message)
+    });
+    let changed: Vec<String> = changed.collect();
     keys([
         ("ChangedFiles", (!changed.is_empty()).then(|| changed.into())),
         ("StimulusPresentation", Some(common.into())),
@@ -250,7 +241,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         ("Keywords", "keywords"),
         ("License", "license"),
         ("HowToAcknowledge", "citation"),
-        ("DatasetDOI", "identifier"),
     ] {
         let is_list = matches!(theirs, "Authors" | "Funding" | "Keywords");
         let mut all: Vec<String> = Vec::new();
@@ -262,13 +252,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         let value = match &all[..] {
             [] => None,
             _ if is_list => Some(all.into()),
-            [one] => {
-                let value = doi(theirs, one);
-                if value.is_none() {
-                    notes.push(format!("{DESCRIPTION}: {ours} is {one:?}, which is not a DOI; it is omitted"));
-                }
-                value.map(Value::from)
-            }
+            [one] => Some(one.as_str().into()),
             several => {
                 let count = several.len();
                 notes.push(format!(
@@ -282,15 +266,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
     Ok(entries.into())
-}
-
-/// Converts a DOI to its BIDS form; values of other keys are unchanged.
-fn doi(key: &str, value: &str) -> Option<String> {
-    if key != "DatasetDOI" {
-        return Some(value.to_owned());
-    }
-    let bare = ["https://doi.org/", "http://doi.org/", "doi:"].iter().find_map(|start| value.strip_prefix(start));
-    bare.or(value.starts_with("10.").then_some(value)).map(|bare| format!("doi:{bare}"))
 }
 
 /// Reads the descriptions next to the data, if they exist.
@@ -340,18 +315,7 @@ than `TrialsPlanned`, the session is unfinished. `Sittings` describes the progra
 `stim_file` names the picture in `stimuli/`, which was re-rendered from its recipe; its hash matches what was shown.
 `sourcedata/` contains the data as recorded: a Psych-DS data set for each experiment. The JSON file next to each CSV file
 contains the definition, the display profile and a record of the session.
-" + &changed_files(experiments)
-}
-
-/// Writes the change log in the form that BIDS requires: a version, the date of the last sitting, and the content.
-fn changes(experiments: &[Experiment]) -> String {
-    let sittings = experiments.iter().flat_map(|one| &one.sessions).flat_map(|session| &session.sidecar.sittings);
-    let last = sittings.filter_map(|sitting| sitting.started_at.parse::<jiff::Timestamp>().ok()).max();
-    let day = last.unwrap_or_default().strftime("%Y-%m-%d").to_string();
-    let version = env!("CARGO_PKG_VERSION");
-    let changed = experiments.iter().flat_map(Experiment::changed);
-    let changed: String = changed.map(|line| format!("  - Exported although it was changed: {line}\n")).collect();
-    format!("1.0.0 {day}\n  - Sessions up to this date, exported by machband {version}.\n{changed}")
+"
 }
 
 /// Writes one row per participant: what they answered, the number of sessions, and whether a person or a simulated

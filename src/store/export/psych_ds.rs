@@ -2,7 +2,7 @@
 //! every column.
 
 use std::{
-    fs::{self, File},
+    fs::File,
     path::{Path, PathBuf},
 };
 
@@ -13,9 +13,7 @@ use crate::{
     experiment::columns,
     store::{
         FileErrors, StoreError,
-        dataset::{
-            DATA_FILE, DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, describe,
-        },
+        dataset::{DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, beside, describe},
         error::io,
         file::{make_folder, parse_json, read_existing, write_file, write_json},
         frames,
@@ -35,48 +33,14 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
         for session in &experiment.sessions {
             // The seals are kept, because they cover only complete rows.
             if session.partial_line.is_some() {
-                let to = folder.join("data").join(format!("{}{DATA_FILE}", session.stem()));
+                let to = folder.join("data").join(session.csv.file_name().unwrap_or_default());
                 let (rows, _) = results::whole(&session.csv, session.data.clone(), &columns(&session.protocol))?;
                 write_file(&to, &rows)?;
             }
-            if let Some(note) = describe(&folder, &session.protocol)? {
-                notes.push(format!("{}: {note}", experiment.name));
-            }
-        }
-        for name in ["README.md", "CHANGES.md"] {
-            append(&folder.join(name), &changed_files([experiment]))?;
+            describe(&folder, &session.protocol)?;
         }
     }
     Ok(())
-}
-
-/// Returns a section for a README that lists the files that were changed after their session ended; empty if there are
-/// none.
-pub(super) fn changed_files<'a>(experiments: impl IntoIterator<Item = &'a Experiment>) -> String {
-    let lines: String =
-        experiments.into_iter().flat_map(Experiment::changed).map(|line| format!("- {line}\n")).collect();
-    if lines.is_empty() {
-        return lines;
-    }
-    let version = env!("CARGO_PKG_VERSION");
-    format!(
-        "
-## Changed files
-
-These files differ from what the session wrote. They were exported by machband {version} as requested.
-
-{lines}"
-    )
-}
-
-/// Adds text to the end of a file that was just exported.
-fn append(path: &Path, text: &str) -> Result<(), StoreError> {
-    if text.is_empty() {
-        return Ok(());
-    }
-    let mut content = fs::read(path).map_err(io(path, "read"))?;
-    content.extend_from_slice(text.as_bytes());
-    write_file(path, &content)
 }
 
 /// Copies an experiment's sessions unchanged, together with the files that describe their data set and the rows of their
@@ -99,11 +63,11 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
         write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
     }
     for session in &experiment.sessions {
-        let stem = session.stem();
-        write_file(&data.join(format!("{stem}{DATA_FILE}")), &session.data)?;
-        write_file(&data.join(format!("{stem}{SIDECAR_SUFFIX}")), &session.sidecar_text)?;
+        let csv = data.join(session.csv.file_name().unwrap_or_default());
+        write_file(&csv, &session.data)?;
+        write_file(&csv.with_extension("json"), &session.sidecar_text)?;
         if let Some(path) = &session.frames {
-            copy_frames(path, &data.join(format!("{stem}{}", frames::SUFFIX)), session)?;
+            copy_frames(path, &beside(&csv, frames::SUFFIX), session)?;
         }
     }
     Ok(())
@@ -125,13 +89,11 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
         if name == DESCRIPTION {
             parse_json::<Map<String, Value>>(&path, &content, "the description of a data set")?;
         }
-        known = Some(match known {
-            None => (path, content),
-            Some((first, other)) => match joined(&other, &content) {
-                Some(all) => (first, all),
-                None => return Err(different(&path, "differs from", &first).into()),
-            },
-        });
+        match &known {
+            None => known = Some((path, content)),
+            Some((first, other)) if *other != content => return Err(different(&path, "differs from", first).into()),
+            Some(_) => {}
+        }
     }
     match known.as_ref().zip(without) {
         Some(((first, _), path)) => Err(different(&path, "is missing, but there is", first).into()),
@@ -142,32 +104,6 @@ pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(P
 fn different(path: &Path, how: &str, other: &Path) -> FileErrors {
     let expected = "and an export has only one such file; expected the same content, or one export for each folder";
     FileErrors::whole(path, format!("{how} {}, {expected}", other.display()))
-}
-
-/// Joins two files that say the same about their data sets; `None` if they do not. Each description may list columns that
-/// the other does not have.
-fn joined(one: &[u8], other: &[u8]) -> Option<Vec<u8>> {
-    const COLUMNS: &str = "variableMeasured";
-    if one == other {
-        return Some(one.to_owned());
-    }
-    let [mut all, mut further] = [one, other].map(|content| serde_json::from_slice::<Map<String, Value>>(content).ok());
-    let (all, further) = (all.as_mut()?, further.as_mut()?);
-    let [known, also] = [&mut *all, further].map(|said| said.remove(COLUMNS).unwrap_or_default());
-    if all != further {
-        return None;
-    }
-    let name = |column: &Value| column.as_str().or_else(|| column.get("name")?.as_str()).map(str::to_owned);
-    let mut columns = known.as_array().cloned().unwrap_or_default();
-    for column in also.as_array().into_iter().flatten() {
-        match columns.iter().find(|known| name(known) == name(column)) {
-            None => columns.push(column.clone()),
-            Some(known) if known != column => return None,
-            Some(_) => {}
-        }
-    }
-    all.insert(COLUMNS.to_owned(), columns.into());
-    serde_json::to_vec_pretty(&all).ok()
 }
 
 /// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.

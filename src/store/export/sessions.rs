@@ -8,7 +8,7 @@ use std::{
 use rayon::prelude::*;
 
 use crate::{
-    experiment::{columns, name_error},
+    experiment::name_error,
     store::{
         FileError, FileErrors, StoreError,
         dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
@@ -16,7 +16,6 @@ use crate::{
         recorded::Recorded,
         session::{lock, seal},
     },
-    text::is_formula,
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
@@ -59,19 +58,6 @@ impl Experiment {
         }
         Ok(datasets)
     }
-
-    /// Returns a line for each exported file that was changed after its session ended, with only the name of the file.
-    pub fn changed(&self) -> impl Iterator<Item = String> {
-        self.sessions.iter().flat_map(changed)
-    }
-}
-
-/// Returns a line for each file of a session that was changed after the session ended.
-pub(super) fn changed(session: &Recorded) -> impl Iterator<Item = String> {
-    session.changed.iter().map(|error| {
-        let name = Path::new(&error.file).file_name().unwrap_or_default().to_string_lossy();
-        format!("{name}: {}", error.message)
-    })
 }
 
 /// Refuses links among the files to export and the folders that contain them. An export is published, and a link could
@@ -83,7 +69,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
-        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| seal::beside(csv, suffix)));
+        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| dataset::beside(csv, suffix)));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
@@ -123,18 +109,7 @@ pub(super) fn read(
 fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
-    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors.iter().cloned()).collect();
-    let columns = columns(&session.protocol);
-    for (row, line) in session.rows.iter().zip(2..) {
-        for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
-            let message = format!(
-                "{} is {cell:?}, which spreadsheets treat as a formula; expected text that begins with another character",
-                column.name
-            );
-            errors.push(FileError::at(&session.csv, (line, 1), message));
-        }
-    }
-    errors
+    name.into_iter().chain(session.row_errors.iter().cloned()).collect()
 }
 
 /// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.

@@ -85,12 +85,6 @@ pub(super) fn decode(
     };
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
-    if let Some(beyond) = beyond_palette(content, &info).map_err(broken)? {
-        let colors = info.palette.as_ref().map_or(0, |palette| palette.len() / 3);
-        return Err(fail(format!(
-            "has a pixel of color {beyond}, but its palette has {colors}; expected a color of the palette"
-        )));
-    }
     let transparent =
         || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
@@ -100,25 +94,6 @@ pub(super) fn decode(
         Samples::Eight(colors(raw, channels, copies, is_opaque, u8::MAX).ok_or_else(transparent)?)
     };
     Ok((CodeImage { width, height, samples }, info))
-}
-
-/// Returns the first index of a pixel for which the palette has no color: the crate makes such pixels black.
-fn beyond_palette(content: &[u8], info: &Info<'_>) -> Result<Option<u8>, DecodingError> {
-    let colors = info.palette.as_ref().map_or(0, |palette| palette.len() / 3);
-    let bits = info.bit_depth as usize;
-    if info.color_type != ColorType::Indexed || colors >= 1 << bits {
-        return Ok(None);
-    }
-    let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
-    decoder.set_transformations(Transformations::IDENTITY);
-    decoder.set_ignore_iccp_chunk(true);
-    let mut reader = decoder.read_info()?;
-    let mut raw = vec![0; reader.output_buffer_size().unwrap_or_default()];
-    let frame = reader.next_frame(&mut raw)?;
-    let index = |row: &[u8], x: usize| row[x * bits / 8] >> (8 - bits - x * bits % 8) & (u8::MAX >> (8 - bits));
-    let rows = raw.chunks_exact(frame.line_size.max(1));
-    let mut indices = rows.flat_map(|row| (0..info.width as usize).map(move |x| index(row, x)));
-    Ok(indices.find(|index| usize::from(*index) >= colors))
 }
 
 /// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.

@@ -1,9 +1,9 @@
 //! Reads glTF 2.0 files, as text (`.gltf`) and in binary (`.glb`).
 //!
 //! The reader uses every triangle of the default scene, under the transformations of its nodes: positions, normals,
-//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates. Morph
-//! targets have their default weights. Animations, skins, points, lines, transparency, other scenes and other extensions
-//! are ignored and named; cameras and everything else about materials are ignored. Textures are interpolated.
+//! tangents, colors (`COLOR_0`), and the base color and normal map of the material with their texture coordinates.
+//! Animations, skins, morph targets, points, lines, transparency, other scenes and other extensions are ignored and named;
+//! cameras and everything else about materials are ignored. Textures are interpolated.
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
@@ -15,15 +15,14 @@ use base64::{Engine as _, prelude::BASE64_STANDARD};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use gltf::{
     Accessor, Document, Gltf, Material, Primitive, Semantic,
-    accessor::{DataType, sparse},
+    accessor::DataType,
     buffer, image,
     json::{self, validation::Checked},
     material::AlphaMode,
     mesh::Mode,
-    texture::{MagFilter, WrappingMode},
+    texture::WrappingMode,
 };
 use percent_encoding::percent_decode_str;
-use serde_json::Value;
 
 use super::{
     MAX_FILE,
@@ -38,9 +37,6 @@ use crate::{
 
 /// Maximum number of triangles: nodes can repeat a mesh any number of times.
 const MAX_TRIANGLES: usize = 4_000_000;
-
-/// Maximum number of items of an accessor without a buffer view, which needs no bytes in the file.
-const MAX_ZEROS: usize = 3 * MAX_TRIANGLES;
 
 /// Reads the content of a glTF or GLB file; `file` identifies it in messages. Other files that it names must lie in
 /// `folder`.
@@ -67,29 +63,19 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
             return Err(format!("ends after {} bytes; expected {length}, as its header says", content.len()));
         }
     }
-    let not_gltf = |error: gltf::Error| match version(content) {
-        Some(version) if !version.starts_with('2') => format!("is glTF {version}; expected glTF 2.0"),
-        _ => format!("{}; expected a glTF 2.0 file", error.to_string().trim_end_matches(';')),
-    };
+    let not_gltf =
+        |error: gltf::Error| format!("{}; expected a glTF 2.0 file", error.to_string().trim_end_matches(';'));
     let Gltf { document, mut blob } = Gltf::from_slice_without_validation(content).map_err(not_gltf)?;
     let mut json = document.into_json();
-    let newer = json.asset.min_version.as_deref().filter(|least| *least > "2.0");
-    if let Some(version) = newer.or(Some(&*json.asset.version).filter(|version| !version.starts_with('2'))) {
+    let version = json.asset.min_version.as_ref().unwrap_or(&json.asset.version);
+    if version != "2.0" && (json.asset.min_version.is_some() || !version.starts_with("2.")) {
         return Err(format!("is glTF {version}; expected glTF 2.0"));
     }
     // A required extension says more than what is missing without it.
     let ignored = extensions(&mut json)?;
     check(&json)?;
-    // The crate demands a buffer view, but without one, all numbers are 0.
-    let mut empty = HashSet::new();
-    for (i, accessor) in json.accessors.iter_mut().enumerate().filter(|(_, accessor)| accessor.buffer_view.is_none()) {
-        if accessor.sparse.is_none() && !json.buffer_views.is_empty() {
-            accessor.buffer_view = Some(json::Index::new(0));
-            empty.insert(i);
-        }
-    }
     let document = Document::from_json(json).map_err(not_gltf)?;
-    let mut source = Source { folder, buffers: Vec::new(), empty, left: MAX_FILE.saturating_sub(content.len() as u64) };
+    let mut source = Source { folder, buffers: Vec::new(), left: MAX_FILE.saturating_sub(content.len() as u64) };
     for buffer in document.buffers() {
         let bytes = match buffer.source() {
             buffer::Source::Bin => blob.take().ok_or("its binary chunk is missing; expected one, for one buffer")?,
@@ -114,20 +100,6 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
         faces.notes.push(format!("extensions were ignored: {}", ignored.join(", ")));
     }
     Ok(faces)
-}
-
-/// Returns the version that a file states.
-fn version(content: &[u8]) -> Option<String> {
-    if let Some([_, _, _, _, version, ..]) = content.strip_prefix(b"glTF").map(|_| content) {
-        return Some(version.to_string());
-    }
-    let json: Value = serde_json::from_slice(content).ok()?;
-    match &json["asset"]["version"] {
-        Value::String(version) => Some(version.clone()),
-        // Old exporters write a number.
-        Value::Number(version) => Some(format!("{:?}", version.as_f64()?)),
-        _ => None,
-    }
 }
 
 fn compressed_with(name: &str) -> String {
@@ -191,8 +163,6 @@ fn check(json: &json::Root) -> Result<(), String> {
 struct Source<'a> {
     folder: Option<&'a Path>,
     buffers: Vec<Vec<u8>>,
-    /// The accessors whose numbers are all 0.
-    empty: HashSet<usize>,
     /// The number of bytes that other files may still have.
     left: u64,
 }
@@ -255,52 +225,20 @@ impl Source<'_> {
             };
             if is_normalized { (value / full).max(-1.0) } else { value }
         };
-        // The items of `N` numbers in `bytes`.
-        let items = |bytes: &[u8], from: usize, stride: usize, count: usize| {
-            let end = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
-            let bytes = end.and_then(|end| bytes.get(from..from.checked_add(end)?)).ok_or_else(|| {
-                format!("its {what} (accessor {index}) reach beyond their buffer view; expected them within it")
-            })?;
-            let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
-            Ok::<_, String>((0..count).map(item).collect::<Vec<[f64; N]>>())
-        };
-        let mut all = match accessor.view().filter(|_| !self.empty.contains(&index)) {
-            Some(view) => {
-                items(self.view(&view)?, accessor.offset(), view.stride().unwrap_or(size * given), accessor.count())?
-            }
-            None if accessor.count() <= MAX_ZEROS => vec![[0.0; N]; accessor.count()],
-            None => {
-                let count = accessor.count();
-                return Err(format!("its {what} (accessor {index}) have {count} items; expected at most {MAX_ZEROS}"));
-            }
-        };
-        if let Some(sparse) = accessor.sparse() {
-            let (places, values) = (sparse.indices(), sparse.values());
-            let new = items(self.view(&values.view())?, values.offset(), size * given, sparse.count())?;
-            let size = match places.index_type() {
-                sparse::IndexType::U8 => 1,
-                sparse::IndexType::U16 => 2,
-                sparse::IndexType::U32 => 4,
-            };
-            let places_view = places.view();
-            let bytes = self.view(&places_view)?.get(places.offset()..).unwrap_or_default().chunks_exact(size);
-            let place = |bytes: &[u8]| bytes.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));
-            let places: Vec<usize> = bytes.take(sparse.count()).map(place).collect();
-            if places.len() < sparse.count() || places.iter().any(|place| *place >= all.len()) {
-                let most = all.len();
-                return Err(format!(
-                    "its {what} (accessor {index}) are sparse, but a place does not exist; expected {} below {most}",
-                    sparse.count()
-                ));
-            }
-            places.into_iter().zip(new).for_each(|(place, value)| all[place] = value);
-        }
-        Ok(all)
+        let dense = accessor.view().filter(|_| accessor.sparse().is_none());
+        let view = dense.ok_or_else(|| {
+            format!("its {what} (accessor {index}) are sparse, which machband does not read; expected all of them")
+        })?;
+        let (from, stride, count) = (accessor.offset(), view.stride().unwrap_or(size * given), accessor.count());
+        let end = count.checked_sub(1).and_then(|last| last.checked_mul(stride)?.checked_add(size * given));
+        let bytes = self.view(&view)?;
+        let bytes = end.and_then(|end| bytes.get(from..from.checked_add(end)?)).ok_or_else(|| {
+            format!("its {what} (accessor {index}) reach beyond their buffer view; expected them within it")
+        })?;
+        let item = |at: usize| std::array::from_fn(|k| number(&bytes[at * stride + k * size..][..size]));
+        Ok((0..count).map(item).collect())
     }
 }
-
-/// Positions, and normals if there are any.
-type Morphed = (Vec<[f64; 3]>, Option<Vec<[f64; 3]>>);
 
 /// The site, the normal and the paint of a vertex.
 type Vertex = (u32, Option<DVec3>, PaintedCorner);
@@ -355,12 +293,15 @@ impl Reader<'_> {
             let placed = above * DMat4::from_cols_array_2d(&columns);
             if let Some(mesh) = node.mesh() {
                 let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+                if weights.iter().any(|weight| *weight != 0.0) {
+                    self.notes.insert("morph targets were ignored");
+                }
                 if node.skin().is_some() {
                     self.notes.insert("skins were ignored");
                 }
                 for primitive in mesh.primitives() {
                     let (index, part) = (mesh.index(), primitive.index());
-                    self.primitive(&primitive, placed, weights)
+                    self.primitive(&primitive, placed)
                         .map_err(|error| format!("mesh {index}, primitive {part}: {error}"))?;
                 }
             }
@@ -369,14 +310,18 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4, weights: &[f32]) -> Result<(), String> {
+    fn primitive(&mut self, primitive: &Primitive<'_>, placed: DMat4) -> Result<(), String> {
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             self.notes.insert("points and lines were ignored");
             return Ok(());
         }
-        let (positions, normals) = self.morphed(primitive, weights)?;
+        let get = |semantic: Semantic| primitive.get(&semantic);
+        let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
+        let positions = self.source.numbers::<3>(&positions, "positions")?;
         let count = positions.len();
+        let normals = get(Semantic::Normals).map(|normals| self.source.each::<3>(&normals, "normals", count));
+        let normals = normals.transpose()?;
         let corners = self.corners(primitive, count)?;
         if mode == Mode::Triangles && corners.len() % 3 != 0 {
             return Err(format!("its triangles have {} corners; expected a multiple of 3", corners.len()));
@@ -413,26 +358,6 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns the positions and normals of a primitive whose morph targets have these weights.
-    fn morphed(&self, primitive: &Primitive<'_>, weights: &[f32]) -> Result<Morphed, String> {
-        let get = |semantic: Semantic| primitive.get(&semantic);
-        let positions = get(Semantic::Positions).ok_or("it has no positions; expected POSITION")?;
-        let mut positions = self.source.numbers::<3>(&positions, "positions")?;
-        let count = positions.len();
-        let normals = get(Semantic::Normals).map(|normals| self.source.each::<3>(&normals, "normals", count));
-        let mut normals = normals.transpose()?;
-        for (target, weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            for (moves, values) in [(target.positions(), Some(&mut positions)), (target.normals(), normals.as_mut())] {
-                let (Some(moves), Some(values)) = (moves, values) else { continue };
-                let moves = self.source.each::<3>(&moves, "vertices in a morph target", count)?;
-                for (value, by) in values.iter_mut().zip(moves) {
-                    *value = std::array::from_fn(|k| value[k] + f64::from(*weight) * by[k]);
-                }
-            }
-        }
-        Ok((positions, normals))
-    }
-
     /// Sets the colors, places in textures and tangents of a primitive's vertices. Returns which textures have such places:
     /// the base color, and the normal map.
     fn paint(
@@ -455,9 +380,11 @@ impl Reader<'_> {
             vertex.2.color = if color.is_finite() { color.clamp(DVec3::ZERO, DVec3::ONE) } else { DVec3::ONE };
         }
         let transform = "KHR_texture_transform";
-        let of_base = base.base_color_texture().filter(|t| self.has_image(&t.texture()));
+        // An extension may give a texture another image, which is ignored like the extension.
+        let has_image = |texture: gltf::Texture<'_>| texture.source().is_some();
+        let of_base = base.base_color_texture().filter(|t| has_image(t.texture()));
         let of_base = of_base.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
-        let of_normals = material.normal_texture().filter(|t| self.has_image(&t.texture()));
+        let of_normals = material.normal_texture().filter(|t| has_image(t.texture()));
         let of_normals = of_normals.map(|t| TexturePlace::new(t.tex_coord(), t.extension_value(transform)));
         let asked = [of_base.transpose()?, of_normals.transpose()?];
         let has_places = |place: &TexturePlace| get(Semantic::TexCoords(place.set)).is_some();
@@ -486,15 +413,6 @@ impl Reader<'_> {
             }
         }
         Ok(textures)
-    }
-
-    /// True if a texture has an image of its own; an extension may give another one.
-    fn has_image(&mut self, texture: &gltf::Texture<'_>) -> bool {
-        let image = texture.source();
-        if image.is_none() {
-            self.notes.insert("textures without an image were ignored");
-        }
-        image.is_some()
     }
 
     /// Returns the vertex of each corner of a primitive with `count` vertices.
@@ -529,11 +447,6 @@ impl Reader<'_> {
         let mut coat = Coat::default();
         let base = material.pbr_metallic_roughness().base_color_texture().filter(|_| textures[0]);
         let normals = material.normal_texture().filter(|_| textures[1]);
-        let used = base.as_ref().map(|base| base.texture());
-        let mut used = used.into_iter().chain(normals.as_ref().map(|normals| normals.texture()));
-        if used.any(|used| used.sampler().mag_filter() == Some(MagFilter::Nearest)) {
-            self.notes.insert("textures are interpolated, although the file asks for the nearest texel");
-        }
         if let Some(base) = base
             && let Some(image) = base.texture().source()
         {

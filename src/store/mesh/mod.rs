@@ -83,12 +83,6 @@ fn parse_in(
     if text.is_empty() {
         return Err(FileErrors::whole(file, "is empty; expected an OBJ, PLY, glTF or GLB file"));
     }
-    // A binary STL file has 80 bytes of any kind, the number of its triangles, and 50 bytes for each.
-    let triangles = content.get(80..84).map(|bytes| u32::from_le_bytes(bytes.try_into().unwrap_or_default()));
-    let is_stl = triangles.is_some_and(|count| content.len() as u64 == 84 + 50 * u64::from(count));
-    if is_stl || (text.starts_with(b"solid") && text.windows(5).any(|word| word == b"facet")) {
-        return Err(FileErrors::whole(file, "is an STL file; expected an OBJ, PLY, glTF or GLB file"));
-    }
     let is_other = [&b"OFF"[..], b"<", b"PK"].iter().any(|start| text.starts_with(start));
     let is_named = Path::new(file).extension().is_none_or(|name| name.eq_ignore_ascii_case("obj"));
     let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));

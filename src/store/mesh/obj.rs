@@ -1,11 +1,10 @@
 //! Reads Wavefront OBJ files.
 //!
-//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files,
-//! or from 0 to 255 if any is above 1),
-//! normals (`vn`) and faces (`f`) with any number of corners, with positive and relative indices. All objects and groups
-//! form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
+//! The reader supports vertices (`v`), also with colors (`v x y z red green blue`, sRGB from 0 to 1, as in PLY files, or
+//! from 0 to 255 if any is above 1), normals (`vn`) and faces (`f`) with any number of corners, with positive and relative
+//! indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
-use std::{borrow::Cow, collections::BTreeSet};
+use std::collections::BTreeSet;
 
 use glam::DVec3;
 
@@ -24,48 +23,18 @@ const MAX_ERRORS: usize = 20;
 /// Reports the first errors, each with its line and column: content that is not text, numbers or indices that cannot be
 /// read, coordinates that are not finite, vertices and normals that do not exist, and faces with too few corners.
 pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
-    let lines =
-        lines(content).map_err(|number| FileErrors::at(file, (number, 1), "is not text; expected an OBJ file"))?;
-    let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
-    let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
-    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
-    Ok(reader.faces())
-}
-
-/// A line of a file and its number, from 1.
-type Line<'a> = (usize, Cow<'a, [u8]>);
-
-/// Splits the content into lines with their numbers, from 1. A line that ends with a backslash continues on the next
-/// line.
-///
-/// # Errors
-/// Returns the number of a line that is not text.
-fn lines(content: &[u8]) -> Result<Vec<Line<'_>>, usize> {
     // A byte order mark is not part of the first line.
     let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
     let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
-    let mut split = content.split(|byte| *byte == end).zip(1..);
-    let mut lines = Vec::new();
-    while let Some((line, number)) = split.next() {
-        let mut continued = Vec::new();
-        let mut last = line;
-        while let Some(piece) = last.trim_ascii_end().strip_suffix(b"\\") {
-            continued.push(piece);
-            last = split.next().map_or(&[], |(next, _)| next);
-        }
-        let line = if continued.is_empty() {
-            Cow::Borrowed(line)
-        } else {
-            continued.push(last);
-            Cow::Owned(continued.join(&b' '))
-        };
-        if line.contains(&0) {
-            return Err(number);
-        }
-        lines.push((number, line));
+    let lines: Vec<&[u8]> = content.split(|byte| *byte == end).collect();
+    if let Some(number) = lines.iter().position(|line| line.contains(&0)) {
+        return Err(FileErrors::at(file, (number + 1, 1), "is not text; expected an OBJ file"));
     }
-    Ok(lines)
+    let count = |wanted: &[u8]| lines.iter().filter(|line| keyword(line) == wanted).count();
+    let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
+    let errors = lines.iter().zip(1..).filter_map(|(line, number)| reader.line(file, number, line).err());
+    FileErrors::none(errors.take(MAX_ERRORS).collect())?;
+    Ok(reader.faces())
 }
 
 fn keyword(line: &[u8]) -> &[u8] {
@@ -86,10 +55,6 @@ struct Reader {
     corners: Vec<(usize, Option<usize>)>,
     /// Where each face ends in `corners`.
     ends: Vec<usize>,
-    /// The smoothing group that faces belong to, if the file says so.
-    group: Option<Vec<u8>>,
-    /// The smoothing groups of all faces.
-    groups: BTreeSet<Option<Vec<u8>>>,
     /// What was ignored.
     notes: BTreeSet<&'static str>,
 }
@@ -97,13 +62,6 @@ struct Reader {
 impl Reader {
     fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
-        if keyword == b"usemtl" {
-            self.notes.insert("materials in the file were ignored");
-        }
-        if keyword == b"s" {
-            let group = line.trim_ascii_start()[1..].trim_ascii();
-            self.group = Some(if group == b"off" { b"0" } else { group }.to_vec());
-        }
         if !matches!(keyword, b"v" | b"vn" | b"f") {
             return Ok(());
         }
@@ -165,9 +123,6 @@ impl Reader {
             self.corners.push((vertex, normal));
         }
         self.ends.push(self.corners.len());
-        if !self.groups.contains(&self.group) {
-            self.groups.insert(self.group.clone());
-        }
         Ok(())
     }
 
@@ -191,10 +146,6 @@ impl Reader {
     fn faces(self) -> Faces {
         let mut faces = Faces::default();
         faces.notes.extend(self.notes.into_iter().map(str::to_owned));
-        let has_edges = self.groups.len() > 1 || self.groups.contains(&Some(b"0".to_vec()));
-        if has_edges && self.corners.iter().all(|(_, normal)| normal.is_none()) {
-            faces.notes.push("smoothing groups were ignored; a crease angle makes edges".to_owned());
-        }
         // Some programs write the codes of 8 bits.
         let most = self.colors.iter().map(|color| color.max_element()).fold(0.0, f64::max);
         let scale = if most > 1.0 {
@@ -238,18 +189,9 @@ impl Statement<'_> {
         FileError::at(self.file, (self.number, column), message)
     }
 
-    /// Parses `x y z`, `x y z w` or `x y z red green blue`.
+    /// Parses `x y z`, perhaps followed by a weight, which only curves use, or a color.
     fn vertex(&self, words: &[&str]) -> Result<DVec3, FileError> {
-        let mut vertex = self.three_numbers(words)?;
-        if let [_, _, _, weight] = words {
-            let w = self.number(weight)?;
-            if w == 0.0 || !w.is_finite() {
-                let message =
-                    format!("{:?} is not a weight; expected a finite number that is not 0", shortened(weight));
-                return Err(self.error(weight, message));
-            }
-            vertex /= w;
-        }
+        let vertex = self.three_numbers(words)?;
         match vertex.to_array().iter().position(|x| x.is_nan() || x.abs() > MAX_COORDINATE) {
             Some(k) => {
                 let message =

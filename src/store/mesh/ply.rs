@@ -77,61 +77,46 @@ impl PropertyAccess for Element {
     }
 }
 
-/// Reads an element from its line, in which space stands between the numbers: the crate's own reader refuses `.5` and
+/// Reads an element from its line, in which space stands between the numbers: the crate's own reader refuses `nan`, `.5` and
 /// `5.`.
 ///
 /// # Errors
-/// Says what is wrong, and in which column.
-fn of_line(line: &str, definition: &ElementDef) -> Result<Element, (usize, String)> {
+/// Says what is wrong.
+fn of_line(line: &str, definition: &ElementDef) -> Result<Element, String> {
     let mut words = line.split_ascii_whitespace();
-    let mut next = |name: &str, kind: &ScalarType| {
-        let range = match kind {
-            ScalarType::Char => f64::from(i8::MIN)..=f64::from(i8::MAX),
-            ScalarType::UChar => 0.0..=f64::from(u8::MAX),
-            ScalarType::Short => f64::from(i16::MIN)..=f64::from(i16::MAX),
-            ScalarType::UShort => 0.0..=f64::from(u16::MAX),
-            ScalarType::Int => f64::from(i32::MIN)..=f64::from(i32::MAX),
-            ScalarType::UInt => 0.0..=f64::from(u32::MAX),
-            ScalarType::Float | ScalarType::Double => f64::NEG_INFINITY..=f64::INFINITY,
-        };
-        let is_real = matches!(kind, ScalarType::Float | ScalarType::Double);
+    let mut next = |name: &str, is_whole: bool| {
         let word = words.next().unwrap_or_default();
-        match word.parse::<f64>() {
-            Ok(number) if is_real || range.contains(&number) && number.fract() == 0.0 => Ok(number),
-            _ => {
-                let end = line.trim_ascii_end().len();
-                let before = if word.is_empty() { end } else { word.as_ptr() as usize - line.as_ptr() as usize };
-                let kind = format!("{kind:?}").to_lowercase();
-                let message = format!("{name} is {:?}; expected a number of the type {kind}", shortened(word));
-                Err((line[..before].chars().count() + 1, message))
-            }
-        }
+        let number = word.parse::<f64>().ok().filter(|number| !is_whole || number.fract() == 0.0);
+        let expected = if is_whole { "a whole number" } else { "a number" };
+        number.ok_or_else(|| format!("{name} is {:?}; expected {expected}", shortened(word)))
     };
+    let is_real = |kind: &ScalarType| matches!(kind, ScalarType::Float | ScalarType::Double);
     let mut element = Element::new();
     for (name, property) in &definition.properties {
         let property = match &property.data_type {
             PropertyType::Scalar(kind) => {
-                let number = next(name, kind)?;
+                let number = next(name, !is_real(kind))?;
                 match kind {
                     ScalarType::UChar => Property::UChar(number as u8),
                     ScalarType::UShort => Property::UShort(number as u16),
-                    ScalarType::Float => Property::Float(number as f32),
-                    _ => Property::Double(number),
+                    ScalarType::Float | ScalarType::Double => Property::Double(number),
+                    _ => Property::Int(number as i32),
                 }
             }
-            PropertyType::List(count, kind) => {
-                let count = next(name, count)? as usize;
-                let list = (0..count).map(|_| next(name, kind)).collect::<Result<Vec<f64>, _>>()?;
-                match kind {
-                    ScalarType::Float | ScalarType::Double => Property::ListDouble(list),
-                    ScalarType::UInt => Property::ListUInt(list.into_iter().map(|number| number as u32).collect()),
-                    _ => Property::ListInt(list.into_iter().map(|number| number as i32).collect()),
+            PropertyType::List(_, kind) => {
+                let count = next(name, true)? as usize;
+                let list = (0..count).map(|_| next(name, !is_real(kind))).collect::<Result<Vec<f64>, _>>()?;
+                if is_real(kind) {
+                    Property::ListDouble(list)
+                } else {
+                    Property::ListInt(list.into_iter().map(|number| number as i32).collect())
                 }
             }
         };
         if matches!(element.set_property(name, property), PropertyAccessResult::UnsupportedType) {
-            let expected = if place(name).is_some() { "a number" } else { "a list of whole numbers" };
-            return Err((1, format!("{name} has another type; expected {expected}")));
+            return Err(format!(
+                "{name} has another type; expected uchar, ushort or float colors, and whole vertex indices"
+            ));
         }
     }
     Ok(element)
@@ -158,17 +143,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
     let mut line = reader.line();
     let mut rest = reader.into_inner();
-    let (mut mesh, mut early) = (PlyMesh::default(), Vec::new());
-    let lines = String::from_utf8_lossy(&content[..content.len() - rest.len()]);
-    for (number, line) in (1..).zip(lines.lines()) {
-        if let ["property", kind, name] = line.split_whitespace().collect::<Vec<_>>()[..]
-            && matches!(kind, "char" | "int8" | "short" | "int16" | "int" | "int32" | "uint" | "uint32")
-            && place(name).is_some_and(|at| at >= COLORS)
-        {
-            let message = format!("the color {name} has the type {kind}; expected uchar, ushort, float or double");
-            return Err(FileErrors::at(file, (number, 1), message));
-        }
-    }
+    let mut mesh = PlyMesh::default();
     // One element after the other: an element needs much more memory than what it becomes.
     for (name, definition) in &header.elements {
         // Without properties, any number of elements needs no bytes.
@@ -187,7 +162,7 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
                     let (own, after) = rest.split_at(end);
                     rest = after;
                     let element = of_line(&String::from_utf8_lossy(own), definition)
-                        .map_err(|(column, message)| FileErrors::at(file, (line, column), message))?;
+                        .map_err(|message| FileErrors::at(file, (line, 1), message))?;
                     line += 1;
                     element
                 }
@@ -199,17 +174,11 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
             match name.as_str() {
                 "vertex" => mesh.vertex(&element).map_err(wrong)?,
-                // Faces may stand before the vertices.
-                "face" | "tristrips" if mesh.vertices.is_empty() => early.push((name, i, element)),
                 "face" => mesh.face(&element).map_err(wrong)?,
                 "tristrips" => mesh.strips(&element).map_err(wrong)?,
                 _ => {}
             }
         }
-    }
-    for (name, i, element) in early {
-        let added = if name == "face" { mesh.face(&element) } else { mesh.strips(&element) };
-        added.map_err(|message| FileErrors::whole(file, format!("{name} {i} {message}")))?;
     }
     mesh.faces.polygons.coats.push(Coat::default());
     Ok(mesh.faces)

@@ -1,31 +1,23 @@
 //! What the cells of a table mean, row by row.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::{
-    rows::{RowError, Rows, Status, What},
+    rows::{RowError, Rows, Status, What, column_of},
     selection::{Columns as Used, Input, Selection},
     source::{FileRead, Reason},
     values,
 };
 use crate::{
     experiment::RatingRow,
-    store::{
-        columns::{Mapped, Texts},
-        error::RowErrors,
-    },
+    store::{columns::Mapped, error::RowErrors},
 };
-
-/// Returns the columns of each file.
-pub(super) fn texts(tables: &[Rows]) -> Vec<&[Texts]> {
-    tables.iter().map(|rows| &rows.columns[..]).collect()
-}
 
 /// What is known before rows are added.
 pub(super) struct Known<'a> {
     /// For each factor, whether its column has only numbers, in all files together.
     factors: Vec<bool>,
-    /// The same for each column with responses; also if hardly any value is something else and the categories are not named.
+    /// The same for each column with responses.
     responses: Vec<bool>,
     /// Texts that mean a missing response.
     missing: &'a [String],
@@ -35,16 +27,15 @@ pub(super) struct Known<'a> {
 
 impl<'a> Known<'a> {
     pub fn new(selection: &Selection, tables: &[Rows], missing: &'a [String], unfinished: Vec<bool>) -> Self {
-        let tables = texts(tables);
-        let are_numbers = |column: &dyn Fn(&Used) -> usize| values::are_numbers(&selection.texts(&tables, column));
+        let are_numbers =
+            |column: &dyn Fn(&Used) -> usize| values::are_numbers(&column_of(&selection.inputs, tables, column));
         let first = &selection.inputs[0].columns;
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
                 .map(|i| {
-                    let column = selection.texts(&tables, |columns| columns.responses[i]);
-                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
-                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                    let column = column_of(&selection.inputs, tables, |columns| columns.responses[i]);
+                    selection.own_scale.is_none() && values::are_numbers(&column)
                 })
                 .collect(),
             missing,
@@ -113,23 +104,6 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Returns the place of the first response that is no number, unless the categories are known.
-    fn word(&self) -> Option<String> {
-        let (input, rows) = (self.input, self.rows);
-        let is_word = |row: &usize, which: usize| {
-            let response = self.responses[which].get(*row);
-            matches!(rows.status[*row], Status::Counts(_)) && response.is_ok_and(|text| values::number(text).is_none())
-        };
-        let open = (0..self.responses.len()).filter(|_| self.selection.shape.categories.is_none());
-        let mut words = open.filter(|which| !self.known.responses[*which]).filter_map(|which| {
-            let row = rows.all().find(|row| is_word(row, which))?;
-            let nothing = RowError { row, cell: Some(input.columns.responses[which]), what: What::Said(String::new()) };
-            let place = input.header.in_cell(rows.placed(&nothing, input, &self.selection.inputs)).to_string();
-            Some(place.trim_end_matches(": ").to_owned())
-        });
-        words.next()
-    }
-
     fn subject(&self, row: usize) -> &'a str {
         self.text(row, self.input.columns.subject)
     }
@@ -156,15 +130,12 @@ impl<'a> Cells<'a> {
             Ok(rating) => rating,
             Err(true) => return Ok(Err(Reason::NoResponse)),
             Err(false) => {
-                let response = columns.responses[which];
-                let Some(highest) = own_scale else {
-                    let expected = "a number, as in other rows, unless this value is named as missing";
-                    return Err(RowError::new(row, response, expected));
-                };
                 // Any scale is possible in a table from elsewhere.
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
-                return Err(RowError::new(row, response, format!("a rating from 0 to {highest}{unless}")));
+                let rating = |highest| format!("a rating from 0 to {highest}{unless}");
+                let expected = own_scale.map_or_else(|| "a response".to_owned(), rating);
+                return Err(RowError::new(row, columns.responses[which], expected));
             }
         };
         Ok(Ok((subject, rating, value(&self.counts, row)?.unwrap_or(1))))
@@ -206,7 +177,7 @@ pub(super) fn add_rows(
     let cells = Cells::new(selection, known, input, rows);
     let limits @ (least, most) = selection.shape.time_limits;
     let (mut levels, mut without_level) = (Vec::new(), vec![0; selection.shape.factors.len()]);
-    let (mut without_time, mut again, mut known_rows) = (0, 0, HashSet::new());
+    let mut without_time = 0;
     // For each participant, the ratings that are marked as simulated, and all.
     let mut simulated = HashMap::<&str, [u64; 2]>::new();
     let mut add_rating = |row: usize, which: usize, errors: &mut RowErrors| -> Result<Result<u64, Reason>, RowError> {
@@ -230,10 +201,6 @@ pub(super) fn add_rows(
         levels.clear();
         levels.extend(cells.factors.iter().map(|levels| *levels.get(row)));
         levels.extend(selection.wide.get(which).map(String::as_str));
-        if !selection.wide.is_empty() && cells.counts.is_none() {
-            let key = levels.iter().chain([&subject]).map(|text| (*text).to_owned()).collect::<Vec<_>>();
-            again += u64::from(!known_rows.insert(key));
-        }
         let cell = Some(input.columns.responses[which]);
         add(&RatingRow { subject, values: &levels, rating, count, place, position, response_time_s })
             .map_err(|message| RowError { row, cell, what: What::Said(message) })?;
@@ -270,7 +237,7 @@ pub(super) fn add_rows(
             },
             Status::Practice => &mut read.practice,
             Status::Superseded => &mut read.superseded,
-            Status::Repeated { file, .. } => {
+            Status::Repeated(file) => {
                 report(&mut errors, RowError { row, cell: None, what: What::Repeated(file as usize) });
                 read.repeated += 1;
                 &mut read.erroneous
@@ -281,9 +248,8 @@ pub(super) fn add_rows(
     }
     let marked = simulated.into_iter().filter(|(_, [marked, _])| *marked > 0);
     read.simulated = marked.map(|(subject, counts)| (subject.to_owned(), counts)).collect();
-    read.word = cells.word();
     rows.errors = errors;
-    FileRead { without_level, without_time, again, ..read }
+    FileRead { without_level, without_time, ..read }
 }
 
 /// Returns what a cell says; without it if it cannot be read, which is reported.

@@ -1,14 +1,17 @@
-//! Files that are not plain text in UTF-8 with line feeds. They are converted in memory.
+//! Files that are not plain text in UTF-8 with line feeds, such as packed files and Excel workbooks (`.xlsx`). They are
+//! converted in memory.
 
-use std::path::Path;
+use std::{io::Cursor, ops::Range, path::Path};
 
+use calamine::{Data, DataRef, Reader as _, Xlsx};
 use flate2::read::MultiGzDecoder;
+use zip::ZipArchive;
 
-use super::workbook;
 use crate::store::{
     FileErrors, StoreError,
     error::io,
     open::{MAX_UNPACKED, read_regular, unpacked},
+    table::line,
 };
 
 /// The content of a file as text in UTF-8.
@@ -17,10 +20,8 @@ pub(super) struct Converted {
     pub bytes: Vec<u8>,
     /// What a user should know about how the file was read, and what was expected.
     pub note: Option<[String; 2]>,
-    /// Whether it is the sheet of a workbook, whose cells have names.
+    /// Whether it is the sheet of a workbook.
     pub is_sheet: bool,
-    /// Row and column of each number of a sheet that was probably rounded, counted from 0.
-    pub rounded: Vec<(usize, usize)>,
 }
 
 /// Converts a file that begins with `head`: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and
@@ -40,8 +41,7 @@ pub(super) fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, S
     if is_gzip {
         converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;
     } else if is_workbook {
-        (converted.bytes, converted.note, converted.rounded) =
-            workbook::first_sheet(&converted.bytes).map_err(failed)?;
+        (converted.bytes, converted.note) = first_sheet(&converted.bytes).map_err(failed)?;
     }
     if let Some(encoding) = utf16(&converted.bytes) {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();
@@ -59,4 +59,111 @@ fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
 
 fn has_old_lines(bytes: &[u8]) -> bool {
     bytes.contains(&b'\r') && !bytes.contains(&b'\n')
+}
+
+/// Number of columns of a sheet in Excel.
+const MAX_COLUMNS: u32 = 16_384;
+
+/// Whole numbers below this are exact in a workbook.
+const EXACT: f64 = (1_u64 << 53) as f64;
+
+/// The rows of a sheet as CSV, and what a user should know about how it was read.
+type Sheet = (Vec<u8>, Option<[String; 2]>);
+
+/// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
+/// first one that is not empty.
+///
+/// # Errors
+/// Says what is wrong and what is expected.
+fn first_sheet(file: &[u8]) -> Result<Sheet, String> {
+    check_size(file)?;
+    // calamine does not check all that it calculates with, such as the row in the name of a cell.
+    let read = std::panic::catch_unwind(|| read(file));
+    read.unwrap_or_else(|_| Err("is a damaged workbook; expected an Excel workbook (.xlsx), or CSV".to_owned()))
+}
+
+fn read(file: &[u8]) -> Result<Sheet, String> {
+    let unreadable =
+        |error: &dyn std::fmt::Display| format!("is not an Excel workbook (.xlsx): {error}; expected one, or CSV");
+    let mut workbook = Xlsx::new(Cursor::new(file)).map_err(|error| unreadable(&error))?;
+    let names = workbook.sheet_names();
+    let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
+    let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
+    let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
+    let mut characters = 0;
+    let limited = |size: usize| match size as u64 > MAX_UNPACKED {
+        true => Err(format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer")),
+        false => Ok(()),
+    };
+    let mut end_row = |row: &mut Vec<String>| {
+        width = if width == 0 { row.len() } else { width };
+        if row.is_empty() {
+            bytes.push(b'\n');
+        } else {
+            row.resize(row.len().max(width), String::new());
+            bytes.extend(line(row.drain(..)));
+        }
+        limited(bytes.len())
+    };
+    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
+        let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
+        if matches!(cell.get_value(), DataRef::Float(number) if number.abs() >= EXACT) {
+            return Err(format!(
+                "row {}, column {}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text",
+                found + 1,
+                column + 1
+            ));
+        }
+        if text.is_empty() {
+            continue;
+        }
+        if found < at || found == at && (column as usize) < row.len() || column >= MAX_COLUMNS {
+            return Err(unreadable(&"its cells are not in order, or one has no place in a sheet"));
+        }
+        // Many cells can share one long text.
+        characters += text.len();
+        limited(characters)?;
+        (at..found).try_for_each(|_| end_row(&mut row))?;
+        at = found;
+        row.resize(column as usize, String::new());
+        row.push(text);
+    }
+    end_row(&mut row)?;
+    let note = (names.len() > 1).then(|| {
+        let others = names[1..].join(", ");
+        let expected = format!("expected one sheet (the others were ignored: {others})");
+        [format!("only the first sheet, {name}, was read"), expected]
+    });
+    Ok((bytes, note))
+}
+
+/// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.
+fn text(cell: &Data) -> String {
+    const DATES: Range<f64> = 0.0..2_958_466.0;
+    let Data::DateTime(moment) = cell else { return cell.to_string() };
+    let (days, (year, month, day, hour, minute, second, milli)) = (moment.as_f64(), moment.to_ymd_hms_milli());
+    let date = format!("{year}-{month:02}-{day:02}");
+    let part = if milli == 0 { String::new() } else { format!(".{milli:03}") };
+    let time = format!("{minute:02}:{second:02}{part}");
+    match hour {
+        _ if !DATES.contains(&days) => days.to_string(),
+        _ if moment.is_duration() => format!("{}:{time}", (24.0 * days + 1e-7).floor()),
+        _ if days < 1.0 => format!("{hour:02}:{time}"),
+        0 if time == "00:00" => date,
+        _ => format!("{date}T{hour:02}:{time}"),
+    }
+}
+
+/// Checks that a workbook does not unpack to too many bytes. calamine unpacks without a limit.
+fn check_size(file: &[u8]) -> Result<(), String> {
+    let broken = |error| format!("cannot be unpacked: {error}; expected an Excel workbook (.xlsx), or CSV");
+    let mut archive = ZipArchive::new(Cursor::new(file)).map_err(broken)?;
+    if archive.index_for_name("mimetype").is_some() {
+        return Err("is an OpenDocument file; expected an Excel workbook (.xlsx), or CSV: save it as one".to_owned());
+    }
+    let mut left = MAX_UNPACKED;
+    for index in 0..archive.len() {
+        left -= unpacked(archive.by_index(index).map_err(broken)?, left)?.len() as u64;
+    }
+    Ok(())
 }

@@ -9,10 +9,7 @@ use std::{
 
 use csv::Position;
 
-use super::{
-    converted::{Converted, converted},
-    workbook::{cell_at, cell_name},
-};
+use super::converted::{Converted, converted};
 use crate::{
     experiment::{IN_BIDS, Phase},
     store::{
@@ -21,7 +18,7 @@ use crate::{
         error::io,
         frames,
         open::{is_data, open_regular},
-        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from},
+        table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, rows_from, separator},
     },
     system::{entries, found, identified, is_of_another_user},
     text::names::natural,
@@ -333,9 +330,7 @@ impl Header {
             return Err("the file is empty; expected a header row");
         }
         if is_packed(text) {
-            return Err(
-                "is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: unpack it or export it as CSV",
-            );
+            return Err("is a compressed file or an old spreadsheet; expected CSV, .csv.gz or .xlsx: export it as CSV");
         }
         if text.trim_ascii_start().starts_with(b"{") || text.trim_ascii_start().starts_with(b"[") {
             return Err("is JSON; expected CSV, .csv.gz or .xlsx: export it as CSV");
@@ -374,7 +369,10 @@ impl Header {
 
     /// Returns the content of the file at `path`, from memory if it was converted.
     pub fn content<'a>(&'a self, path: &'a Path) -> Content<'a> {
-        self.converted.as_ref().map_or(Content::File(path), |converted| Content::Memory(&converted.bytes))
+        self.converted.as_ref().map_or(Content::File(path), |converted| match converted.is_sheet {
+            true => Content::Sheet(&converted.bytes),
+            false => Content::Memory(&converted.bytes),
+        })
     }
 
     /// Returns the index of a column, the first one with this name.
@@ -406,20 +404,12 @@ impl Header {
         Some(self.error(name, index, message))
     }
 
-    /// Names the cell of an error in a sheet: who sees it in a spreadsheet program does not see lines of text.
-    pub fn in_cell(&self, error: FileError) -> FileError {
-        let sheet = self.converted.as_ref().filter(|converted| converted.is_sheet);
-        let Some((sheet, position)) = sheet.zip(error.position) else { return error };
-        let message = format!("cell {}: {}", cell_at(&sheet.bytes, position), error.message);
-        FileError { position: None, message, ..error }
-    }
-
     /// Creates an error in the header of the file `name`, at the name with this index.
     pub fn error(&self, name: &str, index: usize, message: String) -> FileError {
         if self.columns.is_some() {
             return FileError::whole(name, message);
         } else if self.converted.as_ref().is_some_and(|converted| converted.is_sheet) {
-            return FileError::whole(name, format!("cell {}: {message}", cell_name(self.line - 1, index)));
+            return FileError::at(name, (self.line, index + 1), message);
         }
         let column = self.names.iter().take(index).map(|name| name.chars().count() + 1).sum::<usize>() + 1;
         FileError::at(name, (self.line, column), message)
@@ -435,18 +425,6 @@ fn separator_line(text: &[u8]) -> (Option<u8>, &[u8]) {
         }
         _ => (None, text),
     }
-}
-
-/// Returns the separator: a comma or, if the header has more of them outside quotes, a semicolon or tab, as in
-/// spreadsheets from some countries.
-fn separator(line: &[u8]) -> u8 {
-    let mut counts = [(b'\t', 0), (b';', 0), (b',', 0)];
-    let mut quoted = false;
-    for byte in line {
-        quoted ^= *byte == b'"';
-        counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
-    }
-    counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
 }
 
 /// True if a file begins like a compressed file (gzip, bzip2, xz, Zstandard, zip) or a spreadsheet.

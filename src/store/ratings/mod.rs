@@ -15,9 +15,7 @@ mod selection;
 mod source;
 mod trials;
 mod values;
-mod workbook;
 
-pub(super) use files::Header;
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
 pub use source::{FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

@@ -3,16 +3,15 @@
 
 use std::{
     collections::{HashMap, HashSet},
-    hash::{DefaultHasher, Hash as _, Hasher as _},
     path::{Path, PathBuf},
 };
 
 use rayon::{iter::Either, prelude::*};
 
 use super::{
-    cells::{Known, add_rows, texts},
+    cells::{Known, add_rows},
     files::{self, Header},
-    rows::{MAX_ROWS, RowError, Rows, Status},
+    rows::{MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
     source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
@@ -21,13 +20,8 @@ use super::{
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError,
-        columns::Texts,
-        dataset,
-        error::{RowErrors, io},
-        file,
-        recorded::interrupted,
-        table::{Content, decoded, rows_from},
+        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, recorded::interrupted,
+        table::Content,
     },
     text::names::natural,
 };
@@ -95,7 +89,7 @@ fn read_inputs<T>(
 ) -> Result<(Source, T), FileErrors> {
     let (selection, found) = Selection::new(inputs, options);
     errors.extend(found);
-    let Some(mut selection) = selection else {
+    let Some(selection) = selection else {
         if errors.is_empty() {
             errors.push(FileError::whole(".", "no files were given; expected result files or folders".to_owned()));
         }
@@ -111,7 +105,6 @@ fn read_inputs<T>(
         let message = format!("there are more than {MAX_ROWS} rows; expected fewer, or a table of counts");
         return Err(FileErrors::whole(&selection.inputs[0].name, message));
     }
-    let measurements = selection.leave_out_measurements(&texts(&tables));
     let mut notes = about_names(&selection, options, &tables);
     notes.extend(selection.inputs.iter().zip(&tables).flat_map(|(input, rows)| how_read(input, rows)));
     notes.extend(unnamed(&selection, &tables));
@@ -123,16 +116,15 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        if let Some(bytes) = content(input).map_err(|error| FileErrors(error.errors(&input.path)))? {
-            read.sha256 = Some(file::sha256(&bytes));
-            notes.extend(doubled(input, &bytes));
-            let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
-            if let Some(other) = may_repeat.then(|| contents.insert(cells(input, &bytes), &input.name)).flatten() {
-                let message = format!("has the same content as {other}; expected each rating once");
-                notes.push(FileError::whole(&input.name, message));
-            }
+        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
+        if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
+            && let Some(other) = contents.insert(hash, &input.name)
+        {
+            let message = format!("has the same content as {other}; expected each rating once");
+            notes.push(FileError::whole(&input.name, message));
         }
-        errors.extend(file_errors(input, rows, &selection.inputs));
+        errors.extend(rows.errors.finish(&input.name, &input.header.names));
         reports.push(read);
     }
     if reports.iter().all(|report| report.ratings == 0) {
@@ -142,16 +134,7 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
-    warnings.extend(measurements.into_iter().chain(notes).chain(missing(&reports, &options.missing)));
-    warnings.extend(without_values(&selection, &reports));
-    warnings.extend(reports.iter().filter(|report| report.again > 0).map(|report| {
-        let message = format!(
-            "some participants have several rows for one condition ({} of {} ratings); expected a row for each participant, or \
-             factors that tell their rows apart",
-            report.again, report.ratings
-        );
-        FileError::whole(&report.path, message)
-    }));
+    warnings.extend(notes.into_iter().chain(missing(&selection, &reports, &options.missing)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;
@@ -165,12 +148,11 @@ fn about_names(selection: &Selection, options: &ReadOptions, tables: &[Rows]) ->
     if options.subject.is_none() && first.columns.record.is_none() {
         notes.extend(first.header.note_of_subject(&first.name, first.columns.subject));
     }
-    let files = texts(tables);
-    notes.extend(alike(&first.name, None, &selection.texts(&files, |columns| columns.subject)));
+    notes.extend(alike(&first.name, None, &column_of(&selection.inputs, tables, |columns| columns.subject)));
     // Levels are those of the definition, if there is one.
     let factors = selection.shape.factors.iter().take(first.columns.factors.len()).enumerate();
     notes.extend(factors.filter(|_| selection.protocol.is_none()).filter_map(|(index, name)| {
-        alike(&first.name, Some(name), &selection.texts(&files, |columns| columns.factors[index]))
+        alike(&first.name, Some(name), &column_of(&selection.inputs, tables, |columns| columns.factors[index]))
     }));
     notes
 }
@@ -183,55 +165,50 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
     };
     let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
     let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
-    let visible = |group: &Vec<&str>| group.iter().map(|name| values::visible(name)).collect::<Vec<_>>().join(", ");
-    let groups: Vec<String> = alike.iter().take(6).map(visible).collect();
+    let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
     let others = if alike.len() > groups.len() { " and others" } else { "" };
     let message = format!(
-        "the {names} {}{others}{of} differ only in capitals, in the form of a number or in how characters are encoded, and \
-         are different {different}; expected one {expected}",
+        "the {names} {}{others}{of} differ only in capitals or in the form of a number, and are different {different}; expected one {expected}",
         groups.join("; ")
     );
     (!groups.is_empty()).then(|| FileError::whole(file, message))
 }
 
-/// Returns a warning for each kind of missing value.
-fn missing(reports: &[FileRead], named: &[String]) -> impl Iterator<Item = FileError> {
-    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
-    [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
-        move |(why, what)| {
-            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
-            let affected: Vec<&FileRead> = reports.iter().filter(|report| of(report) > 0).collect();
-            let (found, rows) = affected.iter().fold((0, 0), |(found, rows), one| (found + of(one), rows + one.rows));
-            let files = if affected.len() > 1 { format!(" of {} files, of which this is the first,", affected.len()) } else { String::new() };
-            let (have, are) = if found == 1 { ("has", "is") } else { ("have", "are") };
-            let message = format!(
-                "{found} of {rows} rows{files} {have} no {what} (an empty cell, NA, {named}or another text for a missing value) and {are} left out; \
-             expected a {what} in every row"
-            );
-            Some(FileError::whole(&affected.first()?.path, message))
-        },
-    )
+/// Says how many of all rows, or ratings, lack something and what becomes of `one` or `more` of them, at the first file with
+/// such rows.
+fn lacking(
+    reports: &[FileRead],
+    (of, all): (&dyn Fn(&FileRead) -> u64, &dyn Fn(&FileRead) -> u64),
+    (rows, what, [one, more]): (&str, &str, [&str; 2]),
+) -> Option<FileError> {
+    let first = reports.iter().find(|report| of(report) > 0)?;
+    let [found, all] = [of, all].map(|of| reports.iter().map(of).sum::<u64>());
+    let (have, fate) = if found == 1 { ("has", one) } else { ("have", more) };
+    let message = format!("{found} of {all} {rows} {have} no {what}{fate}; expected one in every row");
+    Some(FileError::whole(&first.path, message))
 }
 
-/// Returns a warning for each factor of which some ratings have no value, unless it was guessed and may be about other rows;
-/// and one if ratings without a response time are kept although the time was limited.
-fn without_values(selection: &Selection, reports: &[FileRead]) -> Vec<FileError> {
-    let ratings = reports.iter().map(|report| report.ratings).sum::<u64>();
-    let warning = |of: &dyn Fn(&FileRead) -> u64, what: &str, is_kept: bool| {
-        let first = reports.iter().find(|report| of(report) > 0)?;
-        let found = reports.iter().map(of).sum::<u64>();
-        let (have, are_kept) = if found == 1 { ("has", " and is kept") } else { ("have", " and are kept") };
-        let kept = if is_kept { are_kept } else { "" };
-        let message = format!("{found} of {ratings} ratings {have} no {what}{kept}; expected one in every row");
-        Some(FileError::whole(&first.path, message))
+/// Returns a warning for each kind of missing value that leaves out rows; for each factor of which some ratings have no
+/// value, unless it was guessed and may be about other rows; and if ratings without a response time are kept although the
+/// time was limited.
+fn missing(selection: &Selection, reports: &[FileRead], named: &[String]) -> Vec<FileError> {
+    let named: String = named.iter().map(|text| format!("{text}, ")).collect();
+    let rows = [(Reason::NoResponse, "response"), (Reason::NoParticipant, "participant")].into_iter().filter_map(
+        |(why, what)| {
+            let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
+            let what = format!("{what} (an empty cell, NA, {named}or another text for a missing value)");
+            lacking(reports, (&of, &|report| report.rows), ("rows", &what, [" and is left out", " and are left out"]))
+        },
+    );
+    let ratings = |of: &dyn Fn(&FileRead) -> u64, what: &str, fate: [&str; 2]| {
+        lacking(reports, (of, &|report| report.ratings), ("ratings", what, fate))
     };
     let factors = selection.shape.factors.iter().enumerate().filter(|_| !selection.shape.guessed);
-    let levels = factors.filter_map(|(factor, name)| {
-        warning(&|report| report.without_level[factor], &format!("value of {name}"), false)
-    });
+    let levels = factors
+        .filter_map(|(at, name)| ratings(&|report| report.without_level[at], &format!("value of {name}"), [""; 2]));
     let is_limited = selection.shape.time_limits != (None, None);
-    let without_time = || warning(&|report| report.without_time, "response time", true);
-    levels.chain(is_limited.then(without_time).flatten()).collect()
+    let without_time = || ratings(&|report| report.without_time, "response time", [" and is kept", " and are kept"]);
+    rows.chain(levels).chain(is_limited.then(without_time).flatten()).collect()
 }
 
 /// Says how many rows are practice or later attempts according to columns that no option names. In a table from elsewhere,
@@ -278,28 +255,24 @@ pub(super) fn how_read(input: &Input, rows: &Rows) -> impl Iterator<Item = FileE
     sheet.map(|note| FileError::whole(&input.name, note)).into_iter().chain(foreign).chain(interrupted)
 }
 
-/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, links that lead out
-/// of a data set, and tables of counts.
+/// Returns the warnings about files that are read anyway: changed files, sessions without a sidecar, and tables of counts.
 ///
 /// # Errors
 /// A folder cannot be accessed.
 fn warnings(inputs: &[Input]) -> Result<Vec<FileError>, FileErrors> {
-    let mut described = Vec::new();
-    for Input { path, header, .. } in inputs {
-        let of = if header.columns.is_some() { Ok(None) } else { dataset::described(path) };
-        described.push(of.map_err(|error| FileErrors(error.errors(path)))?);
-    }
     let mut warnings = Vec::new();
-    for (input, described) in inputs.iter().zip(&described) {
+    for input in inputs {
         warnings.extend(input.changed.iter().cloned());
-        if described.is_some() && input.columns.record.is_some() && !input.has_sidecar {
+        if input.columns.record.is_some()
+            && !input.has_sidecar
+            && !input.in_memory()
+            && dataset::described(&input.path).map_err(|error| FileErrors(error.errors(&input.path)))?.is_some()
+        {
             let message =
                 "has no sidecar, so nothing shows whether it was changed; expected the sidecar that belongs to it";
             warnings.push(FileError::whole(&input.path, message));
         }
     }
-    let of_datasets = inputs.iter().zip(described).filter_map(|(input, folder)| Some((&*input.path, folder?)));
-    warnings.extend(dataset::links_out(of_datasets)?);
     warnings.extend(counts_warning(inputs));
     Ok(warnings)
 }
@@ -344,18 +317,27 @@ fn counts_warning(inputs: &[Input]) -> Option<FileError> {
 /// Returns the sessions of all result files, and determines how the rows of these files are used.
 fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
     let (mut sessions, mut attempts, mut index) = (Vec::new(), Vec::new(), HashMap::new());
+    let mut enter = |subject: &str, session: &str, input: &Input| {
+        *index.entry((subject.to_owned(), session.to_owned())).or_insert_with(|| {
+            sessions.push(SessionRead {
+                subject: subject.to_owned(),
+                session: session.to_owned(),
+                path: input.path.clone(),
+                planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
+                rated: 0,
+                skipped: 0,
+                dropped: None,
+                sidecar: input.sidecar.clone(),
+            });
+            sessions.len() as u32 - 1
+        })
+    };
     for (file, (input, rows)) in (0..).zip(selection.inputs.iter().zip(&mut *tables)) {
         let Some(own) = &input.columns.record else { continue };
-        let mut enter = |subject: &str, session: &str| {
-            *index.entry((subject.to_owned(), session.to_owned())).or_insert_with(|| {
-                sessions.push(session_read(subject, session, input));
-                sessions.len() as u32 - 1
-            })
-        };
         let (mut wrong, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
         read_attempts(selection, input, own, rows, |row, attempt| match attempt {
             Ok((subject, session, attempt)) => {
-                attempts.push(Attempt { session: enter(subject, session), file, row: row as u32, ..attempt });
+                attempts.push(Attempt { session: enter(subject, session, input), file, row: row as u32, ..attempt });
             }
             Err(error) => {
                 wrong.push(row);
@@ -365,30 +347,14 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
         wrong.iter().for_each(|row| rows.status[*row] = Status::Wrong);
         rows.errors = errors;
     }
-    trials::decide(attempts, &mut sessions, tables, &selection.inputs);
     for input in selection.inputs.iter().filter(|input| input.columns.record.is_some() && input.header.first.is_none())
     {
-        if let Ok((_, identity)) = dataset::identity(&input.path) {
-            let (subject, session) = (identity.subject(), identity.session());
-            if !index.contains_key(&(subject.to_owned(), session.to_owned())) {
-                sessions.push(session_read(subject, session, input));
-            }
+        if let Ok(identity) = dataset::identity(&input.path) {
+            enter(identity.subject(), identity.session(), input);
         }
     }
+    trials::decide(attempts, &mut sessions, tables);
     sessions
-}
-
-fn session_read(subject: &str, session: &str, input: &Input) -> SessionRead {
-    SessionRead {
-        subject: subject.to_owned(),
-        session: session.to_owned(),
-        path: input.path.clone(),
-        planned: input.protocol.as_ref().map(|protocol| protocol.main_trials() as u64),
-        rated: 0,
-        skipped: 0,
-        dropped: None,
-        sidecar: input.sidecar.clone(),
-    }
 }
 
 /// Calls `take` with every readable row of a result file: its participant, session and trial, or the first error.
@@ -431,71 +397,22 @@ fn read_attempts<'a>(
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
-/// Returns the errors in a file. If all its rows also occur in other files, that is the only one.
-pub(super) fn file_errors(input: &Input, mut rows: Rows, inputs: &[Input]) -> Vec<FileError> {
-    let other = |status: &Status| match status {
-        Status::Repeated { file, is_same } => {
-            Some((&inputs[*file as usize].name, *is_same)).filter(|(name, _)| **name != input.name)
-        }
-        _ => None,
-    };
-    let others: Option<Vec<(&String, bool)>> = rows.status.iter().map(other).collect();
-    let everything = others.filter(|others| !others.is_empty()).map(|others| {
-        let (all, differing) = (others.len(), others.iter().filter(|(_, is_same)| !*is_same).count());
-        let (one, is_one) = (others[0].0, others.iter().all(|(name, _)| *name == others[0].0));
-        let place = if is_one { one } else { "other files" };
-        let message = match differing {
-            0 => format!("all its rows ({all}) already appear in {place}; expected each session only once (this file is left out)"),
-            _ => format!(
-                "has the same participant, session and trials as {place}, but other contents in {differing} of {all} rows; \
-                 expected different IDs for different participants or sessions (this file is left out)"
-            ),
-        };
-        FileError::whole(&input.name, message)
-    });
-    if everything.is_some() {
-        rows.errors = RowErrors::default();
-    }
-    let errors = rows.errors.finish(&input.name, &input.header.names);
-    errors.into_iter().map(|error| input.header.in_cell(error)).chain(everything).collect()
-}
-
-/// Returns the content of a file, unless it is large.
-pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
+/// Returns the hash of a file, unless it is large.
+fn hash(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
-}
-
-/// Returns a hash of the cells of a file, which may also be packed, or have another separator or other line ends.
-fn cells(input: &Input, bytes: &[u8]) -> u64 {
-    let (header, mut hasher) = (&input.header, DefaultHasher::new());
-    let bytes = header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    // Reading from memory does not fail.
-    let _ = rows_from(Content::Memory(bytes), header.separator, header.start.as_ref(), |row| {
-        row.record.len().hash(&mut hasher);
-        row.record.iter().for_each(|cell| values::with_point(decoded(cell).trim(), header.separator).hash(&mut hasher));
-        true
-    });
-    hasher.finish()
-}
-
-/// Says that the second half of the lines below the header repeats the first half.
-pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
-    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    let header = bytes.iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |end| end + 1);
-    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
-    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
-    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
-    is_doubled.then(|| FileError::whole(&input.name, message))
+    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.
 fn no_row_counts(reports: &[FileRead]) -> FileError {
     let sum = |of: fn(&FileRead) -> u64| reports.iter().map(of).sum::<u64>();
-    let of = |reason| reports.iter().filter_map(|report| report.left_out.get(&reason)).flatten().map(|(_, n)| n).sum();
-    let reasons = Reason::ALL.map(|reason| (of(reason), reason.to_string()));
+    let of = |reason: &Reason| {
+        reports.iter().filter_map(|report| report.left_out.get(reason)).flatten().map(|(_, n)| n).sum()
+    };
+    let reasons: Vec<_> = Reason::ALL.iter().map(|reason| (of(reason), reason.to_string())).collect();
     let parts = [
         (sum(|report| report.practice), "from practice".to_owned()),
         (sum(|report| report.superseded), "superseded".to_owned()),

@@ -5,9 +5,8 @@ use std::{borrow::Cow, collections::BTreeSet, ops::Range};
 use csv::Position;
 
 use super::{
-    selection::Input,
+    selection::{Columns, Input},
     values::{answer, seconds, with_point},
-    workbook,
 };
 use crate::store::{
     FileError,
@@ -50,19 +49,9 @@ pub(super) enum Status {
     /// A later attempt counts.
     Superseded,
     /// The trial and attempt also occur in the file with this index, and that row counts.
-    Repeated {
-        file: u32,
-        /// True if the response and the levels are the same.
-        is_same: bool,
-    },
+    Repeated(u32),
     /// It has an error.
     Wrong,
-}
-
-impl Default for Status {
-    fn default() -> Self {
-        Self::Counts(0)
-    }
 }
 
 /// An error in a row.
@@ -112,25 +101,17 @@ impl Rows {
             let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
                 times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
-                status: vec![Status::default(); columns.rows()],
+                status: vec![Status::Counts(0); columns.rows()],
                 ..Self::default()
             };
             rows.unwrap_answers(input);
             return Ok(rows);
         }
-        let rounded = header.converted.as_ref().map_or(&[][..], |converted| &converted.rounded);
-        if let Some((row, column)) = rounded.iter().find(|(_, column)| used.contains(column)) {
-            let cell = workbook::cell_name(*row, *column);
-            let message = format!(
-                "cell {cell}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text"
-            );
-            return Err(FileError::whole(&input.name, message));
-        }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
         let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
-            let incomplete = interrupted(row).filter(|_| input.layout == Layout::Results);
+            let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if std::mem::take(&mut is_header) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
@@ -150,7 +131,6 @@ impl Rows {
                 let text = match row.check(&used, header.names.len(), input.layout == Layout::Results) {
                     Ok(()) => std::str::from_utf8(record.as_slice()).ok(),
                     Err((cell, message)) => {
-                        let (cell, message) = partial(row, cell).map_or((cell, message), |message| (None, message));
                         rows.errors.add(&input.name, cell, message, || row.place(cell.unwrap_or(0)));
                         None
                     }
@@ -164,7 +144,7 @@ impl Rows {
                     }
                 }
                 rows.times.extend(input.columns.time.map(|column| seconds(&value(column))));
-                rows.status.push(if text.is_some() { Status::default() } else { Status::Wrong });
+                rows.status.push(if text.is_some() { Status::Counts(0) } else { Status::Wrong });
             }
             rows.status.len() <= MAX_ROWS
         });
@@ -193,43 +173,31 @@ impl Rows {
     }
 
     /// Adds an error to those of the file.
-    pub fn report(&self, errors: &mut RowErrors, mut error: RowError, input: &Input, inputs: &[Input]) {
-        if error.row + 1 == self.status.len()
-            && let Some(Some(message)) = self.again(input, error.row, |row| partial(row, error.cell))
-        {
-            error = RowError { cell: None, what: What::Said(message), ..error };
-        }
+    pub fn report(&self, errors: &mut RowErrors, error: RowError, input: &Input, inputs: &[Input]) {
         let row = input.in_memory().then_some(error.row);
         errors.add_with(row, error.cell, || self.placed(&error, input, inputs));
     }
 
     /// Returns an error with its place.
-    pub fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
+    fn placed(&self, error: &RowError, input: &Input, inputs: &[Input]) -> FileError {
         if let Some(columns) = &input.header.columns {
             let message = error.message(input, inputs, |column| columns.cell(error.row, column));
             let place = format!("{}, row {} (counted from 0)", input.name, error.row);
             return FileError { rows: vec![error.row], ..FileError::whole(place, message) };
         }
-        let found = self.again(input, error.row, |row| {
-            let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
-            FileError::at(&input.name, row.place(error.cell.unwrap_or(0)), error.message(input, inputs, written))
-        });
-        found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
-    }
-
-    /// Reads a row of a file again, which is acceptable because errors are rare.
-    fn again<T>(&self, input: &Input, index: usize, mut take: impl FnMut(&Row<'_>) -> T) -> Option<T> {
-        let (header, mut skipped, mut found) = (&input.header, index % MARK, None);
-        let from = self.marks.get(index / MARK)?;
-        let _ = table::rows_from(header.content(&input.path), header.separator, Some(from), |row| {
-            let is_found = skipped == 0;
-            if is_found {
-                found = Some(take(row));
+        let (header, mut skipped, mut found) = (&input.header, error.row % MARK, None);
+        let from = self.marks.get(error.row / MARK);
+        // The row is read again, which is acceptable because errors are rare.
+        let _ = table::rows_from(header.content(&input.path), header.separator, from, |row| {
+            if skipped == 0 {
+                let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
+                let place = row.place(error.cell.unwrap_or(0));
+                found = Some(FileError::at(&input.name, place, error.message(input, inputs, written)));
             }
             skipped = skipped.saturating_sub(1);
-            !is_found
+            found.is_none()
         });
-        found
+        found.unwrap_or_else(|| FileError::whole(&input.name, error.message(input, inputs, |_| String::new())))
     }
 }
 
@@ -260,26 +228,25 @@ impl RowError {
     }
 }
 
-/// Says that a row with an error in this cell was left behind by an interrupted write. In a table from elsewhere, the last
-/// row may lack a line end, so there the error must be in its last cell or its number of cells.
-fn partial(row: &Row<'_>, cell: Option<usize>) -> Option<String> {
-    let is_last = |cell| cell + 1 == row.record.len();
-    interrupted(row).filter(|what| *what == ZEROS || cell.is_none_or(is_last)).map(left_behind)
-}
-
-/// How a file looks that was enlarged but not filled.
-const ZEROS: &str = "contains zero bytes";
-
-/// Returns what looks like an interrupted write, if this is the last row.
+/// Returns what looks like an interrupted write, if this is the last row: a file may have been enlarged but not filled.
 fn interrupted(row: &Row<'_>) -> Option<&'static str> {
     if !row.last {
         return None;
     }
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
-    if raw.contains(&0) { Some(ZEROS) } else { (!is_ended).then_some("is cut off") }
+    if raw.contains(&0) { Some("contains zero bytes") } else { (!is_ended).then_some("is cut off") }
 }
 
 fn left_behind(what: &str) -> String {
     format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)")
+}
+
+/// Returns one column of all files.
+pub(super) fn column_of<'a>(
+    inputs: &[Input],
+    tables: &'a [Rows],
+    column: impl Fn(&Columns) -> usize,
+) -> Vec<&'a Texts> {
+    inputs.iter().zip(tables).map(|(input, rows)| &rows.columns[column(&input.columns)]).collect()
 }

@@ -11,12 +11,11 @@ use serde_json::{Map, Value};
 use super::{
     files::{Header, SUBJECT},
     source::{Definitions, Layout, ReadOptions, Shape},
-    values,
 };
 use crate::{
     experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
     stimulus::is_direction,
-    store::{FileError, StoreError, columns::Texts, file::exists, session::seal, sidecar::Sidecar},
+    store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
 };
 
@@ -93,8 +92,6 @@ pub(super) struct Selection {
     pub wide: Vec<String>,
     /// For each factor, its levels in the definition, as result files have them; empty without a definition.
     pub levels: Vec<Vec<String>>,
-    /// For each factor, whether it is read only because no factors were named and there is no definition.
-    pub guessed: Vec<bool>,
 }
 
 /// Description of a session's file that has neither rows nor a sidecar, and may thus belong to any experiment.
@@ -148,38 +145,8 @@ impl Selection {
         let levels = shape.factors.iter().map(|name| defined(name).map_or_else(Vec::new, texts)).collect();
         let wide = options.wide.clone().unwrap_or_default().1;
         let is_empty = inputs.is_empty();
-        let is_guess = options.factors.is_none() && protocol.is_none();
-        let is_guessed =
-            |name| is_guess && !options.also().any(|other| other == name) && options.wide_factor() != Some(name);
-        let guessed = shape.factors.iter().map(is_guessed).collect();
-        let selection =
-            Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, wide, levels, guessed };
+        let selection = Self { inputs, shape, protocol, definition_sha256, experiment, own_scale, wide, levels };
         ((!is_empty).then_some(selection), errors)
-    }
-
-    /// Leaves out the columns that were only guessed to be factors and are measurements, with a warning for each. `files`
-    /// has the columns of each input.
-    pub fn leave_out_measurements(&mut self, files: &[&[Texts]]) -> Vec<FileError> {
-        let mut warnings = Vec::new();
-        for index in (0..self.guessed.len()).rev().filter(|&index| self.guessed[index]) {
-            let texts = self.texts(files, |columns| columns.factors[index]);
-            let Some((different, rows)) = values::measurement(&texts) else { continue };
-            let name = self.shape.factors.remove(index);
-            self.levels.remove(index);
-            let columns = self.inputs.iter_mut().map(|input| input.columns.factors.remove(index)).collect::<Vec<_>>();
-            let message = format!(
-                "the column {name} has {different} different numbers in {rows} rows, so it is a measurement and not a \
-                 factor (it is left out); expected factors or terms that name the columns to analyze, such as num:{name}"
-            );
-            warnings.push(self.inputs[0].error(columns[0], message));
-        }
-        warnings.reverse();
-        warnings
-    }
-
-    /// Returns one column of all files.
-    pub fn texts<'a>(&self, files: &[&'a [Texts]], column: impl Fn(&Columns) -> usize) -> Vec<&'a Texts> {
-        self.inputs.iter().zip(files).map(|(input, columns)| &columns[column(&input.columns)]).collect()
     }
 }
 

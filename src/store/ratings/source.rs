@@ -12,6 +12,7 @@ use crate::{
     experiment::Protocol,
     stimulus::{MachBand, Parameter},
     store::{FileError, FileErrors, definition, sidecar::Sidecar},
+    text::names::named,
 };
 
 /// Options for reading files.
@@ -31,8 +32,7 @@ pub struct ReadOptions {
     /// Column with the number of trials per row; by default `count`, if present.
     pub count: Option<String>,
     /// Columns with the factors. `None` means the factors of the definition; for a table of counts, all other columns;
-    /// for result files without a sidecar, all columns with stimulus parameters. Measurements are left out of the last
-    /// two.
+    /// for result files without a sidecar, all columns with stimulus parameters.
     pub factors: Option<Vec<String>>,
     /// Additional columns to read as factors, such as the ones in a model's terms. A column that no file has is
     /// ignored, except that `inv_n` then means `depth`.
@@ -142,8 +142,7 @@ pub struct Source {
     /// followed by the number of others.
     pub errors: Vec<FileError>,
     /// Warnings about files that were read anyway: files that were changed after their session ended, sessions without
-    /// a sidecar, links that lead out of a data set, tables of counts, columns that are measurements, missing responses,
-    /// IDs that look alike, and what was converted or guessed.
+    /// a sidecar, tables of counts, missing responses, IDs that look alike, and what was converted or guessed.
     pub warnings: Vec<FileError>,
 }
 
@@ -163,35 +162,20 @@ impl Source {
     }
 }
 
-/// Why rows of main trials do not count although they can be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Reason {
-    /// There is no response.
-    NoResponse,
-    /// There is no participant.
-    NoParticipant,
-    /// The answer came before the lower limit of [`ReadOptions::time_limits`].
-    TooFast,
-    /// The answer came after the upper limit.
-    TooSlow,
-    /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
-    Unfinished,
-}
-
-impl Reason {
-    /// All reasons.
-    pub const ALL: [Self; 5] = [Self::NoResponse, Self::NoParticipant, Self::TooFast, Self::TooSlow, Self::Unfinished];
-}
-
-impl std::fmt::Display for Reason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::NoResponse => "without a response",
-            Self::NoParticipant => "without a participant",
-            Self::TooFast => "answered too fast",
-            Self::TooSlow => "answered too slowly",
-            Self::Unfinished => "from unfinished sessions",
-        })
+named! {
+    /// Why rows of main trials do not count although they can be read.
+    #[derive(PartialOrd, Ord)]
+    Reason, UnknownReason {
+        /// There is no response.
+        NoResponse = "without a response",
+        /// There is no participant.
+        NoParticipant = "without a participant",
+        /// The answer came before the lower limit of [`ReadOptions::time_limits`].
+        TooFast = "answered too fast",
+        /// The answer came after the upper limit.
+        TooSlow = "answered too slowly",
+        /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
+        Unfinished = "from unfinished sessions",
     }
 }
 
@@ -236,12 +220,8 @@ pub struct FileRead {
     pub simulated: BTreeMap<String, [u64; 2]>,
     /// For each factor, the number of ratings that have no value of it.
     pub without_level: Vec<u64>,
-    /// The place of the first response that is no number, unless the categories are known or hardly any is none.
-    pub word: Option<String>,
     /// Number of ratings without a response time.
     pub without_time: u64,
-    /// Number of ratings in a wide table of a participant and condition that an earlier row has.
-    pub again: u64,
     /// SHA-256 of the content, so that the analysis can be repeated with exactly this file; `None` for a file above 64
     /// MiB.
     pub sha256: Option<String>,

@@ -2,9 +2,7 @@
 
 use super::{
     rows::{Rows, Status},
-    selection::Input,
     source::SessionRead,
-    values::number,
 };
 
 /// A row of a result file: an attempt at a trial. The order is that of the session.
@@ -25,7 +23,7 @@ pub(super) struct Attempt {
 }
 
 /// Sets how these rows are used, and counts the trials of the sessions.
-pub(super) fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows], inputs: &[Input]) {
+pub(super) fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
     for measured in attempts.iter().filter(|attempt| attempt.is_main && attempt.dropped.is_some()) {
         sessions[measured.session as usize].dropped = Some(0);
     }
@@ -42,11 +40,7 @@ pub(super) fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], f
         }
         for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
             let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
-            for row in &same[1..] {
-                let [here, there] = [row, &first].map(|row| contents(row, files, inputs));
-                let is_same = here.zip(there).all(|(a, b)| a == b || number(a).is_some() && number(a) == number(b));
-                set(files, row, Status::Repeated { file: first.file, is_same });
-            }
+            same[1..].iter().for_each(|row| set(files, row, Status::Repeated(first.file)));
             let mut set = |row: &Attempt, status| set(files, row, status);
             if !first.is_main {
                 set(&first, Status::Practice);
@@ -63,11 +57,4 @@ pub(super) fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], f
 
 fn set(files: &mut [Rows], row: &Attempt, status: Status) {
     files[row.file as usize].status[row.row as usize] = status;
-}
-
-/// Returns the response and the levels of a row.
-fn contents<'a>(row: &Attempt, files: &'a [Rows], inputs: &'a [Input]) -> impl Iterator<Item = &'a str> {
-    let (used, columns) = (&inputs[row.file as usize].columns, &files[row.file as usize].columns);
-    let row = row.row as usize;
-    used.responses.iter().chain(&used.factors).map(move |column| columns[*column].get(row))
 }

@@ -1,19 +1,13 @@
 //! What the text of a cell means.
 
-use std::{
-    borrow::Cow,
-    collections::{BTreeMap, HashSet},
-};
+use std::{borrow::Cow, collections::BTreeMap};
 
 use serde_json::{Map, Value};
-use unicode_normalization::UnicodeNormalization;
 
 use crate::store::columns::Texts;
 
 /// Maximum count in a row. The sum of many such counts still fits in 64 bits.
 const MAX_COUNT: f64 = 1e12;
-/// Maximum number of different numbers in a column that is a factor no matter how often each of them occurs.
-const MAX_UNIQUE: usize = 20;
 
 /// True if a cell has no value. Words that are only sometimes written for a missing value may name a level, so they are
 /// missing only if all other values of the column are numbers (`among_numbers`).
@@ -54,14 +48,12 @@ pub(super) fn alike<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<Vec<&'a str>>
 }
 
 fn common_form(id: &str) -> String {
-    let id: &str = &id.replace(is_invisible, "");
     // A number with more digits would be rounded.
     if let Some(number) = number(id).filter(|_| id.len() <= 15) {
         return (number + 0.0).to_string();
     }
     let mut form = String::new();
-    // NFKC also makes a no-break space a space.
-    let lower = id.nfkc().collect::<String>().to_lowercase();
+    let lower = id.to_lowercase();
     let mut rest = lower.chars().peekable();
     while let Some(char) = rest.next() {
         let is_first = !form.ends_with(|before: char| before.is_ascii_digit() || before == '.');
@@ -70,19 +62,6 @@ fn common_form(id: &str) -> String {
         }
     }
     form
-}
-
-/// True for characters that take no space and are mostly left behind by accident, such as a byte order mark or a soft hyphen.
-fn is_invisible(char: char) -> bool {
-    matches!(char, '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}')
-        || matches!(char, '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}')
-}
-
-/// Returns a text in which invisible characters are written as such, as `\u{200b}`.
-pub(super) fn visible(text: &str) -> String {
-    text.chars()
-        .map(|char| if is_invisible(char) { char.escape_unicode().to_string() } else { char.to_string() })
-        .collect()
 }
 
 /// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
@@ -107,24 +86,6 @@ pub(super) fn number(text: &str) -> Option<f64> {
 pub(super) fn are_numbers(column: &[&Texts]) -> bool {
     let mut values = column.iter().flat_map(|file| &file.texts).filter(|text| !is_missing(text, true)).peekable();
     values.peek().is_some() && values.all(|text| number(text).is_some())
-}
-
-/// True if hardly any values of a column, at most one in 50, are not numbers: these are then mistakes.
-pub(super) fn are_mostly_numbers(column: &[&Texts]) -> bool {
-    let rows = |is: fn(&str) -> bool| -> usize {
-        column.iter().map(|file| file.map(is).iter().filter(|is| **is).count()).sum()
-    };
-    50 * rows(|text| !is_missing(text, true) && number(text).is_none()) <= rows(|text| !is_missing(text, true))
-}
-
-/// Returns how many different numbers a column has, and in how many rows, if it is a measurement, such as an age or a
-/// time, and not a factor: more than 20, which occur less than twice on average.
-pub(super) fn measurement(column: &[&Texts]) -> Option<(usize, u64)> {
-    let numbers = column.iter().flat_map(|file| &file.texts).filter_map(|text| number(text));
-    let different = numbers.map(f64::to_bits).collect::<HashSet<_>>().len();
-    let values = |file: &&Texts| file.map(|text| number(text).is_some()).iter().filter(|is| **is).count() as u64;
-    let rows = column.iter().map(values).sum();
-    (are_numbers(column) && different > MAX_UNIQUE && rows < 2 * different as u64).then_some((different, rows))
 }
 
 /// Returns a whole number from 1 to a million, written with digits only; a session has at most 100,000 trials.
@@ -160,13 +121,8 @@ pub(super) fn level<'a>(text: &'a str, defined: &'a [String], among_numbers: boo
 /// # Errors
 /// Says what was expected.
 pub(super) fn count(text: &str) -> Result<u64, &'static str> {
-    match text.parse::<f64>() {
-        Ok(count) if (0.0..=MAX_COUNT).contains(&count) && count.fract() == 0.0 => Ok(count as u64),
-        Ok(number) if number < 0.0 => Err("a count, 0 or more"),
-        Ok(number) if number > MAX_COUNT => Err("a count of at most 10^12"),
-        Ok(_) => Err("a count without a fraction"),
-        Err(_) => Err("a count, a whole number"),
-    }
+    let count = text.parse::<f64>().ok().filter(|count| (0.0..=MAX_COUNT).contains(count) && count.fract() == 0.0);
+    count.map(|count| count as u64).ok_or("a count, a whole number from 0 to 10^12")
 }
 
 /// Returns the number of a repetition; `None` if it is missing.

@@ -2,7 +2,7 @@
 //! programs: `dataset_description.json`, `README.md`, `CHANGES.md` and the list of files that are not data.
 
 use std::{
-    collections::{BTreeMap, BTreeSet, HashSet},
+    collections::{BTreeSet, HashSet},
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -18,7 +18,7 @@ use crate::{
         file::{ABANDONED, exists, folder_of, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
-    system::{entries, found, link_target, unless_missing},
+    system::{entries, link_target, unless_missing},
 };
 
 /// Suffix of a data file in a Psych-DS data set; our result files have it too.
@@ -65,12 +65,11 @@ impl SessionPaths {
         }
     }
 
-    /// Creates the folders and the description of the data set, if they do not exist. If the existing description
-    /// cannot be extended, returns a sentence that says so.
+    /// Creates the folders and the description of the data set, if they do not exist.
     ///
     /// # Errors
     /// The folder cannot be created or written, or there is a link.
-    pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
+    pub fn prepare(&self, protocol: &Protocol) -> Result<(), StoreError> {
         self.refuse_links()?;
         let data = self.dataset.join("data");
         make_folder(&data)?;
@@ -139,51 +138,28 @@ pub(crate) fn described(csv: &Path) -> Result<Option<PathBuf>, StoreError> {
     Ok(exists(&folder.join(DESCRIPTION))?.then_some(folder))
 }
 
-/// Returns a warning for each data set of which data files or sidecars are outside once links are resolved. The data files
-/// are given with the folders of their data sets.
+/// Returns the participant and the session that the name of a data file says.
 ///
 /// # Errors
-/// A file or folder cannot be accessed.
-pub(crate) fn links_out<'a>(
-    files: impl IntoIterator<Item = (&'a Path, PathBuf)>,
-) -> Result<Vec<FileError>, FileErrors> {
-    // One warning for each data set, because a version control system may replace every file with a link.
-    let mut links: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
-    for (csv, folder) in files {
-        let outside = || -> std::io::Result<Vec<PathBuf>> {
-            let (inside, mut outside) = (folder.canonicalize()?, Vec::new());
-            for path in [csv.to_owned(), csv.with_extension("json")] {
-                if found(&path)?.is_some() && !path.canonicalize()?.starts_with(&inside) {
-                    outside.push(path);
-                }
-            }
-            Ok(outside)
-        };
-        let outside = outside().map_err(|error| FileErrors(io(&folder, "access")(error).errors(&folder)))?;
-        links.entry(folder).or_default().extend(outside);
-    }
-    let warning = |(folder, paths): (PathBuf, Vec<PathBuf>)| {
-        let (first, all) = (paths.first()?.display(), paths.len());
-        let message = format!(
-            "some of its files are links to files outside it ({all}, such as {first}); expected regular files (the \
-             links were followed)"
-        );
-        Some(FileError::whole(folder, message))
+/// It is not named like a data file.
+pub(crate) fn identity(csv: &Path) -> Result<Identity, FileErrors> {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy();
+    let fail = |what: &str| {
+        let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
+        FileErrors::whole(csv, format!("{what}; {expected}"))
     };
-    Ok(links.into_iter().filter_map(warning).collect())
-}
-
-/// Returns the part of a data file's name before `_data.csv`, and the participant and session that it names.
-pub(crate) fn identity(csv: &Path) -> Result<(String, Identity), String> {
-    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let expected = "expected a data file such as subject-S001_session-1_task-quick_data.csv";
-    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| format!("is not named like a data file; {expected}"))?;
+    let stem = name.strip_suffix(DATA_FILE).ok_or_else(|| fail("is not named like a data file"))?;
     let part = |key: &str| stem.split('_').find_map(|part| part.strip_prefix(key)?.strip_prefix('-'));
     let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
-        return Err(format!("its name lacks the subject or the session; {expected}"));
+        return Err(fail("its name lacks the subject or the session"));
     };
-    let identity = Identity::new(subject, session).map_err(|error| error.to_string())?;
-    Ok((stem.to_owned(), identity))
+    Identity::new(subject, session).map_err(|error| FileErrors::whole(csv, error.to_string()))
+}
+
+/// Returns the path of another file of the session with this data file.
+pub(in crate::store) fn beside(csv: &Path, suffix: &str) -> PathBuf {
+    let name = csv.file_name().unwrap_or_default().to_string_lossy();
+    csv.with_file_name(format!("{}{suffix}", name.strip_suffix(DATA_FILE).unwrap_or(&name)))
 }
 
 /// Reports the tables and sidecars in the `data` folder of a data set that do not belong to a session: sidecars and
@@ -240,12 +216,12 @@ pub const DESCRIPTION: &str = "dataset_description.json";
 /// Both names for the list of files that are not data: the one in the standard and the one in its validator.
 const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 
-/// Writes missing files, and adds missing columns to the description. Manual entries are kept. If the existing
-/// description cannot be extended, returns a sentence that says so.
+/// Writes missing files, and adds missing columns to the description. Manual entries are kept. A description without a list of
+/// columns stays as it is: the session is worth more.
 ///
 /// # Errors
 /// I/O errors.
-pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
+pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<(), StoreError> {
     let [by_text, by_validator] = IGNORE;
     for (name, text) in [
         ("README.md", readme(protocol)),
@@ -257,18 +233,11 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<Str
     }
     let path = dataset.join(DESCRIPTION);
     if !exists(&path)? {
-        return write_json(&path, &description(protocol)).map(|()| None);
+        return write_json(&path, &description(protocol));
     }
     let found = read_regular(&path, MAX_DESCRIPTION).map_err(io(&path, "read"))?;
-    // The session is worth more than its description.
-    let Ok(mut described) = serde_json::from_slice::<Value>(&found) else {
-        return Ok(Some(format!("{DESCRIPTION} is not JSON; it was not changed")));
-    };
-    match add_columns(&mut described, &columns(protocol)) {
-        Some(true) => write_json(&path, &described).map(|()| None),
-        Some(false) => Ok(None),
-        None => Ok(Some(format!("{DESCRIPTION} has no variableMeasured list; it was not changed"))),
-    }
+    let mut described = serde_json::from_slice::<Value>(&found).unwrap_or_default();
+    if add_columns(&mut described, &columns(protocol)) { write_json(&path, &described) } else { Ok(()) }
 }
 
 /// Returns a data set's description: its name, its title, and every column.
@@ -282,13 +251,13 @@ fn description(protocol: &Protocol) -> Value {
     })
 }
 
-/// Adds the columns that a description lacks, and returns whether there were any; `None` if it has no list of columns.
-fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
-    let variables = described.get_mut("variableMeasured")?.as_array_mut()?;
+/// Adds the columns that a description lacks, and returns whether there were any.
+fn add_columns(described: &mut Value, columns: &[Column]) -> bool {
+    let Some(variables) = described.get_mut("variableMeasured").and_then(Value::as_array_mut) else { return false };
     let missing: Vec<Value> =
         columns.iter().filter(|column| !variables.iter().any(|v| names(v, column))).map(variable).collect();
     variables.extend_from_slice(&missing);
-    Some(!missing.is_empty())
+    !missing.is_empty()
 }
 
 /// True if an entry describes this column. The entry may be an object or only the column's name.

@@ -3,16 +3,13 @@
 //!
 //! Frames describe a session but are not its data, so the session continues if this file cannot be written.
 
-use std::{io::BufReader, path::Path};
+use std::path::Path;
 
 use crate::{
-    display::frames::Refresh,
-    experiment::{FrameRun, Phase, Schedule, Shown},
+    experiment::{FrameRun, Schedule, Trial},
     store::{
         FileErrors, StoreError,
         file::{AppendFile, exists},
-        open::{Complete, open_regular},
-        table::{self, CellError, shortened},
     },
 };
 
@@ -24,39 +21,14 @@ pub const SUFFIX: &str = "_frames.csv";
 /// Maximum size of a frames file that a session continues, in bytes. Frames of 8 hours at 480 Hz have half of it.
 const MAX_FILE: u64 = 2 << 30;
 
-/// One row: consecutive frames with the same content.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrameRow {
-    /// Number of the sitting: 1, plus 1 for each time the session was resumed.
-    pub sitting: u32,
-    /// Phase, as in the data.
-    pub phase: Phase,
-    /// Trial, as in the data: its planned position within the phase, from 1.
-    pub trial: u32,
-    /// Attempt, as in the data.
-    pub attempt: u32,
-    /// Content of the frames.
-    pub shown: Shown,
-    /// The refresh interval that the frames were compared with; `None` if it was not known.
-    pub refresh: Option<Refresh>,
-    /// How long each frame was shown, in microseconds.
-    pub intervals_us: Vec<u32>,
-}
-
-impl FrameRow {
-    /// Creates the row for a run of frames; `None` if the schedule has no such trial.
-    pub fn new(run: FrameRun, schedule: &Schedule, sitting: u32) -> Option<Self> {
-        let trial = schedule.trials.get(run.trial)?;
-        let FrameRun { attempt, shown, refresh, intervals_us, .. } = run;
-        Some(Self { sitting, phase: trial.phase, trial: trial.number, attempt, shown, refresh, intervals_us })
-    }
-
-    fn line(&self) -> String {
-        let refresh = self.refresh.map_or_else(String::new, |refresh| format!("{:.3}", refresh.seconds() * 1e6));
-        let intervals: Vec<String> = self.intervals_us.iter().map(u32::to_string).collect();
-        let (phase, state) = (self.phase, self.shown.name());
-        format!("{},{phase},{},{},{state},{refresh},{}\n", self.sitting, self.trial, self.attempt, intervals.join(" "))
-    }
+/// Returns the line of a run of frames in a sitting, whose number is 1, plus 1 for each time the session was resumed; `None` if
+/// the schedule has no such trial.
+pub fn line(run: &FrameRun, schedule: &Schedule, sitting: u32) -> Option<String> {
+    let Trial { phase, number, .. } = schedule.trials.get(run.trial)?;
+    let refresh = run.refresh.map_or_else(String::new, |refresh| format!("{:.3}", refresh.seconds() * 1e6));
+    let intervals: Vec<String> = run.intervals_us.iter().map(u32::to_string).collect();
+    let (attempt, state) = (run.attempt, run.shown.name());
+    Some(format!("{sitting},{phase},{number},{attempt},{state},{refresh},{}\n", intervals.join(" ")))
 }
 
 /// The frames file of a running session. It is created with the first row, so a session without a screen has none.
@@ -90,25 +62,17 @@ impl FrameFile {
         self.0.content() == header()
     }
 
-    /// Appends rows. They are kept in memory from now on, and they are in the file when this returns without an error.
-    /// After an error, the next call tries again, with a new file if the old one no longer exists. A power failure may
-    /// lose the last rows, because the session does not wait for the disk.
+    /// Appends lines. They are kept in memory from now on, and they are in the file when this returns without an error.
+    /// After an error, the next call tries again. A power failure may lose the last rows, because the session does not wait for
+    /// the disk.
     ///
     /// # Errors
     /// I/O errors.
-    pub fn append(&mut self, rows: &[FrameRow]) -> Result<(), StoreError> {
-        if self.is_empty() && rows.is_empty() {
+    pub fn append(&mut self, lines: &[String]) -> Result<(), StoreError> {
+        if self.is_empty() && lines.is_empty() {
             return Ok(());
         }
-        let text: String = rows.iter().map(FrameRow::line).collect();
-        self.0.append(text.as_bytes()).or_else(|error| {
-            let path = self.0.path().to_owned();
-            if matches!(error, StoreError::Changed { .. }) && !exists(&path)? {
-                self.continue_in(&path)
-            } else {
-                Err(error)
-            }
-        })
+        self.0.append(lines.concat().as_bytes())
     }
 
     /// Writes everything that is not in the file yet, and waits until it is on disk, so that the file can be sealed.
@@ -138,61 +102,4 @@ impl FrameFile {
 
 fn header() -> Vec<u8> {
     format!("{HEADER}\n").into_bytes()
-}
-
-/// Reads a whole frames file.
-///
-/// # Errors
-/// Reports every error, with its line and column.
-pub fn read(path: &Path) -> Result<Vec<FrameRow>, FileErrors> {
-    let mut rows = Vec::new();
-    each(path, |row| {
-        rows.push(row);
-        Ok(())
-    })?;
-    Ok(rows)
-}
-
-/// Calls `take` with every row of a frames file. Memory use does not grow with the file, which reaches 70 MB in a
-/// session of 8 hours at 480 Hz.
-///
-/// # Errors
-/// Reports every error, with its line and column, including those that `take` returns.
-pub(crate) fn each(path: &Path, mut take: impl FnMut(FrameRow) -> Result<(), CellError>) -> Result<(), FileErrors> {
-    let file = open_regular(path).and_then(Complete::of).map_err(|error| {
-        FileErrors::whole(path, format!("cannot be opened: {error}; expected the frames file of a session"))
-    })?;
-    table::each_line(&path.display().to_string(), BufReader::new(file), HEADER, |cells| take(row(cells)?))
-}
-
-fn row(cells: &[&str]) -> Result<FrameRow, CellError> {
-    let &[sitting, phase, trial, attempt, state, refresh, intervals] = cells else {
-        return Err((0, format!("the number of cells in the row is {}; expected 7", cells.len())));
-    };
-    let wrong = |index: usize, expected: &str| {
-        let name = HEADER.split(',').nth(index).unwrap_or_default();
-        (index, format!("{name} is {:?}; expected {expected}", shortened(cells[index])))
-    };
-    let count = |index: usize, cell: &str| match cell.parse::<u32>() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err(wrong(index, "a whole number from 1")),
-    };
-    let refresh = match refresh {
-        "" => None,
-        text => Some(
-            (text.parse::<f64>().ok())
-                .and_then(|us| Refresh::new(us * 1e-6))
-                .ok_or_else(|| wrong(5, "a positive number of microseconds between refreshes, or an empty cell"))?,
-        ),
-    };
-    let intervals = intervals.split(' ').map(|text| text.parse().ok()).collect::<Option<_>>();
-    Ok(FrameRow {
-        sitting: count(0, sitting)?,
-        phase: phase.parse().map_err(|_| wrong(1, "practice or main"))?,
-        trial: count(2, trial)?,
-        attempt: count(3, attempt)?,
-        shown: state.parse().map_err(|_| wrong(4, &format!("one of {}", Shown::NAMES.join(", "))))?,
-        refresh,
-        intervals_us: intervals.ok_or_else(|| wrong(6, "whole microseconds separated by spaces"))?,
-    })
 }

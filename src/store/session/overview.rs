@@ -100,7 +100,7 @@ impl SessionState {
 
     /// Returns what the path tells about a session that cannot be read; `None` if it tells nothing.
     fn unreadable(csv: PathBuf) -> Option<Self> {
-        let (_, identity) = identity(&csv).ok()?;
+        let identity = identity(&csv).ok()?;
         let experiment = csv.ancestors().nth(2)?.file_name()?.to_str()?.to_owned();
         Some(Self {
             csv,
@@ -118,7 +118,7 @@ impl SessionState {
     }
 
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
-        let (_, identity) = identity(&csv).map_err(|message| FileErrors::whole(&csv, message))?;
+        let identity = identity(&csv)?;
         let (_, sidecar, protocol) = described(&csv)?;
         let planned = protocol.main_trials() + protocol.design.practice as usize;
         // A complete session was rated to the end, so its rows need not be read unless the file has another size since.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    dataset::{DATA_FILE, identity},
+    dataset::{beside, identity},
     frames, lock, results,
     seal::{Difference, Hashes},
     sidecar::{Sidecar, missing},
@@ -86,7 +86,7 @@ impl Recorded {
     }
 
     fn read(csv: &Path, text: Result<Vec<u8>, FileErrors>, running: Option<String>) -> Result<Self, StoreError> {
-        let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
+        let identity = identity(csv)?;
         let (sidecar_path, sidecar_text) = (csv.with_extension("json"), text?);
         let sidecar = Sidecar::parse(&sidecar_path, &sidecar_text)?;
         let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
@@ -97,7 +97,7 @@ impl Recorded {
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
         let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
         changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
-        let frames = csv.with_file_name(format!("{stem}{}", frames::SUFFIX));
+        let frames = beside(csv, frames::SUFFIX);
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
@@ -140,12 +140,6 @@ impl Recorded {
     pub fn interruption(&self) -> Option<FileError> {
         let (line, _) = self.incomplete_line().filter(|_| !self.sidecar.is_sealed())?;
         Some(FileError::whole(&self.csv, interrupted(line)))
-    }
-
-    /// Returns the part that all file names of the session share.
-    pub fn stem(&self) -> String {
-        let name = self.csv.file_name().unwrap_or_default().to_string_lossy();
-        name.strip_suffix(DATA_FILE).unwrap_or(&name).to_owned()
     }
 
     /// Returns what a row records; `None` if the row is not planned.

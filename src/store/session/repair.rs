@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{
-    dataset::{self, DAMAGED, SIDECAR_SUFFIX, identity, refuse_link},
+    dataset::{self, DAMAGED, identity, refuse_link},
     lock::LockFile,
     recorded::Order,
     results,
@@ -32,24 +32,21 @@ pub struct Repaired {
     pub moved_to: Option<PathBuf>,
     /// True if the header was damaged or gone and was written again.
     pub header_restored: bool,
-    /// True if rows were not in the order of recording and were put back into it.
-    pub order_restored: bool,
     /// True if rows are missing although no line is damaged, and the sidecar did not say so.
     pub has_gaps: bool,
 }
 
 /// Moves the damaged lines of a session's data file to a new file next to it: lines that cannot be read, and rows that
-/// the definition and the seed do not plan or that repeat another row. A damaged header is replaced, and rows in another
-/// order, as after sorting the file, are put back into the order of recording. Every byte is kept. The sidecar records the repair, also that rows are missing, and the trials of the moved and
-/// the missing lines are shown again when the session is resumed. The seals are not renewed.
+/// the definition and the seed do not plan or that repeat another row. A damaged header is replaced. Every byte is kept. The
+/// sidecar records the repair, also that rows are missing, and the trials of the moved and the missing lines are shown again
+/// when the session is resumed. The seals are not renewed.
 ///
 /// # Errors
 /// Another program is writing the session; the sidecar is missing or cannot be read; no row is planned, so the sidecar
-/// belongs to another session; more than half of the lines would be moved; planned rows could not have been recorded together,
-/// in whatever order; a link; I/O errors. The data file is not changed before the other file is on disk.
+/// belongs to another session; more than half of the lines would be moved; planned rows are not in the order of recording; a
+/// link; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
-    let (stem, identity) = identity(csv).map_err(|message| FileErrors::whole(csv, message))?;
-    let sidecar_path = csv.with_file_name(format!("{stem}{SIDECAR_SUFFIX}"));
+    let (identity, sidecar_path) = (identity(csv)?, csv.with_extension("json"));
     let dataset = dataset::of(csv)?;
     [csv, &sidecar_path].into_iter().chain(dataset.as_deref()).chain(csv.parent()).try_for_each(refuse_link)?;
     let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
@@ -59,34 +56,31 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     let open = results::open(csv, &columns)?;
     let (_lock, _) = LockFile::create(csv, open.is_locked())?;
     let before = results::content(csv)?;
-    let Sorted { header_restored, order_restored, lines, damaged, kept, has_gaps, .. } =
+    let Sorted { header_restored, lines, damaged, kept, has_gaps } =
         sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
     let has_gaps = has_gaps && lines.is_empty() && !sidecar.is_repaired();
     if kept == before && !has_gaps {
-        return Ok(Repaired { lines, moved_to: None, header_restored: false, order_restored: false, has_gaps });
+        return Ok(Repaired { lines, moved_to: None, header_restored: false, has_gaps });
     }
     let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
     let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
     let moved = moved_to.as_ref().map(|_| format!("damaged lines were moved to {name}: {}", lines.len()));
     let header = header_restored.then(|| "the header was restored".to_owned());
-    let order = order_restored.then(|| "the order of the rows was restored".to_owned());
     let gaps = has_gaps.then(|| "rows are missing".to_owned());
-    let what = moved.into_iter().chain(header).chain(order).chain(gaps).collect::<Vec<_>>().join("; ");
+    let what = moved.into_iter().chain(header).chain(gaps).collect::<Vec<_>>().join("; ");
     record(format!("{REPAIRED}{what}; sha256 {was} before, {is} now"), &mut sidecar);
     // If the repair ends in the middle, it is recorded and can be repeated; rows must not disappear without a record.
     sidecar.write(&sidecar_path)?;
     if kept != before {
         write_whole(csv, &kept, true)?;
     }
-    Ok(Repaired { lines, moved_to, header_restored, order_restored, has_gaps })
+    Ok(Repaired { lines, moved_to, header_restored, has_gaps })
 }
 
 /// The lines of a data file.
-#[derive(Default)]
 struct Sorted {
     header_restored: bool,
-    order_restored: bool,
     /// Numbers of the damaged lines.
     lines: Vec<usize>,
     damaged: Vec<u8>,
@@ -94,10 +88,6 @@ struct Sorted {
     kept: Vec<u8>,
     /// True if rows are missing between those that are kept.
     has_gaps: bool,
-    /// The number of planned rows.
-    planned: usize,
-    /// For each planned row among the damaged lines of which no copy is kept, why it cannot follow the rows before it.
-    misplaced: Vec<String>,
 }
 
 fn sort(
@@ -116,63 +106,43 @@ fn sort(
         return Err(mismatch(format!("{empty} of {count} lines are empty; expected the rows of a session")));
     }
     let mut lines: Vec<&[u8]> = content.split_inclusive(|byte| *byte == b'\n').collect();
-    let mut number = 1;
-    let header = match lines.first() {
-        Some(first) if results::parse("", first, columns).is_ok() => {
-            number = 2;
-            lines.remove(0).to_vec()
-        }
+    let (header, header_restored) = match lines.first() {
+        Some(first) if results::parse("", first, columns).is_ok() => (lines.remove(0).to_vec(), false),
         // The header is damaged or gone.
-        _ => results::header(columns),
+        _ => (results::header(columns), true),
     };
+    let first = if header_restored { 1 } else { 2 };
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
-    let readable = rows.iter().flatten().count();
-    let sort_in = |places: &[usize]| {
-        let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
-        let (mut order, mut sorted) = (Order::new(true, sidecar.sittings.len()), Sorted::default());
-        let (mut known, mut faults) = (HashSet::new(), Vec::new());
-        sorted.kept.clone_from(&header);
-        for &place in places {
-            let row = rows[place].as_ref().filter(|row| replay.row(row).is_ok());
-            sorted.planned += usize::from(row.is_some());
-            let errors = row.map(|row| order.errors(row));
-            if let Some(row) = row.filter(|_| errors.as_ref().is_some_and(Vec::is_empty)) {
-                order.add(row);
-                known.insert(&row.row_id);
-                sorted.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
-                sorted.kept.extend_from_slice(lines[place]);
-            } else {
-                sorted.lines.push(number + place);
-                faults.extend(row.zip(errors));
-            }
-        }
-        faults.retain(|(row, _)| !known.contains(&row.row_id));
-        sorted.misplaced = faults.into_iter().flat_map(|(_, errors)| errors.into_iter().next()).collect();
-        sorted.lines.sort_unstable();
-        sorted.damaged = sorted.lines.iter().flat_map(|line| lines[line - number]).copied().collect();
-        sorted
-    };
-    let mut places: Vec<usize> = (0..lines.len()).collect();
-    let mut sorted = sort_in(&places);
-    if !sorted.lines.is_empty() {
-        let recorded = |row: &TrialRecord| (row.sitting, (row.onset_s.0 * 1e4).round() as i64, row.attempt);
-        places.sort_by_key(|place| rows[*place].as_ref().map(recorded));
-        let by_time = sort_in(&places);
-        // In another order, what an adaptive method showed may not be planned either.
-        if by_time.lines.len() < sorted.lines.len() {
-            sorted = Sorted { order_restored: true, ..by_time };
+    let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
+    let (mut order, mut known, mut faults) = (Order::new(true, sidecar.sittings.len()), HashSet::new(), Vec::new());
+    let mut sorted =
+        Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header.clone(), has_gaps: false };
+    let mut planned = 0;
+    for ((line, row), number) in lines.iter().zip(&rows).zip(first..) {
+        let row = row.as_ref().filter(|row| replay.row(row).is_ok());
+        planned += usize::from(row.is_some());
+        let errors = row.map_or_else(Vec::new, |row| order.errors(row));
+        if let Some(row) = row.filter(|_| errors.is_empty()) {
+            order.add(row);
+            known.insert(&row.row_id);
+            sorted.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
+            sorted.kept.extend_from_slice(line);
+        } else {
+            sorted.lines.push(number);
+            sorted.damaged.extend_from_slice(line);
+            faults.extend(row.zip(errors.into_iter().next()));
         }
     }
-    sorted.header_restored = number == 1;
-    let planned = sorted.planned;
-    if let Some(first) = sorted.misplaced.first() {
+    // A row of which a copy is kept is only repeated.
+    faults.retain(|(row, _)| !known.contains(&row.row_id));
+    if let Some((_, first)) = faults.first() {
         return Err(mismatch(format!(
-            "{} of {planned} planned rows are not in the order in which a session records them, also if they are sorted by \
-             sitting and onset_s ({first}); expected rows as recorded: correct them by hand, or take a copy of the file",
-            sorted.misplaced.len()
+            "{} of {planned} planned rows are not in the order in which a session records them ({first}); expected rows as \
+             recorded: sort them by sitting and onset_s, or take a copy of the file",
+            faults.len()
         )));
     }
-    if planned == 0 && readable > 0 {
+    if planned == 0 && rows.iter().any(Option::is_some) {
         let what = format!(
             "no row is planned by the definition and seed {seed} in its sidecar; expected the rows and the sidecar of one session"
         );

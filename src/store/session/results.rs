@@ -9,7 +9,7 @@ use crate::{
         error::io,
         file::{AppendFile, complete_lines_or_header, split_partial_line},
         open::read_regular,
-        table::{self, CellError, shortened},
+        table::{self, exactly},
     },
 };
 
@@ -77,20 +77,8 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
     table::parse(
         file,
         content,
-        |header: &[&str]| check_header(header, columns),
-        |cells: &[&str]| TrialRecord::from_cells(cells, columns),
+        b',',
+        |header| exactly(header, columns.iter().map(|column| column.name.as_str())),
+        |cells, _| TrialRecord::from_cells(cells, columns),
     )
-}
-
-/// Checks the header, and names the first column that is not the expected one.
-fn check_header(header: &[&str], columns: &[Column]) -> Result<(), CellError> {
-    for i in 0..columns.len().max(header.len()) {
-        let (found, expected) = (header.get(i).copied(), columns.get(i).map(|column| column.name.as_str()));
-        if found != expected {
-            let found = found.map_or("missing".to_owned(), |name| format!("{:?}", shortened(name)));
-            let expected = expected.map_or("no other column".to_owned(), |name| format!("{name:?}"));
-            return Err((i, format!("column {} is {found}; expected {expected}, as in a result file", i + 1)));
-        }
-    }
-    Ok(())
 }

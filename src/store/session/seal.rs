@@ -11,7 +11,7 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX},
+    dataset::{SIDECAR_SUFFIX, beside},
     frames,
     sidecar::Sidecar,
 };
@@ -166,12 +166,6 @@ fn is_without_frames(sidecar: &Sidecar) -> bool {
         let is_sealed = sitting.seal.as_ref().is_some_and(|seal| seal.frames_sha256.is_none());
         is_sealed && !sitting.incidents.iter().any(tells)
     })
-}
-
-/// Returns the path of another file of the same session.
-pub(in crate::store) fn beside(csv: &Path, suffix: &str) -> PathBuf {
-    let name = csv.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    csv.with_file_name(format!("{}{suffix}", name.strip_suffix(DATA_FILE).unwrap_or(&name)))
 }
 
 /// Opens a file that is compared with a seal.

@@ -5,7 +5,7 @@ use std::{path::Path, sync::Arc};
 use super::{
     chain,
     dataset::{PARTICIPANTS, SessionPaths},
-    frames::{FrameFile, FrameRow},
+    frames::FrameFile,
     lock::LockFile,
     participants,
     recorded::{Replays, replay},
@@ -93,10 +93,9 @@ impl SessionStore {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
-        let undescribed = paths.prepare(protocol)?;
+        paths.prepare(protocol)?;
         let rows = results::create(&paths.csv, &columns(protocol))?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
-        sidecar.sittings[0].incidents.extend(undescribed);
         let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|(lock, incident)| {
             sidecar.sittings[0].incidents.extend(incident);
             sidecar.write(&paths.sidecar)?;
@@ -235,8 +234,8 @@ impl SessionStore {
 
     /// Appends frames. A failure is noted only once; the next frames trigger another attempt, and the session
     /// continues.
-    pub fn append_frames(&mut self, rows: &[FrameRow]) {
-        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(rows));
+    pub fn append_frames(&mut self, lines: &[String]) {
+        let written = self.frames.as_mut().map_or(Ok(()), |frames| frames.append(lines));
         if let Err(error) = written
             && !std::mem::replace(&mut self.frames_refused, true)
         {
@@ -261,18 +260,12 @@ impl SessionStore {
             if exists(&self.paths.csv)? {
                 return Err(error);
             }
-            self.prepare()?;
+            self.paths.prepare(&self.protocol)?;
             self.rows.continue_in(&self.paths.csv)?;
             self.lock_again();
             self.enter_participant();
             self.sidecar.write(&self.paths.sidecar)
         })
-    }
-
-    fn prepare(&mut self) -> Result<(), StoreError> {
-        let undescribed = self.paths.prepare(&self.protocol)?;
-        undescribed.into_iter().for_each(|what| self.note(what));
-        Ok(())
     }
 
     /// Copies everything recorded so far to another results folder and continues there. The old files are not changed.
@@ -286,7 +279,7 @@ impl SessionStore {
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
-        let undescribed = paths.prepare(&self.protocol)?;
+        paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.continue_in(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
@@ -297,7 +290,6 @@ impl SessionStore {
         }
         self.paths = paths;
         self.lock_again();
-        undescribed.into_iter().for_each(|what| self.note(what));
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)

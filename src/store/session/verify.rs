@@ -6,21 +6,13 @@ use std::{
     path::Path,
 };
 
-use jiff::Timestamp;
-
 use super::{
     chain,
-    frames::{self, FrameRow},
     recorded::{Recorded, interrupted},
     seal::ACCEPTED,
-    sidecar::Sidecar,
     sitting::{OtherPicture, Pictures},
 };
-use crate::{
-    experiment::{GENERATOR, Phase},
-    stimulus::Stimulus,
-    store::{FileError, FileErrors},
-};
+use crate::{experiment::GENERATOR, stimulus::Stimulus, store::FileError};
 
 /// The findings about one session.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -94,9 +86,6 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
                 Ok(gaps) => found.notes.extend(gaps),
                 Err(error) => found.errors.extend(error.errors(csv)),
             }
-            if let Some(Err(FileErrors(errors))) = recorded.frames.as_ref().map(|path| check_frames(path, &recorded)) {
-                found.errors.extend(errors);
-            }
             check_pictures(&recorded, renderer, &mut found);
             found.accepted = recorded.sidecar.incidents(ACCEPTED).next().is_some();
             for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
@@ -114,31 +103,6 @@ fn check_generator(recorded: &Recorded, found: &mut Verified) {
         let message = format!("the generator is {generator:?}; expected {GENERATOR:?}, which orders the trials");
         found.errors.push(FileError::whole(&recorded.sidecar_path, message));
     }
-}
-
-/// Checks that every row of a frames file belongs to a planned trial, and to a rating of it or the next one.
-fn check_frames(path: &Path, recorded: &Recorded) -> Result<(), FileErrors> {
-    let trials = &recorded.schedule.trials;
-    let mut attempts: HashMap<_, u32> =
-        trials.iter().map(|trial| ((trial.phase == Phase::Main, trial.number), 0)).collect();
-    for row in &recorded.rows {
-        attempts.entry((row.phase == Phase::Main, row.trial)).and_modify(|last| *last = row.attempt.max(*last));
-    }
-    let mut sitting = 0;
-    frames::each(path, |row| {
-        let FrameRow { phase, trial, attempt, .. } = row;
-        if row.sitting < sitting {
-            return Err((0, format!("sitting is {} after {sitting}; expected the order of recording", row.sitting)));
-        }
-        sitting = row.sitting;
-        match attempts.get(&(phase == Phase::Main, trial)) {
-            None => Err((2, format!("the definition plans no {phase} trial {trial}; expected a planned trial"))),
-            Some(last) if attempt > last.saturating_add(1) => {
-                Err((3, format!("attempt is {attempt}; expected at most {}, the attempt after the last row", last + 1)))
-            }
-            Some(_) => Ok(()),
-        }
-    })
 }
 
 /// Checks that no rows are missing at the end of the file.
@@ -159,22 +123,6 @@ fn check_end(recorded: &Recorded, found: &mut Verified) {
         None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
         None => {}
     }
-    let turned_back = turned_back(&recorded.sidecar);
-    if turned_back > 0 {
-        found.notes.push(format!("the wall clock was set back (times: {turned_back}); onset_s gives the true order"));
-    }
-}
-
-/// Returns how often the wall clock was set back between sittings. Within a sitting, `started_at` is computed from the
-/// session's own time, which never goes back. The time of a simulated observer runs ahead of the wall clock, so the
-/// rows of two sittings are not compared.
-fn turned_back(sidecar: &Sidecar) -> usize {
-    let time = |text: &str| text.parse::<Timestamp>().ok();
-    let pairs = sidecar.sittings.windows(2).filter_map(|pair| {
-        let before = pair[0].ended_at.as_ref().unwrap_or(&pair[0].started_at);
-        Some((time(before)?, time(&pair[1].started_at)?))
-    });
-    pairs.filter(|(before, after)| after < before).count()
 }
 
 /// Checks that the files have not changed since the session ended.
