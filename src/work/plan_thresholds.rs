@@ -191,7 +191,7 @@ impl PlannedThresholds {
     }
 
     /// Returns what a precision is that of: `threshold of a person`, `depth 2 − 1`.
-    pub fn name(&self, quantity: &Quantity) -> String {
+    fn name(&self, quantity: &Quantity) -> String {
         match *quantity {
             Quantity::Person => "threshold of one person".to_owned(),
             Quantity::Mean => "mean threshold".to_owned(),
@@ -200,6 +200,14 @@ impl PlannedThresholds {
                 format!("{} {} − {}", of.name, of.levels[level], of.levels[0])
             }
         }
+    }
+
+    /// Returns what a precision is that of, in words.
+    pub fn told(&self, quantity: &Quantity) -> String {
+        let Quantity::Difference { factor, level, .. } = *quantity else { return self.name(quantity) };
+        let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
+        let [level, first] = [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
+        format!("{} {level} − {first}", names::factor(known, &of.name))
     }
 
     /// Returns the smallest study of those planned that finds each true difference with the target power.

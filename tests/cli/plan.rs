@@ -364,18 +364,6 @@ fn a_preregistration_says_what_was_planned() {
     // Three studies that all find the effect are no proof that most would.
     let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3 --terms width", "2");
     assert!(said.contains("6 participants may be enough"), "{said}");
-    // One participant stands for no people, and the report knows one level of significance.
-    let line = "quick --participants 1 --effect width:0.1=3 --studies 3 --alpha 0.01 --preregistration one.md";
-    succeeds(folder.path(), line, "1");
-    let text = std::fs::read_to_string(folder.path().join("one.md")).unwrap();
-    for expected in [
-        "a cumulative-link model with",
-        "It has no random effects",
-        "simulated studies. The p",
-        "p is compared with 0.01 by",
-    ] {
-        assert!(text.contains(expected), "{expected}: {text}");
-    }
     // Without an effect, no number of participants is enough.
     let line = "quick --participants 2 --studies 100 --terms orientation_deg --preregistration none.md";
     succeeds(folder.path(), line, "2");
