@@ -29,16 +29,6 @@ impl Settings {
         self.0.iter().try_for_each(|(name, value)| stimulus.set(name, value))?;
         Ok(stimulus)
     }
-
-    /// Returns whether a stimulus of `side` pixels has other light with these parameters than with others. Pictures are
-    /// compared by the content of their files.
-    pub(in crate::experiment) fn differs(&self, others: &Self, stimulus: &Stimulus, side: u32) -> bool {
-        match [self.apply(stimulus), others.apply(stimulus)] {
-            [Ok(Stimulus::Image(one)), Ok(Stimulus::Image(other))] => one.sha256() != other.sha256(),
-            [Ok(one), Ok(other)] => one.linear(side) != other.linear(side),
-            both => both[0] != both[1],
-        }
-    }
 }
 
 /// How the stimuli of a trial are arranged.

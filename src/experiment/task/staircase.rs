@@ -58,16 +58,6 @@ impl Staircase {
             };
             errors.add(format!("adaptive.steps.{i}"), message);
         }
-        // At best, steps in both directions take turns.
-        let (round, rest) = (self.down.saturating_add(self.up).max(1), self.down.min(self.up));
-        let most = (2 * (common.trials / round) + u32::from(common.trials % round >= rest)).saturating_sub(1);
-        if let Some(reversals) = self.reversals.filter(|reversals| *reversals > most) {
-            let message = format!(
-                "{reversals} reversals cannot occur in {} trials; expected at most {most}, or more trials",
-                common.trials
-            );
-            errors.add("adaptive.reversals", message);
-        }
     }
 }
 
