@@ -1,10 +1,7 @@
 //! `machband shade`
 
-use clap::Args as _;
-
-use super::{Bar, OutPath, count, message, option, print_line, report_written};
+use super::{Bar, OutPath, count, message, print_line, report_written};
 use crate::{
-    light::Transfer,
     report::document::numbers::{ratio, significant},
     shading::{Shader, crease},
     store::{self, Writer},
@@ -33,25 +30,20 @@ pub(super) struct Arguments {
     /// difference from the smooth surface, in times threshold and in light, each also relative to Gouraud's.
     #[arg(long, value_name = "FILE.json", conflicts_with = "scene")]
     metrics: Option<OutPath>,
-    /// Where to write an image of the change of slope at each edge.
-    #[arg(long, value_name = "FILE.png", conflicts_with = "scene")]
-    creases: Option<OutPath>,
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    let Arguments { request, out, metrics, creases } = arguments;
-    let wanted = Wanted { picture: out.is_some(), metrics: metrics.is_some(), creases: creases.is_some() };
+    let Arguments { request, out, metrics } = arguments;
+    let wanted = Wanted { picture: out.is_some(), metrics: metrics.is_some() };
     if wanted == Wanted::default() {
-        let message = "nothing to write; expected --out FILE.png, --metrics FILE.json or --creases FILE.png";
+        let message = "nothing to write; expected --out FILE.png or --metrics FILE.json";
         return Err(RequestError::whole(message).into());
     }
     let bar = Bar::spinner("shading");
     let shaded = request.shade(None, wanted, &bar);
     bar.clear();
     let shaded = shaded?;
-    let command = Arguments::augment_args(clap::Command::new("shade"));
-    let idle = shaded.idle.iter().map(|idle| idle.told(|field| option(&command, field)));
-    idle.chain(shaded.notes).for_each(|note| message("note", &note));
+    shaded.notes.iter().for_each(|note| message("note", note));
     if let (Some(path), Some(codes)) = (out, &shaded.picture) {
         store::image::write_shaded(writer, path, codes, &shaded.transfers, &shaded.description)?;
     }
@@ -59,10 +51,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         writer.write(path, format!("{}\n", serde_json::to_string_pretty(found)?).as_bytes())?;
         summarize(request.one.shader.unwrap_or(Shader::Phong), found)?;
     }
-    if let (Some(path), Some(codes)) = (creases, &shaded.creases) {
-        store::image::write_shaded(writer, path, codes, &Transfer::Srgb.into(), &shaded.description)?;
-    }
-    [out, metrics, creases].into_iter().flatten().try_for_each(|path| report_written(path))
+    [out, metrics].into_iter().flatten().try_for_each(|path| report_written(path))
 }
 
 /// Prints the measurements that matter most.

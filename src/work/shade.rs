@@ -17,7 +17,7 @@ use super::{
     request::{self, paths},
 };
 use crate::{
-    light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, Transfers},
+    light::{CodeImage, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
     shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
     stimulus::{Judged, Renderer, Residual, SurfaceDifference, Undershoot, ViewingConditions},
@@ -67,8 +67,6 @@ pub struct Wanted {
     pub picture: bool,
     /// The measurements, which take longer than the picture.
     pub metrics: bool,
-    /// A picture of the change of slope at each edge.
-    pub creases: bool,
 }
 
 /// A shaded mesh or scene.
@@ -76,13 +74,10 @@ pub struct Wanted {
 pub struct Shaded {
     pub picture: Option<CodeImage>,
     pub metrics: Option<Metrics>,
-    pub creases: Option<CodeImage>,
     /// The display's transfer functions, for which the picture was made.
     pub transfers: Transfers,
     /// Every parameter, as image files record them.
     pub description: Value,
-    /// The options that were given but have no effect.
-    pub idle: Vec<RequestError>,
     /// What is unusual about the mesh or the light.
     pub notes: Vec<String>,
 }
@@ -185,7 +180,7 @@ impl Shade {
             )?;
             return self.scene(scene, encoded.transfers);
         }
-        if one.shader.is_none() && (wanted.metrics || wanted.creases) {
+        if one.shader.is_none() && wanted.metrics {
             let message = format!("is missing, but the measurements need one; expected {}", Shader::EXPECTED);
             return Err(RequestError::value("shader", message).into());
         }
@@ -203,38 +198,9 @@ impl Shade {
             Quantizer::new(transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
-        let creases = wanted.creases.then(|| drawing.creases());
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, creases, transfers, description, idle: self.idle(wanted), notes })
-    }
-
-    /// Names the options that were given but have no effect.
-    fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
-        let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
-        let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
-        let rules: [(&[&str], bool, &str); 11] = [
-            (&["depth", "boundary"], shade.has_strip(), &shader),
-            (&["gradients"], shade.has_gradients(), &shader),
-            (&["naive"], shade.shader.interpolates_light(), &shader),
-            (&["crease"], shape.is_none(), &mesh),
-            (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
-            (
-                &["highlight", "shininess", "facet_slope", "facet_c1", "facet_index"],
-                one.specular > 0.0,
-                "without specular light",
-            ),
-            (&["shininess"], one.facet_slope.is_none(), "beside a slope of the small mirrors"),
-            (&["bits", "dither", "seed"], wanted.picture, "without a picture"),
-            (&["seed"], matches!(self.image.dither, Dither::Random { .. }), "without random dither"),
-            (&["window_deg", "white", "black"], wanted.metrics, "without the measurements"),
-            (&["truth"], wanted.metrics || one.draws_truth(), "without the measurements"),
-        ];
-        let without_effect = |(field, _): (String, Value)| {
-            let (_, _, why) = rules.iter().find(|(fields, is_used, _)| !is_used && fields.contains(&field.as_str()))?;
-            Some(RequestError::value(&field, format!("has no effect {why}")))
-        };
-        request::changed(self).into_iter().filter_map(without_effect).collect()
+        Ok(Shaded { picture, metrics, transfers, description, notes })
     }
 
     /// Draws a scene of several meshes.
@@ -249,8 +215,7 @@ impl Shade {
         notes.extend(clipped(&image));
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
-        let idle = self.idle(Wanted { picture: true, ..Wanted::default() });
-        Ok(Shaded { picture: Some(picture), metrics: None, creases: None, transfers, description, idle, notes })
+        Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, notes })
     }
 }
 
@@ -309,14 +274,6 @@ impl<'a> Drawing<'a> {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
         let truth = self.one.draws_truth().then(truth).flatten();
         (truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame)), shot.transfers)
-    }
-
-    /// Returns the codes of a picture of the change of slope at each edge.
-    fn creases(&self) -> CodeImage {
-        let plain = self.frame.clone().unpainted();
-        let creases = self.renderer.shoot(&plain, &self.transfers).creases();
-        let picture = crease::picture(&plain, &creases, Creases::of_gouraud(&plain).p95);
-        Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&picture)
     }
 
     /// Says what is doubtful about the comparison with the smooth surface.

@@ -120,43 +120,6 @@ fn every_error_has_its_own_message() {
         2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
         2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
     refuses(folder.path(), "shade {}", cases);
-    fs::write(folder.path().join("s.toml"), "schema = 1\n[[mesh]]\nmesh = \"cube\"\n").unwrap();
-    fs::write(folder.path().join("fine.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    let idle = |line: &str, options: &[&str]| {
-        let notes = text(&machband(folder.path(), &split(&format!("shade {line} --size 64"))).stderr);
-        let note = |option: &&str| format!("note: {}\n", option.replacen(' ', " has no effect ", 1));
-        assert_eq!(notes, options.iter().map(note).collect::<String>(), "{line}");
-    };
-    idle(
-        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --naive --out a.png",
-        &[
-            "--vertices on cube",
-            "--crease on cube",
-            "--depth on the shader phong",
-            "--gradients on the shader phong",
-            "--naive on the shader phong",
-        ],
-    );
-    idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
-    idle(
-        "--shader flat --specular 0 --shininess 9 --window 5 --white 9 --truth fine.obj --seed 2 --out c.png",
-        &[
-            "--truth without the measurements",
-            "--shininess without specular light",
-            "--window without the measurements",
-            "--seed without random dither",
-            "--white without the measurements",
-        ],
-    );
-    idle(
-        "--shader flat --highlight cook-torrance --facet-slope 0.2 --shininess 9 --dither random --bits 16 --metrics d.json",
-        &["--shininess beside a slope of the small mirrors", "--bits without a picture", "--dither without a picture"],
-    );
-    idle(
-        "s.toml --seed 2 --black 9 --out e.png",
-        &["--seed without random dither", "--black without the measurements"],
-    );
-    idle("--shader flat --window 5 --dither random --seed 2 --out f.png --metrics f.json", &[]);
 }
 
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.

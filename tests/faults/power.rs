@@ -359,10 +359,10 @@ const OUTPUTS: &[&str] = &[
     "export IN/results --format psych-ds --out OUT/psych-ds",
     "stimulus --size 64 --out OUT/stimulus.png --profile OUT/profile.csv",
     "stimuli IN/definition.toml --size 32 --out OUT/stimuli",
-    "shade --size 64 --vertices 40 --shader phong --out OUT/shaded.png --metrics OUT/metrics.json --creases OUT/c.png",
+    "shade --size 64 --vertices 40 --shader phong --out OUT/shaded.png --metrics OUT/metrics.json",
     "predict IN/definition.toml --out OUT/predicted.csv",
     "plan quick --participants 2 --studies 1 --effect oblique=1 --out OUT/plan.csv",
-    "calibrate IN/readings.csv --out OUT/profile.toml --plot OUT/profile.svg --report OUT/profile.json",
+    "calibrate IN/readings.csv --out OUT/profile.toml --plot OUT/profile.svg",
     "simulate IN/definition.toml --results OUT/results --participants 3",
 ];
 
