@@ -35,13 +35,10 @@ pub(super) struct Arguments {
     /// Where to write a chart of the readings, curves and errors.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<OutPath>,
-    /// Where to write all results as JSON.
-    #[arg(long, value_name = "FILE.json")]
-    report: Option<OutPath>,
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    let Arguments { request, out, plot, report } = arguments;
+    let Arguments { request, out, plot } = arguments;
     plot.as_deref().map_or(Ok(()), check)?;
     let stem = out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let made = request.calibrate(&stem)?;
@@ -50,10 +47,6 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     profile::write(writer, out, &made.profile)?;
     if let Some(path) = plot {
         draw(writer, path, &made.calibration)?;
-        report_written(path)?;
-    }
-    if let Some(path) = report {
-        writer.write(path, format!("{:#}\n", made.json()).as_bytes())?;
         report_written(path)?;
     }
     outdated(out, &made.profile).iter().for_each(|warning| message("warning", warning));

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use jiff::civil::Date;
 use serde::Serialize;
-use serde_json::{Value, json};
 
 use super::{named, request::paths, today};
 use crate::{
     display::{
         DisplayProfile, Measurement,
-        photometer::{Calibration, Family, FittedChannel, Sum, largest},
+        photometer::{Calibration, Family},
     },
     store::readings,
 };
@@ -73,62 +72,4 @@ impl Calibrate {
         let profile = calibration.profile(family, self.name.as_deref().unwrap_or(name), measured);
         Ok(Calibrated { calibration, family, profile })
     }
-}
-
-impl Calibrated {
-    /// Returns all results as JSON.
-    pub fn json(&self) -> Value {
-        let Self { calibration, family, .. } = self;
-        let models = calibration.models.iter().map(|model| {
-            json!({
-                "model": model.family.name(),
-                "common_shape": model.common_shape,
-                "channels": model.channels.iter().map(channel_json).collect::<Value>(),
-                "cross_validation": model.validation,
-            })
-        });
-        let sums = &calibration.additivity;
-        let additivity = (!sums.is_empty()).then(|| {
-            let levels = sums.iter().map(|sum| {
-                json!({
-                    "level": sum.level,
-                    "gray_cd_m2": sum.gray_cd_m2,
-                    "sum_cd_m2": sum.sum_cd_m2,
-                    "deviation_percent": sum.deviation_percent(),
-                })
-            });
-            json!({
-                "largest_percent": largest(sums, Sum::deviation_percent),
-                "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
-                "levels": levels.collect::<Value>(),
-            })
-        });
-        json!({
-            "readings": calibration.readings.all().len(),
-            "misfit": { "relative": calibration.misfit },
-            "luminance": calibration.luminance_of(*family),
-            "models": models.collect::<Value>(),
-            "chosen": family.name(),
-            "better_by_cross_validation": calibration.chosen.name(),
-            "additivity": additivity,
-            "drift_percent": calibration.drift_percent,
-            "notes": calibration.notes,
-        })
-    }
-}
-
-fn channel_json(channel: &FittedChannel) -> Value {
-    let gain_and_offset = channel.curve.gain_and_offset();
-    json!({
-        "channel": channel.channel.key(),
-        "gamma": channel.curve.gamma(),
-        "gamma_se": channel.gamma_se,
-        "gain": gain_and_offset.map(|(gain, _)| gain),
-        "offset": gain_and_offset.map(|(_, offset)| offset),
-        "black_cd_m2": channel.curve.black_cd_m2,
-        "range_cd_m2": channel.curve.range_cd_m2,
-        "r_squared": channel.r_squared,
-        "largest_error_codes": channel.largest_codes,
-        "largest_error_cd_m2": channel.largest_cd_m2,
-    })
 }
