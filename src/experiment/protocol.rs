@@ -16,10 +16,7 @@ use super::{
     scale::CATEGORIES,
     task::{Given, Layout, Turn, at_level},
 };
-use crate::{
-    stimulus::{ParameterValue, Stimulus},
-    text::names::expected_one_of,
-};
+use crate::{stimulus::Stimulus, text::names::expected_one_of};
 
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
@@ -159,30 +156,6 @@ impl Protocol {
             Layout::Intervals { gap_s, .. } => Duration::from_secs_f64(gap_s),
             Layout::Single | Layout::Places(_) => Duration::ZERO,
         }
-    }
-
-    /// Returns the experiment in gray, for observers who see colors differently from most people. A yellow with equal
-    /// amounts of red and green light has a different luminance for each kind of color deficiency, but a gray has the
-    /// same luminance for everyone.
-    ///
-    /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
-    /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its
-    /// name is too long for the suffix.
-    pub fn in_gray(&self) -> Option<Self> {
-        let [gray, same] = ["gray", "same"].map(ParameterValue::from);
-        let (color, color_high) = (self.stimulus.get("color")?, self.stimulus.get("color_high"));
-        let is_gray = color == gray && color_high.iter().all(|high| *high == same || *high == gray);
-        let varies = self.factors.iter().any(|factor| factor.name.starts_with("color"));
-        if is_gray || varies {
-            return None;
-        }
-        let in_gray = |copy: &mut Definition| {
-            let mut set = |name: &str, value| copy.stimulus.get(name).map(|_| copy.stimulus.set(name, value));
-            let _ = (set("color", &gray), set("color_high", &same));
-            copy.name += "-gray";
-            copy.title += " (gray)";
-        };
-        self.with(in_gray).ok()
     }
 }
 

@@ -148,8 +148,7 @@ impl Studies {
     }
 
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
-        let Now { checked, monitor, monitors, settings, .. } = now;
-        let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
+        let Now { monitor, monitors, settings, .. } = now;
         let mut line = |ui: &mut Ui, label| {
             if monitors.len() > 1 {
                 let list = ComboBox::from_id_salt("monitor").selected_text(monitor.title()).width(260.0).truncate();
@@ -163,12 +162,6 @@ impl Studies {
                 ui.label(monitor.title());
             }
             ui.checkbox(&mut settings.full_screen, "Full screen");
-            if self.form.gray || has_color {
-                let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                gray.on_hover_text(
-                    "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
-                );
-            }
         };
         let field = Field::new("Screen").column(labels(ui));
         field.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)));
