@@ -46,7 +46,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     check_folder(writer, &arguments.out)?;
-    let progress = Bar::spinner("reading");
+    let progress = Bar::new("reading");
     if let Some(study) = arguments.analysis.read_task()? {
         return run_task(arguments, writer, &study, &progress);
     }

@@ -57,7 +57,7 @@ struct Case {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool> {
     let Arguments { request, json, junit, .. } = arguments;
     let is_folder = request.is_folder()?;
-    let bar = if is_folder { Bar::new("pairs") } else { Bar::spinner("comparing") };
+    let bar = Bar::new(if is_folder { "pairs" } else { "comparing" });
     let cases = judged(arguments, writer, is_folder, &bar);
     // JUnit also tells of what cannot be judged.
     if let (Err(error), Some(path)) = (&cases, junit)

@@ -4,7 +4,7 @@ use super::{Bar, count, print_line};
 use crate::work::Export;
 
 pub(super) fn run(request: &Export) -> anyhow::Result<()> {
-    let waiting = Bar::spinner("exporting");
+    let waiting = Bar::new("exporting");
     let exported = request.export(&waiting);
     waiting.clear();
     let exported = exported?;

@@ -77,7 +77,7 @@ pub(super) struct CountsArguments {
 }
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
-    let progress = super::Bar::spinner("reading");
+    let progress = super::Bar::new("reading");
     let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
     check_order(&study, true)?;
     let counts = &study.measured.counts;

@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         let message = "nothing to write; expected --out FILE.png or --metrics FILE.json";
         return Err(RequestError::whole(message).into());
     }
-    let bar = Bar::spinner("shading");
+    let bar = Bar::new("shading");
     let shaded = request.shade(None, wanted, &bar);
     bar.clear();
     let shaded = shaded?;
