@@ -90,12 +90,10 @@ impl Kind for Choice {
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {
-        let target = turn.target();
-        let reference = self.reference.apply(&target).unwrap_or_else(|_| target.clone());
+        let [target, reference] = turn.compared(&self.reference);
         let mut stimuli = vec![reference; self.alternatives as usize];
         stimuli[turn.place as usize] = target;
-        let level = turn.level.map(|(_, level)| level);
-        Presentation { stimuli, target: Some(turn.place + 1), level, start: None }
+        turn.shows(stimuli, turn.place + 1)
     }
 
     fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {

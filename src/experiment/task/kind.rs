@@ -180,6 +180,19 @@ impl Turn<'_> {
         let levels = self.level.into_iter().chain(self.second);
         levels.fold(self.condition.stimulus.clone(), |stimulus, (name, level)| at_level(stimulus, name, level))
     }
+
+    /// Returns that stimulus, and the same one with the parameters of a reference.
+    pub fn compared(&self, reference: &Settings) -> [Stimulus; 2] {
+        let target = self.target();
+        let reference = reference.apply(&target).unwrap_or_else(|_| target.clone());
+        [target, reference]
+    }
+
+    /// Shows these stimuli, with the target at a place or interval counted from 1, or nowhere.
+    pub fn shows(&self, stimuli: Vec<Stimulus>, target: u32) -> Presentation {
+        let level = self.level.map(|(_, level)| level);
+        Presentation { stimuli, target: Some(target), level, start: None }
+    }
 }
 
 /// Returns a stimulus with a level that the check of the definition allowed.
@@ -283,9 +296,6 @@ impl Given<'_> {
         }
         if !(dial.step > 0.0 && dial.step.is_finite()) {
             errors.add("task.step", format!("step {} is not above 0; expected a positive number", dial.step));
-        } else if dial.at(0.0) < dial.at(1.0) && dial.turned(dial.range[0], 1.0) >= dial.range[1] {
-            let message = format!("step {} goes from one end to the other; expected a smaller number", dial.step);
-            errors.add("task.step", message);
         }
     }
 }

@@ -162,15 +162,12 @@ impl Kind for Pair {
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {
-        let target = turn.target();
         let Some(other) = turn.other else {
-            let reference = self.reference.apply(&target).unwrap_or_else(|_| target.clone());
-            let mut stimuli = vec![target, reference];
+            let mut stimuli = turn.compared(&self.reference).to_vec();
             stimuli.rotate_right(turn.place as usize);
-            let level = turn.level.map(|(_, level)| level);
-            return Presentation { stimuli, target: Some(turn.place + 1), level, start: None };
+            return turn.shows(stimuli, turn.place + 1);
         };
-        let stimuli = vec![target, other.stimulus.clone()];
+        let stimuli = vec![turn.target(), other.stimulus.clone()];
         Presentation { stimuli, target: None, level: None, start: None }
     }
 

@@ -91,9 +91,6 @@ impl QuestPlus {
             for (i, value) in values.iter().enumerate() {
                 let path = format!("adaptive.{key}.{i}");
                 errors.check_range(&path, *value, least, most, "a number in this range");
-                if values[..i].contains(value) {
-                    errors.add(path, format!("{value} appears twice; expected each value once"));
-                }
             }
         }
         if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
@@ -109,11 +106,6 @@ impl QuestPlus {
             );
             errors.add("adaptive.lapse", message);
         }
-        let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
-        if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
-            let message = format!("no threshold lies within the levels; expected values from {low} to {high}");
-            errors.add("adaptive.threshold", message);
-        }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
         }
@@ -121,15 +113,6 @@ impl QuestPlus {
             && (second.levels.len() < 2 || second.gradient.is_empty())
         {
             errors.add("adaptive.second", "second has too few values; expected at least two levels and one gradient");
-        } else if self.second.is_some() && gradients.iter().all(|gradient| *gradient == 0.0) {
-            let message =
-                "the threshold cannot change with the second parameter; expected other gradients than 0, or no second";
-            errors.add("adaptive.second.gradient", message);
-        }
-        if self.grid(common, guess).len() == 1 {
-            let message =
-                "every parameter has one possible value, so nothing is left to learn; expected several thresholds";
-            errors.add("adaptive.threshold", message);
         }
         let second = self.second.as_ref().map_or(1, |second| second.levels.len());
         let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);

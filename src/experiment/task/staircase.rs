@@ -47,16 +47,8 @@ impl Staircase {
             errors.add("adaptive.steps", "steps is empty; expected at least one size");
         }
         let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
-        let span = common.scaled(self.high) - common.scaled(self.low);
-        for (i, step) in self.steps.iter().enumerate() {
-            let message = if !(*step > 0.0 && step.is_finite()) {
-                format!("step {step} is not above 0; expected a size in {unit}")
-            } else if span > 0.0 && *step >= span {
-                format!("step {step} goes from one end to the other; expected less than {span:.3}, in {unit}")
-            } else {
-                continue;
-            };
-            errors.add(format!("adaptive.steps.{i}"), message);
+        for (i, step) in self.steps.iter().enumerate().filter(|(_, step)| !(**step > 0.0 && step.is_finite())) {
+            errors.add(format!("adaptive.steps.{i}"), format!("step {step} is not above 0; expected a size in {unit}"));
         }
     }
 }
