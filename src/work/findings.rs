@@ -31,41 +31,16 @@ impl Planned {
         let term = |index: usize| &self.plan.hypotheses[index].term;
         let mut sentences: Vec<String> =
             indices.chunk_by(|l, r| term(*l) == term(*r)).filter_map(|tests| self.sentence(tests)).collect();
-        for power in &self.powers {
-            if let Some(least) = self.plan.least_p(power).filter(|least| *least >= self.sampling.alpha) {
-                sentences.push(format!(
-                    "With {}, Friedman's test of {} cannot be significant: its smallest possible p is {least:.3}.",
-                    people(power.participants),
-                    self.in_words(&self.hypothesis(power).term)
-                ));
-            }
-        }
-        for power in &self.powers {
-            if let Some(reason) = power.withheld {
-                sentences.push(format!(
-                    "With {}, an analysis withholds the test of {} in {}: {reason}. {}",
-                    people(power.participants),
-                    self.in_words(&self.hypothesis(power).term),
-                    self.test(power),
-                    match power.participants {
-                        1 => "Such studies count as not finding an effect.",
-                        _ => "Such studies count as not finding an effect, and Friedman's test takes its place.",
-                    }
-                ));
-            }
-        }
-        for powers in self.powers.chunk_by(|l, r| l.participants == r.participants) {
-            let untested = powers.iter().rev().filter(|power| power.untested > 0 && power.withheld.is_none());
-            if let Some(power) = untested.max_by_key(|power| power.untested) {
-                sentences.push(format!(
-                    "With {}, {} of {} studies could not test {} with {}; they count as not finding an effect.",
-                    people(power.participants),
-                    power.untested,
-                    power.studies,
-                    self.in_words(&self.hypothesis(power).term),
-                    self.test(power)
-                ));
-            }
+        for power in self.powers.iter().filter(|power| power.untested > 0) {
+            let reason = power.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+            sentences.push(format!(
+                "With {}, {} of {} studies could not test {} with {}{reason}; they count as not finding an effect.",
+                people(power.participants),
+                power.untested,
+                power.studies,
+                self.in_words(&self.hypothesis(power).term),
+                self.test(power)
+            ));
         }
         sentences.extend(self.remarks(fields));
         sentences

@@ -234,13 +234,6 @@ fn with(observer: &OrderedLogit, effect: &Assignment, protocol: &Protocol) -> Re
 }
 
 fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
-    if let Some(factor) = protocol.factors.iter().find(|factor| factor.name == name) {
-        let levels: Vec<String> = factor.levels.iter().map(ToString::to_string).collect();
-        return format!(
-            "{name} is a factor; expected {name}:LEVEL=LOGITS with one of the levels {}",
-            levels.join(", ")
-        );
-    }
     let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
     let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
     format!(
