@@ -6,7 +6,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use clap::builder::{PathBufValueParser, TypedValueParser};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -19,7 +18,7 @@ use super::{
 use crate::{
     light::{CodeImage, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
-    shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, shapes::Shape},
+    shading::{Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease},
     stimulus::{Judged, Renderer, Residual, SurfaceDifference, Undershoot, ViewingConditions},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
@@ -30,7 +29,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
-    #[arg(value_name = "SCENE.toml", value_parser = scene_path())]
+    #[arg(value_name = "SCENE.toml")]
     #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
@@ -47,18 +46,6 @@ pub struct Shade {
 /// A mesh and the surface with which it is compared are taken for different ones if more than this share of their pixels
 /// shows only one of them.
 const APART: f64 = 0.1;
-/// From this share of pixels that are not compared on, a caller is told about it.
-const MASKED: f64 = 0.5;
-
-/// Parses the path of a scene. The name of a mesh is not one.
-fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        let is = |ending: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
-        let is_mesh = ["obj", "ply", "gltf", "glb"].iter().any(is)
-            || path.to_str().is_some_and(|name| name.parse::<Shape>().is_ok());
-        if is_mesh { Err(format!("is a mesh; expected a scene, or --mesh {}", path.display())) } else { Ok(path) }
-    })
-}
 
 /// Which results are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -276,33 +263,14 @@ impl<'a> Drawing<'a> {
         (truth.map_or_else(|| shot.image(), |truth| truth.picture(&shot.frame)), shot.transfers)
     }
 
-    /// Says what is doubtful about the comparison with the smooth surface.
-    fn doubts(&self, judged: &Judged) -> Vec<String> {
-        let mut doubts = Vec::new();
-        let mesh = self.one.mesh.display();
-        if let Some((file, fine)) = self.one.fine_file().zip(self.fine.as_ref()) {
-            let (file, of, own) = (file.display(), fine.mesh.triangles.len(), self.surface.mesh.triangles.len());
-            if of <= own {
-                doubts.push(format!(
-                    "{file} has {of} triangles, {mesh} {own}; expected a finer mesh of the same surface"
-                ));
-            }
-            if let Some(apart) = judged.apart().filter(|apart| *apart > APART) {
-                doubts.push(format!(
-                    "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
-                    100.0 * apart
-                ));
-            }
-        }
-        match judged.not_compared() {
-            Some(1.0) => doubts.push(format!("no pixel of {mesh} can be compared with the smooth surface")),
-            Some(masked) if masked > MASKED => doubts.push(format!(
-                "{:.0} % of the pixels of {mesh} are not compared with the smooth surface",
-                100.0 * masked
-            )),
-            _ => {}
-        }
-        doubts
+    /// Says if the smooth surface is another one, or elsewhere.
+    fn doubt(&self, judged: &Judged) -> Option<String> {
+        let apart = judged.apart().filter(|apart| *apart > APART)?;
+        let (file, mesh) = (self.one.fine_file()?.display(), self.one.mesh.display());
+        Some(format!(
+            "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
+            100.0 * apart
+        ))
     }
 
     /// Measures this picture and Gouraud's.
@@ -311,7 +279,7 @@ impl<'a> Drawing<'a> {
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
-        notes.extend(self.doubts(&judged));
+        notes.extend(self.doubt(&judged));
         let unseen = |error: VisionError| {
             let (field, value) = match error {
                 VisionError::Black { .. } | VisionError::AllBlack => ("black", viewing.black_cd_m2),

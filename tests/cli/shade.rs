@@ -114,9 +114,6 @@ fn every_error_has_its_own_message() {
     refuses(folder.path(), "shade --shader {} --out x.png", cases);
     let cases = r"
         2: --shader flat => nothing to write
-        2: bunny.obj => expected a scene, or --mesh bunny.obj
-        2: scan.PLY --shader flat --out x.png => expected a scene, or --mesh scan.PLY
-        2: blob --shader flat => expected a scene, or --mesh blob
         2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
         2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
     refuses(folder.path(), "shade {}", cases);
@@ -217,10 +214,8 @@ fn a_doubtful_truth_is_named() {
     assert!(notes.contains("turned.obj: 1 face was reversed") && same["residual"] == fine["residual"], "{notes}");
     let (line, notes, far) = run("far.obj");
     assert!(far["difference"].is_null() && far["residual"].is_null() && far["masked"] == 1.0, "{far}");
-    assert!(line.contains("nothing can be compared") && notes.contains("no pixel of own.obj"), "{line} {notes}");
+    assert!(line.contains("nothing can be compared"), "{line} {notes}");
     assert!(notes.contains("the outlines of far.obj and own.obj differ by 100 %"), "{notes}");
-    let (_, notes, _) = run("own.obj");
-    assert!(notes.contains("own.obj has 576 triangles, own.obj 576; expected a finer mesh"), "{notes}");
 }
 
 /// A scene replaces the options for one mesh; its errors have their places.
