@@ -824,8 +824,8 @@ fn requests_that_cannot_be_are_explained() {
     refuses(folder.path(), "plan const.toml --participants 4 --trials 12 {}", cases);
     let cases = r"
         2: --exclude p9 => --exclude p9 is not a participant; expected one of p0, p1, p2
-        2: --levels cond=c => cond: is not among the factors; expected --factors
-        2: --factors cond --levels cond=nope => nope is not a level of cond; expected c
+        2: --levels cond=c => cond=c: there is no such level
+        2: --factors cond --levels cond=nope => cond=nope: there is no such level
         2: --link probit => expected only --subject, --factors, --levels, --exclude";
     refuses(folder.path(), "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b {}", cases);
     let cases = r"
