@@ -8,6 +8,7 @@ use super::{Bar, OutPath, print_data, print_line, told_of};
 use crate::{
     light::Transfer,
     report::terminal::{message, printable},
+    stimulus::ViewingConditions,
     store::{self, Writer},
     work::{
         RequestError,
@@ -157,7 +158,7 @@ impl Case {
             printable(&found.picture),
             found.times_threshold,
             found.center,
-            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
+            seen(&found.viewing, &found.light)
         );
         let json = serde_json::to_value(&found)?;
         Ok(Self { name, times: Ok(found.times_threshold), line, json, note: found.note() })
@@ -182,7 +183,7 @@ impl Case {
             printable(&found.picture),
             found.steps,
             found.dithered,
-            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
+            seen(&found.viewing, &found.light)
         );
         Ok(Self {
             name: found.picture.clone(),
@@ -202,8 +203,9 @@ fn too_much(times: f64, max: f64) -> String {
 }
 
 /// Says how pictures are seen, and what their codes mean.
-fn seen([window_deg, white, black]: [f64; 3], light: &str) -> String {
+fn seen(viewing: &ViewingConditions, light: &str) -> String {
     // Of pixels per degree, a width has many decimals.
+    let ViewingConditions { window_deg, white_cd_m2: white, black_cd_m2: black } = viewing;
     let window_deg = (1e4 * window_deg).round() / 1e4;
     format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
 }

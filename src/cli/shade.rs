@@ -76,7 +76,7 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
         Some(difference) => format!(
             "{shader}: differs from the smooth surface by {:.2} times what people can just see in a {}° window (95 % of the surface: at most {:.2}), {}",
             difference.largest,
-            found.window_deg,
+            found.viewing.window_deg,
             difference.p95,
             relative(difference.over_gouraud.largest)
         ),

@@ -8,7 +8,7 @@ use std::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Encoded, Encoding, Luminances, RequestError, Watcher, request::paths};
+use super::{Encoded, Encoding, Luminances, RequestError, Watcher};
 use crate::{
     light::{Bits, CodeImage, Dither, Levels, LinearImage, Quantizer, Samples, Transfer, Transfers, reaches},
     report::terminal::printable,
@@ -44,11 +44,9 @@ const SMALL_PX: u64 = 1024 * 1024;
 pub struct Compare {
     /// The picture to judge: an opaque PNG, or a folder of them.
     #[arg(value_name = "FILE.png|DIR")]
-    #[serde(serialize_with = "paths")]
     pub picture: PathBuf,
     /// The picture that it should look like, of the same size; or a folder of pictures of the same names.
     #[arg(value_name = "REFERENCE.png|DIR", required_unless_present = "steps", conflicts_with = "steps")]
-    #[serde(serialize_with = "paths")]
     pub reference: Option<PathBuf>,
     /// Judge the steps between the picture's own codes, without a reference: how visible it is that they are not the
     /// smooth picture that they were rounded from.
@@ -68,7 +66,6 @@ pub struct Compare {
     pub encoding: Encoding,
     /// Picture of the same size that is white where differences count, and black where they do not.
     #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
-    #[serde(serialize_with = "paths")]
     pub mask: Option<PathBuf>,
     /// The largest difference that is accepted, in times threshold; with more, the exit status is 1.
     #[arg(long, value_name = "V", value_parser = within(0.0, 1e6))]
@@ -97,9 +94,8 @@ pub struct Compared {
     pub center: f64,
     /// The places where it is most visible, the most visible first.
     pub places: Vec<Place>,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
     /// difference.
     pub mean_ratio: f64,
@@ -127,9 +123,8 @@ pub struct Steps {
     /// The same with blue-noise dither, whose grain is a visible difference too; of a picture of fewer than
     /// 16 bits, the smoothest picture is dithered.
     pub dithered: f64,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// What the codes mean, and what says so.
     pub light: String,
     /// The number of bits of the codes that are judged.
@@ -304,9 +299,7 @@ impl Compare {
             steps: largest(&shown, &reference)?,
             rounded: rounded.map(|rounded| largest(&rounded, &target)).transpose()?,
             dithered: largest(&grain, &target)?,
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing,
             light: said(&picture),
             bits: levels.bits,
             file_bits: picture.bits,
@@ -395,9 +388,7 @@ impl Compare {
             times_threshold: map.largest().max(center),
             center,
             places: map.peaks(PLACES, APART_DEG * size[0] as f64 / viewing.window_deg),
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing,
             mean_ratio,
             color_ignored,
             light,

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::{
     Image, Luminances, RequestError, Watcher,
     one_mesh::{OneMesh, append},
-    request::{self, paths},
+    request,
 };
 use crate::{
     light::{CodeImage, LinearImage, Quantizer, Transfers},
@@ -30,7 +30,6 @@ use crate::{
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
     #[arg(value_name = "SCENE.toml")]
-    #[serde(serialize_with = "paths")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -95,9 +94,8 @@ pub struct Metrics {
     /// Change of light across the edges.
     pub step_rms: f64,
     pub crease_unit: &'static str,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
     pub difference: Option<DifferenceMetrics>,
     pub difference_unit: &'static str,
@@ -331,9 +329,7 @@ impl<'a> Drawing<'a> {
             crease_p95_over_gouraud: over_gouraud(|of| of.creases.p95),
             step_rms: own.creases.step_rms,
             crease_unit: "linear light per pixel",
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing: *viewing,
             difference,
             difference_unit: "times threshold, against the smooth surface",
             residual,
