@@ -94,6 +94,10 @@ pub fn main() -> ExitCode {
 
 /// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.
 pub fn run_with(arguments: Vec<OsString>) -> u8 {
+    if let Some(argument) = arguments.iter().find(|argument| argument.to_str().is_none()) {
+        message("error", &format!("{}: is not Unicode; expected text in UTF-8", argument.to_string_lossy()));
+        return 2;
+    }
     let definition = definition();
     let matches = definition.clone().try_get_matches_from(&arguments);
     let matches = matches.unwrap_or_else(|error| refuse(&error, &arguments));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use jiff::civil::Date;
 use serde::Serialize;
 
-use super::{named, request::paths, today};
+use super::{named, today};
 use crate::{
     display::{
         DisplayProfile, Measurement,
@@ -19,7 +19,6 @@ use crate::{
 pub struct Calibrate {
     /// Photometer readings.
     #[arg(value_name = "READINGS.csv")]
-    #[serde(serialize_with = "paths")]
     pub readings: PathBuf,
     /// Name of the display [default: the profile's file name].
     #[arg(long, value_parser = filled)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use super::{RequestError, Watcher, named, request::paths};
+use super::{RequestError, Watcher, named};
 use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Transfer, Transfers},
@@ -27,7 +27,6 @@ pub struct Encoding {
     pub transfer: Option<Transfers>,
     /// Display profile written by `machband calibrate`.
     #[arg(long, value_name = "FILE")]
-    #[serde(serialize_with = "paths")]
     pub display: Option<PathBuf>,
 }
 

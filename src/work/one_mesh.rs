@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{RequestError, named, request::paths};
+use super::{RequestError, named};
 use crate::{
     light::Depth,
     shading::{
@@ -23,7 +23,6 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct OneMesh {
     #[arg(long, value_name = "MESH", default_value = "blob", help = format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", ")))]
-    #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313, value_parser = whole(1..=usize::MAX))]
@@ -42,7 +41,6 @@ pub struct OneMesh {
     /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, give a file of the same
     /// surface with many more triangles; with a shader, that surface is not drawn, but the picture is compared with it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
-    #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     #[arg(long, value_name = "N", default_value = "1")]

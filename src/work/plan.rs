@@ -9,7 +9,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{Model, RequestError, Watcher, analyze, request::paths};
+use super::{Model, RequestError, Watcher, analyze};
 use crate::{
     analysis::{
         Slopes,
@@ -29,7 +29,6 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Plan {
     /// Built-in definition or path to a .toml file.
-    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants per study; give several numbers to compare them.
     #[arg(long, value_name = "N,…", required = true, value_delimiter = ',', value_parser = whole::<u32>(1..=10_000))]
@@ -59,7 +58,6 @@ pub struct Plan {
     pub seed: u64,
     /// Parameters of the observer; experiments/observers/paper.toml has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
-    #[serde(serialize_with = "paths")]
     pub observer_file: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
