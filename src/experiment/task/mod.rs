@@ -10,7 +10,6 @@ mod choice;
 mod common;
 pub mod curve;
 mod kind;
-mod kinds;
 mod options;
 mod pair;
 mod quest;
@@ -28,8 +27,7 @@ pub use common::{Common, Easier};
 pub use curve::{Curve, Psychometric};
 pub(super) use kind::at_level;
 pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, significant};
-pub use kinds::{Defaults, OptionReader, typed};
-pub use options::{OptionValue, TaskOption};
+pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
 pub use ranking::Ranking;
@@ -39,7 +37,7 @@ pub use staircase::{Staircase, Stairs};
 pub use track::{Pick, Track};
 pub use yes_no::YesNo;
 
-use kinds::kinds;
+use options::kinds;
 
 use super::{scale::ResponseScale, texts::Texts};
 
