@@ -98,6 +98,7 @@ const THRESHOLDS: &[&str] = &[
     "trials",
     "estimate",
     "truth",
+    "missing",
     "half_width",
     "error",
     "power",

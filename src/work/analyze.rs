@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, path::Path};
 use serde::Serialize;
 
 use super::{
-    Model, Only, Ratings, RequestError, Watcher, named,
+    Model, Only, Ratings, RequestError, Watcher,
     ratings::{check_order, explained},
     request::allow_only,
 };
@@ -28,7 +28,7 @@ use crate::{
         ratings::Source,
         table::List,
     },
-    text::names::expected_one_of,
+    text::names::{expected_one_of, one_of},
 };
 
 /// The fields that apply to every task; the others are about ratings.
@@ -49,7 +49,7 @@ pub struct Analyze {
     #[serde(flatten)]
     pub model: Model,
     /// Random intercept for each participant [default: subject if there are at least two participants].
-    #[arg(long, value_parser = named::<Random>(Random::NAMES))]
+    #[arg(long, value_parser = one_of::<Random>(Random::NAMES))]
     pub random: Option<Random>,
     /// Numbers that describe participants: each has one slope in the model, and no levels [default: numbers that are the same
     /// in all ratings of each participant].
@@ -83,10 +83,10 @@ pub struct AnswersAtLevels {
     #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<Guess>,
     /// Shape of the psychometric function [default: normal].
-    #[arg(long, requires = "level", value_parser = named::<Curve>(Curve::NAMES))]
+    #[arg(long, requires = "level", value_parser = one_of::<Curve>(Curve::NAMES))]
     pub function: Option<Curve>,
     /// The end of the levels that is easier to see [default: high].
-    #[arg(long, requires = "level", value_parser = named::<Easier>(Easier::NAMES))]
+    #[arg(long, requires = "level", value_parser = one_of::<Easier>(Easier::NAMES))]
     pub easier: Option<Easier>,
     /// Fit the function to the base-10 logarithms of the levels.
     #[arg(long, requires = "level")]

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use jiff::civil::Date;
 use serde::Serialize;
 
-use super::{named, today};
+use super::today;
 use crate::{
     display::{
         DisplayProfile, Measurement,
         photometer::{Calibration, Family},
     },
     store::readings,
+    text::names::one_of,
 };
 
 /// The readings, and what else the profile says.
@@ -33,7 +34,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "DATE", value_parser = date)]
     pub on: Option<Date>,
     /// Model of the profile [default: the simplest of those that predict left-out levels best].
-    #[arg(long, value_parser = named::<Family>(Family::NAMES))]
+    #[arg(long, value_parser = one_of::<Family>(Family::NAMES))]
     pub model: Option<Family>,
 }
 

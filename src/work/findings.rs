@@ -5,7 +5,10 @@ use crate::{
         FEW_FOR_LIKELIHOOD_RATIOS,
         power::{Effect, Hypothesis, Power, Slope, Test},
     },
-    report::{document::numbers::count, names},
+    report::{
+        document::numbers::{count, list},
+        names,
+    },
     work::plan::Planned,
 };
 
@@ -92,24 +95,15 @@ impl Planned {
     }
 
     fn false_alarms(&self, powers: &[&Power]) -> String {
-        let by = self.test(powers[powers.len() - 1]);
-        if let [power] = powers {
-            return format!("{} with {by}", with_interval(power));
-        }
-        let shares = || powers.iter().map(|power| power.share());
-        let (least, most) = (shares().fold(1.0, f64::min), shares().fold(0.0, f64::max));
-        let to = if least < most { format!(" to {}", percent(most)) } else { String::new() };
-        format!("{}{to} with {by}", percent(least))
+        let shares: Vec<String> = powers.iter().map(|power| with_interval(power)).collect();
+        format!("{} with {}", shares.join(", "), self.test(powers[powers.len() - 1]))
     }
 
     /// States the limitations of the findings.
     fn remarks(&self, [effects, deviations]: [&str; 2]) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.plan.hypotheses.iter().all(|hypothesis| hypothesis.effect.is_none()) {
-            let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
-            let example = factor.and_then(|factor| Some(format!("{}:{}=0.5", factor.name, factor.levels.last()?)));
-            let example = example.map_or_else(String::new, |example| format!(", such as {example}"));
-            remarks.push(format!("No factor has an effect on this observer. Add an effect with {effects}{example}."));
+            remarks.push(format!("No factor has an effect on this observer. Add an effect with {effects}."));
         }
         if self.powers.iter().any(|power| power.participants == 1) {
             let text =
@@ -137,24 +131,14 @@ impl Planned {
     /// Says how the simulated participants differ, and where to say how much.
     fn differences(&self, field: &str) -> String {
         let sd = self.plan.observer().subject_sd;
-        let intercepts = if sd > 0.0 { format!("in their intercepts (sd {})", logits(sd)) } else { String::new() };
-        let varied = |slope: &&Slope| slope.sd > 0.0;
-        let slopes: Vec<String> = (self.plan.slopes().iter().filter(varied))
-            .map(|slope| format!("at each level of {} (sd {})", self.in_words(&slope.factor), logits(slope.sd)))
-            .collect();
-        if slopes.is_empty() {
-            let differ = if sd > 0.0 { format!("differ only {intercepts}") } else { "are identical".to_owned() };
-            let factor = self.protocol.factors.iter().rfind(|factor| factor.levels.len() > 1);
-            let example = factor.map_or_else(String::new, |factor| format!(", such as {}=0.5", factor.name));
-            return format!(
-                "The simulated participants {differ}. If real ones also differ in the size of the effects, power is \
-                 lower. Simulate that with {field}{example}."
-            );
-        }
-        let and = if sd > 0.0 { " and " } else { "" };
+        let intercepts = (sd > 0.0).then(|| format!("in their intercepts (sd {})", logits(sd)));
+        let slope =
+            |slope: &Slope| format!("at each level of {} (sd {})", self.in_words(&slope.factor), logits(slope.sd));
+        let slopes = self.plan.slopes().iter().filter(|slope| slope.sd > 0.0).map(slope);
+        let all: Vec<String> = intercepts.into_iter().chain(slopes).collect();
+        let differ = if all.is_empty() { "are identical".to_owned() } else { format!("differ {}", list(&all)) };
         format!(
-            "The simulated participants differ {intercepts}{and}independently {}. If real ones differ more, power is lower.",
-            slopes.join(" and ")
+            "The simulated participants {differ}. If real ones differ more, power is lower; {field} lets them differ in an effect."
         )
     }
 }

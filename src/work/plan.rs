@@ -13,7 +13,7 @@ use super::{Model, RequestError, Watcher, analyze};
 use crate::{
     analysis::{
         Slopes,
-        power::{self, Hypothesis, ModelChoice, PlanError, Power, Sampling, Shift, Slope, Test},
+        power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
     },
     experiment::{OrderedLogit, Protocol},
     report::tables::Rows,
@@ -148,9 +148,7 @@ impl Plan {
         once("deviations", &self.deviations)?;
         let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
         let slopes: Vec<Slope> = self.deviations.iter().map(slope).collect();
-        let Model { terms, link, slopes: random, large } = self.model.clone();
-        let model = ModelChoice { terms, link, slopes: random, large };
-        let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &model).map_err(refused)?;
+        let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &self.model).map_err(refused)?;
         let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
         let participants = in_order(&self.participants);
         let all = plan.simulated(&participants, &sampling);

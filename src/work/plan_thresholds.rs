@@ -236,15 +236,7 @@ impl PlannedThresholds {
                 (None, None) => format!("{name}: none of these studies reaches {target}."),
             }
         };
-        // One participant never has an interval.
-        let lacking = self.found.iter().filter(|one| one.half_width.is_some() && one.missing > 0);
-        let lacking = lacking.max_by(|one, other| one.missing_share().total_cmp(&other.missing_share())).map(|one| {
-            format!(
-                "Up to {:.0}\u{a0}% of the estimates in a row have no interval, so that they find no difference.",
-                100.0 * one.missing_share()
-            )
-        });
-        told.into_iter().map(sentence).chain(lacking).collect()
+        told.into_iter().map(sentence).collect()
     }
 
     /// Returns one row for each number of participants and of trials, and each quantity.

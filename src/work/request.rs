@@ -4,11 +4,10 @@
 //! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
 //! fields and nowhere else.
 
-use std::{error::Error, fmt::Display, str::FromStr};
+use std::{error::Error as _, fmt::Display};
 
 use clap::{
     Arg, Args, Command, FromArgMatches,
-    builder::{PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use serde::Serialize;
@@ -107,14 +106,6 @@ pub fn told(error: &anyhow::Error, name: impl Fn(&str) -> String) -> String {
         (None, Some(field)) => format!("{error}, or the option {}", name(field)),
         (None, None) => error.to_string(),
     }
-}
-
-/// Returns a parser that accepts only one of `names`.
-pub fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse())
 }
 
 /// Makes a request from named values. Missing fields and `null` have their defaults; a list is a list of names.

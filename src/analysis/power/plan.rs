@@ -1,6 +1,7 @@
 //! A plan: the tests that the studies of a definition allow, and how often they find an effect.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::{
     hypothesis::{Absent, Hypothesis, Layout, Test},
@@ -8,7 +9,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, ModelSpec, Random, Slopes, Withheld,
+        FEW_FOR_LIKELIHOOD_RATIOS, Link, MAX_COEFFICIENTS, MAX_MINUTES, ModelSpec, Random, Slopes, Withheld,
         counts::Counts,
         frame::{Frame, find_factor},
         ordinal::{
@@ -19,6 +20,7 @@ use crate::{
     },
     experiment::{OrderedLogit, Protocol},
     statistics::{Interval, median},
+    text::names::one_of,
 };
 
 /// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
@@ -26,16 +28,37 @@ const PERMUTATIONS: usize = 1999;
 /// Fewest and most studies without an effect that calibrate its test.
 const WITHOUT_EFFECT: (u32, u32) = (199, 999);
 
-/// How studies are analyzed.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// The ordinal model that an analysis fits and a plan simulates.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
 pub struct ModelChoice {
-    /// Terms of the model. `None` means the main effects of all factors with two or more levels.
+    /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
+    /// with : or * [default: every factor that varies].
+    #[arg(long, value_name = "T,…")]
     pub terms: Option<Terms>,
+    /// Link function of the cumulative model.
+    #[arg(long, default_value_t, value_parser = one_of::<Link>(Link::NAMES))]
     pub link: Link,
-    /// Random slopes of the model.
+    /// Random slopes: for each term that varies within participants, where the design supports it (independent), or
+    /// with all their correlations (correlated).
+    #[arg(long, default_value_t, value_parser = one_of::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,
-    /// True if the number of levels, conditions and coefficients has no limit.
+    /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
+    /// 20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The
+    /// time grows with their square or cube.
+    #[arg(long)]
     pub large: bool,
+}
+
+impl ModelChoice {
+    /// Returns the maximum number of coefficients.
+    pub fn max_coefficients(&self) -> usize {
+        if self.large { usize::MAX } else { MAX_COEFFICIENTS }
+    }
+
+    /// Returns how many minutes of one processor the simulated studies may take.
+    pub fn max_minutes(&self) -> u64 {
+        if self.large { u64::MAX } else { MAX_MINUTES }
+    }
 }
 
 /// The size of the simulation, and the criterion for finding an effect.
@@ -123,7 +146,7 @@ impl Plan {
         if !model.large {
             outline.check_size().map_err(PlanError::TooLarge)?;
         }
-        let max_coefficients = if model.large { usize::MAX } else { MAX_COEFFICIENTS };
+        let max_coefficients = model.max_coefficients();
         let spec = ModelSpec {
             link: model.link,
             random: Random::Subject,

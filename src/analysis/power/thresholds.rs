@@ -116,11 +116,6 @@ impl Precision {
     pub fn share(&self) -> (f64, Interval) {
         (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
     }
-
-    /// Returns the share of estimates that are not possible or have no interval.
-    pub fn missing_share(&self) -> f64 {
-        self.missing as f64 / self.studies as f64
-    }
 }
 
 /// A study of thresholds.
