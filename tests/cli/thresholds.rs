@@ -119,9 +119,8 @@ fn studies_of_thresholds_are_planned() {
     fs::write(folder.path().join("a.toml"), adjust).unwrap();
     let cases = r"
         1: run.toml => max_run = 1
-        2: a.toml => run machband simulate a.toml --participants 8
+        2: a.toml => expected a rating on a scale of categories
         2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
-        2: pairs-shaders => run machband simulate pairs-shaders --participants 8
         2: quick --trials 20 => --trials: does not apply to ratings
         2: threshold-width --effect orientation:90=0.3 => orientation is not a factor; expected orientation_deg
         2: threshold-width --effect orientation_deg:45=0.3 => orientation_deg has no level 45; expected one of 0, 90
@@ -130,6 +129,6 @@ fn studies_of_thresholds_are_planned() {
         2: threshold-width --terms width => does not apply to thresholds
         2: threshold-width --link probit => does not apply to thresholds
         2: threshold-width --preregistration p.md => --preregistration: does not apply to thresholds
-        2: threshold-width --alpha 0.01 => expected 0.05, because a difference is found by its 95 % interval";
+        2: threshold-width --alpha 0.01 => --alpha: does not apply to thresholds";
     refuses(folder.path(), "plan {} --participants 4", cases);
 }
