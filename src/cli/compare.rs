@@ -59,16 +59,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     let Arguments { request, json, junit, .. } = arguments;
     let is_folder = request.is_folder()?;
     let bar = Bar::new(if is_folder { "pairs" } else { "comparing" });
-    let cases = judged(arguments, writer, is_folder, &bar);
-    // JUnit also tells of what cannot be judged.
-    if let (Err(error), Some(path)) = (&cases, junit)
-        && !error.is::<RequestError>()
-    {
-        let name = request.picture.display().to_string();
-        let case = Case::of_pair(&request.picture, name, Err(anyhow::anyhow!("{error:#}")))?;
-        writer.write(path, document(&[case], request.max).as_bytes())?;
-    }
-    let cases = cases?;
+    let cases = judged(arguments, writer, is_folder, &bar)?;
     bar.clear();
     if let Some(path) = junit {
         writer.write(path, document(&cases, request.max).as_bytes())?;

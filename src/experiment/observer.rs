@@ -9,7 +9,6 @@ use rand_chacha::{
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{
-    condition::Condition,
     identity::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
@@ -17,9 +16,9 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{Stimulus, ViewingConditions, Visible},
+    stimulus::{Stimulus, ViewingConditions},
     text::Cell,
-    vision::{Criterion, VisionError},
+    vision::Criterion,
 };
 
 /// An observer that rates stimuli.
@@ -242,19 +241,6 @@ impl VisionRater {
     }
 }
 
-/// Returns what the raters of each condition are asked about, in times threshold; see [`Visible::rated`]. The stimuli
-/// are drawn with `px` pixels per side, or by default with [`ViewingConditions::px`].
-///
-/// # Errors
-/// Returns a [`VisionError`] if a condition cannot be judged, for example because it has no light.
-pub fn judged(
-    conditions: &[Condition],
-    viewing: &ViewingConditions,
-    px: Option<u32>,
-) -> Result<Vec<Visible>, VisionError> {
-    viewing.visible(&conditions.iter().map(|condition| &condition.stimulus).collect::<Vec<_>>(), px)
-}
-
 /// A [`VisionRater`] with what it sees in stimuli, each computed once.
 #[derive(Debug)]
 pub struct VisionObserver {
@@ -264,33 +250,26 @@ pub struct VisionObserver {
     seen: Mutex<HashMap<String, f64>>,
 }
 
-/// The reason why the vision observer cannot rate an experiment.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unrated {
-    /// The model cannot process a stimulus.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// A stimulus has no smooth reference.
-    #[error(
-        "the vision model does not say how visible the bands in a stimulus of the kind {0} are; expected a mach-band, or a mesh whose smooth surface is known"
-    )]
-    NoReference(&'static str),
-}
-
 impl VisionObserver {
     /// Judges every condition of `protocol` at its window size.
     ///
     /// # Errors
     /// Returns the reason why a stimulus cannot be rated.
-    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, Unrated> {
+    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, String> {
         let conditions = protocol.conditions();
         let viewing = ViewingConditions::new(protocol.viewing.window_deg);
-        let found = judged(conditions, &viewing, None)?;
-        let seen = conditions.iter().zip(found).map(|(condition, visible)| {
-            let rated = visible.rated().ok_or(Unrated::NoReference(condition.stimulus.kind()))?;
-            Ok((condition.stimulus.key(), rated))
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let found = viewing.visible(&stimuli, None).map_err(|error| error.to_string())?;
+        let seen = stimuli.into_iter().zip(found).map(|(stimulus, visible)| {
+            let unrated = || {
+                format!(
+                    "the vision model does not say how visible the bands in a stimulus of the kind {} are; expected a mach-band, or a mesh whose smooth surface is known",
+                    stimulus.kind()
+                )
+            };
+            Ok((stimulus.key(), visible.rated().ok_or_else(unrated)?))
         });
-        let seen = seen.collect::<Result<_, Unrated>>()?;
+        let seen = seen.collect::<Result<_, String>>()?;
         Ok(Self { rater, viewing, seen: Mutex::new(seen) })
     }
 

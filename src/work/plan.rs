@@ -11,10 +11,7 @@ use serde::Serialize;
 
 use super::{Model, RequestError, Watcher, analyze};
 use crate::{
-    analysis::{
-        Slopes,
-        power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
-    },
+    analysis::power::{self, Hypothesis, PlanError, Power, Sampling, Shift, Slope, Test},
     experiment::{OrderedLogit, Protocol},
     report::tables::Rows,
     store::observer,
@@ -243,20 +240,6 @@ impl Planned {
     /// Returns what a power is the power of.
     pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
         &self.plan.hypotheses[power.hypothesis]
-    }
-
-    /// Returns whether this test is the one that stands for the conclusion of an analysis: that of the model or, if it is
-    /// withheld, not simulated or without random slopes on request, Friedman's.
-    pub fn leads(&self, power: &Power) -> bool {
-        let Hypothesis { term, test, .. } = self.hypothesis(power);
-        let of_model = |other: &&Power| {
-            let own = self.hypothesis(other);
-            other.participants == power.participants && own.term == *term && own.test == Test::LikelihoodRatio
-        };
-        let has_ranks = self.plan.hypotheses.iter().any(|own| own.term == *term && own.test == Test::Friedman);
-        let ranks_lead = self.plan.spec.slopes == Slopes::None && has_ranks && power.participants > 1;
-        let is_withheld = self.powers.iter().find(of_model).is_none_or(|other| other.withheld.is_some());
-        (ranks_lead || is_withheld) == (*test == Test::Friedman)
     }
 
     /// Returns one row for each number of participants and each test.

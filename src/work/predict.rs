@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained};
 use crate::{
-    experiment::{Condition, Protocol, judged},
+    experiment::{Condition, Protocol},
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
@@ -135,7 +135,8 @@ impl Predict {
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
         let wrong = |error| self.unseen(protocol.stimulus.kind(), &error);
-        let found = judged(conditions, &viewing, self.size).map_err(wrong)?;
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let found = viewing.visible(&stimuli, self.size).map_err(wrong)?;
         let compared = |study: Study| {
             prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
                 .map(|comparison| (comparison, study.source))
@@ -146,7 +147,6 @@ impl Predict {
             Some((comparison, _)) => (Some(comparison.criterion.clone()), prediction::LEAST),
             None => (self.criterion()?, 0.0),
         };
-        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let detections = viewing.detections(&stimuli).map_err(wrong)?;
         let known = protocol.stimulus.parameters();
         let named = |name: &str| {

@@ -108,7 +108,7 @@ impl Planned {
     fn sample_size(&self) -> String {
         let enough = |people: &&u32| {
             let own = |power: &&Power| power.participants == **people && self.hypothesis(power).effect.is_some();
-            let mut powers = self.powers.iter().filter(own).filter(|power| self.leads(power));
+            let mut powers = self.powers.iter().filter(own);
             powers.clone().count() > 0 && powers.all(|power| power.interval().low >= self.target)
         };
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
@@ -123,12 +123,12 @@ impl Planned {
             }
             Some(people) => format!(
                 "{} will be tested: the smallest number tried ({numbers}) at which the 95 % interval of the power lies at or above \
-                 {target} for every effect above.",
+                 {target} for every test of every effect above.",
                 count((*people).into(), "participant")
             ),
             None => format!(
                 "[N] participants will be tested. At no number tried ({numbers}) does the 95 % interval of the power lie at or above \
-                 {target} for every effect above."
+                 {target} for every test of every effect above."
             ),
         };
         format!(

@@ -146,7 +146,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 /// # Errors
 /// The observer cannot see the stimuli, or the trials cannot be ordered as the definition asks.
 pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
-    let observer = VisionObserver::new(VisionRater::default(), protocol)?;
+    let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(protocol, &identity, 1)?;
     let course = Course::new(protocol.clone(), schedule.clone());

@@ -187,8 +187,7 @@ fn folders_are_compared_in_pairs() {
     assert!(error.contains("old: lacks d.png") && lacks.contains("old: lacks d.png"), "{error} {lacks}");
     assert!(lacks.contains("tests=\"3\" failures=\"0\" errors=\"1\""), "{lacks}");
     fs::create_dir(pictures.at("empty")).unwrap();
-    pictures.refused("compare empty empty --window 3 --junit empty.xml", 1);
-    assert!(xml("empty.xml").contains("errors=\"1\"") && xml("empty.xml").contains("contains no PNG"));
+    pictures.refused("compare empty empty --window 3", 1);
     fs::write(pictures.at("old/d.png"), "no picture").unwrap();
     let (found, _) = pictures.run("compare new old --window 3 --json");
     assert_eq!([&found[0]["picture"], &found[2]["picture"]], ["new/a.png", "new/d.png"]);
@@ -196,8 +195,6 @@ fn folders_are_compared_in_pairs() {
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
     assert!(errors.contains("old/d.png: is not a PNG; expected a PNG"), "{errors}");
-    pictures.refused("compare new/d.png old/d.png --window 3 --junit d.xml", 1);
-    assert!(xml("d.xml").contains("errors=\"1\"") && xml("d.xml").contains("is not a PNG"));
     // What is left out is named.
     fs::create_dir(pictures.at("new/more")).unwrap();
     fs::write(pictures.at("new/e.jpg"), b"\xff\xd8\xff").unwrap();
