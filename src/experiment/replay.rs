@@ -6,7 +6,7 @@ use super::{
     identity::Identity,
     record::{RowContext, TrialRecord, columns},
     schedule::{Phase, Trial},
-    task::{Answer, Presentation},
+    task::{Answer, Pick, Presentation},
 };
 
 /// What a row records.
@@ -103,7 +103,7 @@ impl<'a> Replay<'a> {
         let is_over = self.course.is_over(index);
         let shown = self.course.presentation(index);
         if !is_over && self.shows(row, index, (&shown, &given)) {
-            self.course.answer_as_shown(index, &shown, &given);
+            self.course.answer(index, &shown, &given);
             return Ok(Replayed { trial: index, shown, answer: given, gap });
         }
         let level = row.answer.as_ref().and_then(|answer| answer.level);
@@ -118,7 +118,7 @@ impl<'a> Replay<'a> {
                 format!("row {} does not follow from the answers before it; expected {expected}", row.row_id)
             }));
         }
-        self.course.answer_as_shown(index, &shown, &given);
+        self.course.answer(index, &shown, &given);
         Ok(Replayed { trial: index, shown, answer: given, gap })
     }
 
@@ -157,13 +157,11 @@ impl<'a> Replay<'a> {
     }
 
     fn expected(&self, index: usize) -> String {
-        let shown = self.course.presentation(index);
-        let second = self.course.second_of(&shown);
-        match shown.level {
-            Some(level) => {
+        match self.course.presentation(index).pick {
+            Pick::Level(level, second) => {
                 format!("the level {level}{}", second.map_or_else(String::new, |second| format!(" with {second}")))
             }
-            None => "the most informative pair".to_owned(),
+            _ => "the most informative pair".to_owned(),
         }
     }
 

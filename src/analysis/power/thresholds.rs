@@ -289,7 +289,7 @@ impl ThresholdPlan {
             let x = common.scaled(level);
             let seen = rng.random::<f64>()
                 < if is_target { self.chance(x, thresholds[condition]) } else { self.observer.false_alarms };
-            course.answer(trial, &self.answer(&shown, seen));
+            course.answer(trial, &shown, &self.answer(&shown, seen));
             if is_target || self.model.guess == Guess::Free {
                 let x = if is_target { x } else { self.model.unseen() };
                 Point::add(&mut points[condition], x, seen.into(), 1);

@@ -131,8 +131,20 @@ pub fn significant(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
+/// What the schedule or a method chose for a trial.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Pick {
+    /// What the schedule plans.
+    #[default]
+    Planned,
+    /// A level of the adapted parameter, and one of the second.
+    Level(f64, Option<f64>),
+    /// A pair of conditions.
+    Pair([usize; 2]),
+}
+
 /// What a trial shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Presentation {
     /// The stimuli in the order of their places or intervals.
     pub stimuli: Vec<Stimulus>,
@@ -142,12 +154,14 @@ pub struct Presentation {
     pub level: Option<f64>,
     /// The value at which an adjustment begins.
     pub start: Option<f64>,
+    /// The choice that led to this.
+    pub pick: Pick,
 }
 
 impl Presentation {
     /// Shows one stimulus.
     pub fn of(stimulus: Stimulus) -> Self {
-        Self { stimuli: vec![stimulus], target: None, level: None, start: None }
+        Self { stimuli: vec![stimulus], ..Self::default() }
     }
 
     /// Returns the stimulus that a row describes: the target if it is shown, and otherwise the first.
@@ -191,7 +205,7 @@ impl Turn<'_> {
     /// Shows these stimuli, with the target at a place or interval counted from 1, or nowhere.
     pub fn shows(&self, stimuli: Vec<Stimulus>, target: u32) -> Presentation {
         let level = self.level.map(|(_, level)| level);
-        Presentation { stimuli, target: Some(target), level, start: None }
+        Presentation { stimuli, target: Some(target), level, ..Presentation::default() }
     }
 }
 

@@ -26,7 +26,7 @@ pub use choice::{Choice, Shown as ChoiceShown};
 pub use common::{Common, Easier};
 pub use curve::{Curve, Psychometric};
 pub(super) use kind::at_level;
-pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, significant};
+pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, Senses, Settings, Turn, significant};
 pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
@@ -34,7 +34,7 @@ pub use ranking::Ranking;
 pub use rating::{Rating as RatingTask, Scale as RatingScale};
 pub use scaling::{Mode, Scaling, Wins};
 pub use staircase::{Staircase, Stairs};
-pub use track::{Pick, Track};
+pub use track::Track;
 pub use yes_no::YesNo;
 
 use options::kinds;

@@ -168,7 +168,7 @@ impl Kind for Pair {
             return turn.shows(stimuli, turn.place + 1);
         };
         let stimuli = vec![turn.target(), other.stimulus.clone()];
-        Presentation { stimuli, target: None, level: None, start: None }
+        Presentation { stimuli, ..Presentation::default() }
     }
 
     fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {
