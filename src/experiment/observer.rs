@@ -95,13 +95,7 @@ fn rating(thresholds: [f64; 3], categories: usize, latent: f64) -> u8 {
         let (from, to, along) =
             if share < 0.5 { (first, second, 4.0 * share - 1.0) } else { (second, third, 4.0 * share - 2.0) };
         // Exactly the given thresholds where they apply.
-        if along == 0.0 {
-            from
-        } else if along == 1.0 {
-            to
-        } else {
-            from + along * (to - from)
-        }
+        from * (1.0 - along) + to * along
     };
     (1..categories).filter(|threshold| latent > at(*threshold as f64 / categories as f64)).count() as u8
 }

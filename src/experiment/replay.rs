@@ -26,7 +26,8 @@ pub struct Replayed {
 #[derive(Debug)]
 pub struct Replay<'a> {
     identity: &'a Identity,
-    course: Course,
+    /// The session after the rows so far.
+    pub course: Course,
     /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
     has_gaps: bool,
     /// The trial after the furthest one that has a row.
@@ -37,16 +38,6 @@ impl<'a> Replay<'a> {
     /// Begins a session. `has_gaps` if rows were removed by a repair.
     pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
         Self { identity, course, has_gaps, next: 0 }
-    }
-
-    /// Returns the session after the rows so far.
-    pub fn course(&self) -> &Course {
-        &self.course
-    }
-
-    /// Returns the session after the rows so far.
-    pub fn into_course(self) -> Course {
-        self.course
     }
 
     /// Takes the next row, and returns what it records.

@@ -137,10 +137,8 @@ pub struct Planned {
 impl Plan {
     /// Simulates studies of ratings.
     pub(super) fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
-        let (observer, name) = match &self.observer_file {
-            Some(path) => (observer::open(path)?, path.display().to_string()),
-            None => (observer::parse("paper.toml", observer::PAPER)?, "paper".to_owned()),
-        };
+        let observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
+        let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
         let (observer, shifts) = self.observer(observer, &protocol)?;
         once("deviations", &self.deviations)?;
         let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };

@@ -178,10 +178,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {
-            let parameters = match file {
-                Some(path) => observer::open(path)?,
-                None => observer::parse("paper.toml", observer::PAPER)?,
-            };
+            let parameters = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }

@@ -412,7 +412,6 @@ QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
 YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse 0.6 is outside 0…0.5
 QUESTfunction = "cubic"\n => 13:1 => function
-CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s applies to intervals only
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
@@ -444,9 +443,7 @@ CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, na
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
-ORIENTEDpairs = "chain"\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => expected no pairs
 ORIENTEDtrials = 9\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => trials applies to adaptive pairs only
-DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to pairs = "chain" only
 [factors]\ndepth = ["inf"]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 
 [factors]\ndepth = [1, 2]\nCHOICE => 
 [factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same

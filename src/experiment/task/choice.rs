@@ -61,15 +61,6 @@ impl Kind for Choice {
         }
         errors.check_range("task.duration_s", self.duration_s, 0.001, 60.0, "seconds");
         errors.check_range("task.gap_s", self.gap_s, 0.001, 60.0, "seconds");
-        let usual = Self::default();
-        for (key, own, usual) in [("duration_s", self.duration_s, usual.duration_s), ("gap_s", self.gap_s, usual.gap_s)]
-        {
-            if self.shown == Shown::Places && own != usual {
-                let message =
-                    format!("{key} applies to intervals only; expected none, or [presentation] with its duration_s");
-                errors.add(format!("task.{key}"), message);
-            }
-        }
         given.check_reference(&self.reference, errors);
     }
 

@@ -74,24 +74,9 @@ impl Kind for Pair {
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         let with_levels = !given.adapted.is_empty();
-        let is_unused = |pairs: Pairs| with_levels || self.pairs != pairs;
-        let has_pairs = self.pairs != Pairs::All && with_levels;
-        for (key, is_unused, message) in [
-            ("pairs", has_pairs, "[adaptive] compares each condition with the reference; expected no pairs"),
-            (
-                "along",
-                self.along.is_some() && is_unused(Pairs::Chain),
-                "along applies to pairs = \"chain\" only; expected none",
-            ),
-            (
-                "trials",
-                self.trials.is_some() && is_unused(Pairs::Adaptive),
-                "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials",
-            ),
-        ] {
-            if is_unused {
-                errors.add(format!("task.{key}"), message);
-            }
+        if self.trials.is_some() && (with_levels || self.pairs != Pairs::Adaptive) {
+            let message = "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials";
+            errors.add("task.trials", message);
         }
         if with_levels {
             given.check_reference(&self.reference, errors);
