@@ -139,8 +139,12 @@ impl Plan {
     pub(super) fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
         let observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
         let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
-        let (observer, shifts) = self.observer(observer, &protocol)?;
-        once("deviations", &self.deviations)?;
+        let (shifts, parameters) = self.given();
+        let set = |observer: OrderedLogit, effect: &Assignment| {
+            let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
+            with(&observer, effect, &protocol).map_err(error)
+        };
+        let observer = parameters.into_iter().try_fold(observer, set)?;
         let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
         let slopes: Vec<Slope> = self.deviations.iter().map(slope).collect();
         let plan = power::Plan::new(&protocol, &observer, &shifts, &slopes, &self.model).map_err(refused)?;
@@ -153,28 +157,14 @@ impl Plan {
         Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
     }
 
-    /// Returns the observer with the requested effects, and the effects that none of its parameters can express.
-    fn observer(
-        &self,
-        mut observer: OrderedLogit,
-        protocol: &Protocol,
-    ) -> Result<(OrderedLogit, Vec<Shift>), RequestError> {
-        once("effects", &self.effects)?;
-        let mut shifts = Vec::new();
-        for effect in &self.effects {
-            match effect.name.split_once(':') {
-                Some((factor, level)) => shifts.push(Shift {
-                    factor: factor.trim().to_owned(),
-                    level: level.trim().to_owned(),
-                    logits: effect.value,
-                }),
-                None => {
-                    let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
-                    observer = with(&observer, effect, protocol).map_err(error)?;
-                }
-            }
-        }
-        Ok((observer, shifts))
+    /// Returns the effects of levels of factors, and those that set parameters of the observer.
+    pub(super) fn given(&self) -> (Vec<Shift>, Vec<&Assignment>) {
+        let shift = |effect: &Assignment| {
+            let (factor, level) = effect.name.split_once(':')?;
+            Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: effect.value })
+        };
+        let parameters = self.effects.iter().filter(|effect| !effect.name.contains(':')).collect();
+        (self.effects.iter().filter_map(shift).collect(), parameters)
     }
 }
 
@@ -190,14 +180,6 @@ pub(super) fn in_order(numbers: &[u32]) -> Vec<u32> {
 pub(super) fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
     let done = AtomicU64::new(0);
     move |people| watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all)
-}
-
-/// Checks that each name has one value.
-pub(super) fn once(field: &str, given: &[Assignment]) -> Result<(), RequestError> {
-    let twice = given.iter().enumerate().find(|(i, one)| given[..*i].iter().any(|other| other.name == one.name));
-    twice.map_or(Ok(()), |(_, one)| {
-        Err(RequestError::value(field, format!("{one}: {} is given twice; expected it once", one.name)))
-    })
 }
 
 /// Returns what is wrong with the request.

@@ -2,7 +2,7 @@
 
 use super::{
     RequestError, Watcher,
-    plan::{Assignment, Plan, Planned, in_order, once, progress},
+    plan::{Assignment, Plan, Planned, in_order, progress},
     request::allow_only,
 };
 use crate::{
@@ -81,8 +81,6 @@ impl Plan {
         Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
         // A difference is found by its 95 % interval.
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
-        once("effects", &self.effects)?;
-        once("deviations", &self.deviations)?;
         let (observer, shifts) = self.threshold_observer(&protocol)?;
         let slope = |given: &Assignment| {
             let known = protocol.factors.iter().any(|factor| factor.name == given.name);
@@ -127,21 +125,19 @@ impl Plan {
     /// Returns the observer with the requested effects, and those of the levels of factors.
     fn threshold_observer(&self, protocol: &Protocol) -> Result<(ThresholdObserver, Vec<Shift>), RequestError> {
         let adaptive = protocol.adaptive.clone().unwrap_or_default();
-        let (mut observer, mut shifts) = (ThresholdObserver::of(&adaptive), Vec::new());
-        for effect in &self.effects {
-            let wrong = |message: String| RequestError::value("effects", format!("{effect}: {message}"));
-            if let Some((factor, level)) = effect.name.split_once(':') {
-                let (factor, level) = (factor.trim(), level.trim());
-                let of = protocol.factors.iter().find(|known| known.name == factor);
-                let of = of.ok_or_else(|| wrong(unknown_factor(factor, protocol)))?;
-                let levels: Vec<String> = of.levels.iter().map(ToString::to_string).collect();
-                if !levels.iter().any(|known| known == level) {
-                    let expected = expected_one_of(level, &levels);
-                    return Err(wrong(format!("{factor} has no level {level}; {expected}")));
-                }
-                shifts.push(Shift { factor: factor.to_owned(), level: level.to_owned(), logits: effect.value });
-                continue;
+        let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
+        for Shift { factor, level, .. } in &shifts {
+            let wrong = |message: String| RequestError::value("effects", format!("{factor}:{level}: {message}"));
+            let of = protocol.factors.iter().find(|known| known.name == *factor);
+            let of = of.ok_or_else(|| wrong(unknown_factor(factor, protocol)))?;
+            let levels: Vec<String> = of.levels.iter().map(ToString::to_string).collect();
+            if !levels.contains(level) {
+                let expected = expected_one_of(level, &levels);
+                return Err(wrong(format!("{factor} has no level {level}; {expected}")));
             }
+        }
+        for effect in parameters {
+            let wrong = |message: String| RequestError::value("effects", format!("{effect}: {message}"));
             let [low, high] = adaptive.range();
             let (parameter, [least, most]) = match effect.name.as_str() {
                 "threshold" => (&mut observer.threshold, [low, high]),

