@@ -70,15 +70,12 @@ pub fn compare<'py>(
     let given = given.map(|(a, b)| PyResult::Ok([a.picture()?, b.picture()?])).transpose()?;
     let found = job::run(py, None, false, move |job| request.pair(given, job))?;
     job::warn(py, found.note().as_slice())?;
-    let Compared {
-        times_threshold, center, places, map, size: [width, height], light, mean_ratio, color_ignored, ..
-    } = found;
+    let Compared { times_threshold, center, places, map, size: [width, height], light, mean_ratio, .. } = found;
     let dict = PyDict::new(py);
     dict.set_item("times_threshold", times_threshold)?;
     dict.set_item("center", center)?;
     dict.set_item("places", places.iter().map(|at| (at.x, at.y, at.times_threshold)).collect::<Vec<_>>())?;
     dict.set_item("mean_ratio", mean_ratio)?;
-    dict.set_item("color_ignored", color_ignored)?;
     dict.set_item("map", map.into_pyarray(py).reshape([height, width])?)?;
     dict.set_item("light", light)?;
     Ok(dict)

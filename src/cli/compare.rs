@@ -198,7 +198,7 @@ fn seen(viewing: &ViewingConditions, light: &str) -> String {
     // Of pixels per degree, a width has many decimals.
     let ViewingConditions { window_deg, white_cd_m2: white, black_cd_m2: black } = viewing;
     let window_deg = (1e4 * window_deg).round() / 1e4;
-    format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
+    format!("luminance only; {window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
 }
 
 /// Returns text without the characters that XML cannot contain; [`printable`] escapes the others.

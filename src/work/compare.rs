@@ -29,12 +29,6 @@ const PLACES: usize = 10;
 const APART_DEG: f64 = 0.5;
 /// From this difference between their mean luminances on, a caller is told about it, percent.
 const BRIGHTER_PERCENT: f64 = 5.0;
-/// Colors differ if a primary's light, brought to the lower luminance of both, differs by more than this share of it ...
-const COLORFUL: f64 = 0.2;
-/// ... to which this is added, since codes of dark colors are coarse ...
-const DARK: f64 = 0.05;
-/// ... in more than this share of the pixels.
-const COLORED: f64 = 1e-3;
 /// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
 /// needs 80 bytes for each of its pixels.
 const SMALL_PX: u64 = 1024 * 1024;
@@ -99,9 +93,6 @@ pub struct Compared {
     /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
     /// difference.
     pub mean_ratio: f64,
-    /// True if the pictures differ in color at equal luminance, which is not judged; `None` if their primaries differ, so
-    /// that nothing is known about it.
-    pub color_ignored: Option<bool>,
     /// What the codes mean, and what says so.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
@@ -161,18 +152,6 @@ impl Lit {
     fn of_picture(name: String, picture: &Picture, light: String) -> Lit {
         Lit { name, image: picture.codes.light(&picture.transfers), weights: picture.weights, light }
     }
-}
-
-/// True if pictures of the same primaries with these luminances differ in color, where `share` counts.
-fn differ_in_color(pictures: [&LinearImage; 2], luminances: [&[f64]; 2], share: Option<&[f64]>) -> bool {
-    let differs = |i: &usize| {
-        let [own, other] = luminances.map(|of| of[*i]);
-        let least = own.min(other);
-        let at = |k: usize, of: f64| f64::from(pictures[k / 3].data[3 * i + k % 3]) * least / of.max(f64::MIN_POSITIVE);
-        share.is_none_or(|share| share[*i] > 0.0)
-            && (0..3).any(|k| (at(k, own) - at(k + 3, other)).abs() > COLORFUL * (least + DARK))
-    };
-    (0..luminances[0].len()).into_par_iter().filter(differs).count() as f64 > COLORED * luminances[0].len() as f64
 }
 
 /// Returns the luminance of each pixel, with these parts of the primaries.
@@ -354,8 +333,6 @@ impl Compare {
         let share = self.mask.as_deref().map(|path| self.share(path, size)).transpose()?;
         let size = size.map(|side| side as usize);
         let (mine, theirs) = (weighted(&shown.image, shown.weights), weighted(&reference.image, reference.weights));
-        let differ = || differ_in_color([&shown.image, &reference.image], [&mine, &theirs], share.as_deref());
-        let color_ignored = Picture::are_alike(shown.weights, reference.weights).then(differ);
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (mine, theirs) = (cd_m2(mine), cd_m2(theirs));
         drop((shown.image, reference.image));
@@ -386,7 +363,6 @@ impl Compare {
             places: map.peaks(PLACES, APART_DEG * size[0] as f64 / viewing.window_deg),
             viewing,
             mean_ratio,
-            color_ignored,
             light,
             map: map.enlarged(),
             size,
@@ -417,19 +393,12 @@ impl Compare {
 }
 
 impl Compared {
-    /// Says what differs but is not judged: one picture is brighter as a whole, or colors of equal luminance differ.
+    /// Says if one picture is brighter as a whole, which is not judged.
     pub fn note(&self) -> Option<String> {
         let percent = 100.0 * (self.mean_ratio - 1.0);
-        let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
+        (percent.abs() > BRIGHTER_PERCENT).then(|| {
             format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is not part of the difference")
-        });
-        let color = match self.color_ignored {
-            Some(false) => None,
-            Some(true) => Some("the pictures differ in color at equal luminance, which is not judged".to_owned()),
-            None => Some("the primaries of the pictures differ, so that their colors are not compared".to_owned()),
-        };
-        let notes: Vec<String> = brighter.into_iter().chain(color).collect();
-        (!notes.is_empty()).then(|| notes.join("; "))
+        })
     }
 
     /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
