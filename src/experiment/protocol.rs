@@ -283,16 +283,9 @@ impl Definition {
         let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
         self.task.check(&given, errors);
         let is_changed = self.task.dial().is_some_and(|dial| dial.parameter.is_some());
-        let message = match self.task.layout() {
-            Layout::Intervals { .. } => {
-                "[presentation] does not apply to intervals; expected task.duration_s, which says how long each lasts"
-            }
-            _ if is_changed => {
-                "[presentation] does not apply to adjustment; expected none: the stimulus stays until it is set"
-            }
-            _ => "",
-        };
-        if self.presentation.is_some() && !message.is_empty() {
+        let has_own = is_changed || matches!(self.task.layout(), Layout::Intervals { .. });
+        if self.presentation.is_some() && has_own {
+            let message = "[presentation] does not apply to this task; expected none, or task.duration_s for intervals";
             errors.add("presentation", message);
         }
         let Some(adaptive) = &self.adaptive else { return };

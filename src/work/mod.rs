@@ -18,7 +18,6 @@ mod paths;
 pub mod plan;
 pub mod plan_thresholds;
 pub mod predict;
-mod preregistration;
 mod ratings;
 mod repair;
 mod request;

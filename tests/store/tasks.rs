@@ -437,8 +437,8 @@ QUESTlapse = []\n => 13:1 => the list is empty
 QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
 QUESTlapse = [0.49]\n => 
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
-[presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to intervals
-[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to adjustment
+[presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to this task
+[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to this task
 [response]\nquestion = " "\n => 7:1 => the question is empty
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
