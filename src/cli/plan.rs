@@ -11,8 +11,7 @@ use crate::{
     text::{Cell, Column, Table},
     work::{
         RequestError,
-        plan::{OPTIONS, Plan, Planned},
-        plan_thresholds::{Found, PlannedThresholds},
+        plan::{Found, OPTIONS, Plan, Planned, PlannedThresholds},
     },
 };
 

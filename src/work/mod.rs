@@ -16,7 +16,6 @@ mod image;
 mod one_mesh;
 mod paths;
 pub mod plan;
-pub mod plan_thresholds;
 pub mod predict;
 mod ratings;
 mod repair;

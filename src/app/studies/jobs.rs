@@ -22,8 +22,7 @@ use crate::{
     experiment::Protocol,
     work::{
         Export, Watcher,
-        plan::Plan,
-        plan_thresholds::Found,
+        plan::{Found, Plan},
         simulate::{Simulate, simulate},
         verify::Verify,
     },
