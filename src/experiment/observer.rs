@@ -86,6 +86,15 @@ fn any_key(categories: usize, rng: &mut ChaCha8Rng) -> u8 {
     ((u128::from(rng.next_u64()) * categories as u128) >> 64) as u8
 }
 
+/// Returns a random key, with the probability `lapse`, or otherwise the rating with standard logistic noise, by inversion.
+fn rated(lapse: f64, categories: usize, rng: &mut ChaCha8Rng, rating: impl FnOnce(f64) -> u8) -> u8 {
+    if unit(rng) < lapse {
+        return any_key(categories, rng);
+    }
+    let u = unit(rng);
+    rating((u / (1.0 - u)).ln())
+}
+
 /// Returns the rating of a latent value: the number of thresholds below it. The three thresholds of an observer belong to
 /// four categories and lie at ¼, ½ and ¾ of their scale. Those of another number of categories, at j/`categories`, are
 /// on the lines through them.
@@ -180,13 +189,7 @@ impl OrderedLogit {
 
     /// Returns a rating on a scale with this many categories for a linear predictor.
     pub fn rate_at(&self, predictor: f64, categories: usize, rng: &mut ChaCha8Rng) -> u8 {
-        if unit(rng) < self.lapse {
-            return any_key(categories, rng);
-        }
-        let u = unit(rng);
-        // Standard logistic noise by inversion.
-        let latent = predictor + (u / (1.0 - u)).ln();
-        rating(self.thresholds, categories, latent)
+        rated(self.lapse, categories, rng, |noise| rating(self.thresholds, categories, predictor + noise))
     }
 }
 
@@ -285,12 +288,8 @@ impl VisionObserver {
 impl Observer for VisionObserver {
     fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
         let VisionRater { thresholds, spread, subject_sd, lapse } = self.rater;
-        if unit(rng) < lapse {
-            return any_key(categories, rng);
-        }
-        let u = unit(rng);
-        let latent = self.seen(stimulus).max(0.0).ln() + subject_sd * subject + spread * (u / (1.0 - u)).ln();
-        rating(thresholds.map(f64::ln), categories, latent)
+        let seen = self.seen(stimulus).max(0.0).ln() + subject_sd * subject;
+        rated(lapse, categories, rng, |noise| rating(thresholds.map(f64::ln), categories, seen + spread * noise))
     }
 
     /// In times threshold: a band at its threshold lies one standard deviation of the noise above nothing.

@@ -367,11 +367,10 @@ impl Plan {
             return Ok(vec![protocol.clone()]);
         }
         let with = |trials: u32| {
-            let mut definition: Definition = (**protocol).clone();
-            if let Some(adaptive) = &mut definition.adaptive {
-                adaptive.common.trials = trials;
-            }
-            Protocol::new(definition).map_err(|errors| {
+            let set = |definition: &mut Definition| {
+                definition.adaptive.iter_mut().for_each(|adaptive| adaptive.common.trials = trials);
+            };
+            protocol.with(set).map_err(|errors| {
                 let message = errors.into_iter().next().map_or_else(String::new, |error| error.message);
                 RequestError::value("trials", message.strip_prefix("trials ").unwrap_or(&message))
             })
