@@ -137,142 +137,6 @@ pub struct Planned {
     pub powers: Vec<Power>,
 }
 
-impl Plan {
-    /// Simulates studies of ratings.
-    fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
-        let observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
-        let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
-        let (shifts, parameters) = self.given();
-        let set = |observer: OrderedLogit, effect: &Assignment| {
-            let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
-            with(&observer, effect, &protocol).map_err(error)
-        };
-        let observer = parameters.into_iter().try_fold(observer, set)?;
-        let plan = power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &self.model).map_err(refused)?;
-        let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
-        let participants = in_order(&self.participants);
-        let all = plan.simulated(&participants, &sampling);
-        let powers = plan.run(&participants, &sampling, &progress(watcher, all));
-        let given = self.effects.iter().map(ToString::to_string);
-        let observer = std::iter::once(name).chain(given).collect::<Vec<_>>().join(" ");
-        Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
-    }
-
-    /// Returns how much people differ in effects.
-    fn slopes(&self) -> Vec<Slope> {
-        let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
-        self.deviations.iter().map(slope).collect()
-    }
-
-    /// Returns the effects of levels of factors, and those that set parameters of the observer.
-    fn given(&self) -> (Vec<Shift>, Vec<&Assignment>) {
-        let shift = |effect: &Assignment| {
-            let (factor, level) = effect.name.split_once(':')?;
-            Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: effect.value })
-        };
-        let parameters = self.effects.iter().filter(|effect| !effect.name.contains(':')).collect();
-        (self.effects.iter().filter_map(shift).collect(), parameters)
-    }
-}
-
-/// Returns the numbers in ascending order, each once.
-fn in_order(numbers: &[u32]) -> Vec<u32> {
-    let mut numbers = numbers.to_vec();
-    numbers.sort_unstable();
-    numbers.dedup();
-    numbers
-}
-
-/// Counts simulated participants.
-fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
-    let done = AtomicU64::new(0);
-    move |people| watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all)
-}
-
-/// Returns what is wrong with the request.
-fn refused(error: PlanError) -> RequestError {
-    match &error {
-        PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
-        PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),
-        PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => RequestError::value("effects", &error),
-        PlanError::Untestable { .. } => RequestError::value("terms", &error),
-        PlanError::TooLarge(_) => RequestError::whole(&error).unless("large"),
-        PlanError::Condition(_) | PlanError::NothingVaries => RequestError::whole(&error),
-    }
-}
-
-/// Returns the observer with a new value for one parameter, validated like an observer file.
-fn with(observer: &OrderedLogit, effect: &Assignment, protocol: &Protocol) -> Result<OrderedLogit, String> {
-    let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
-    match table.get_mut(&effect.name) {
-        Some(parameter) if parameter.is_float() => *parameter = effect.value.into(),
-        _ => return Err(unknown(&effect.name, &table, protocol)),
-    }
-    table.insert("schema".to_owned(), 1.into());
-    observer::parse("effect", &table.to_string())
-        .map_err(|errors| errors.0.into_iter().map(|error| error.message).collect::<Vec<_>>().join("; "))
-}
-
-fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
-    let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
-    let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-    format!(
-        "the observer has no such parameter; {}; or FACTOR:LEVEL with one of the factors {}",
-        expected_one_of(name, &known),
-        factors.join(", ")
-    )
-}
-
-impl Planned {
-    /// Returns what a power is the power of.
-    pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
-        &self.plan.hypotheses[power.hypothesis]
-    }
-
-    /// Returns one row for each number of participants and each test.
-    pub fn table(&self) -> Table {
-        let spec = &self.plan.spec;
-        let slopes = self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd));
-        let slopes = slopes.collect::<Vec<_>>().join(" ");
-        let effect = |power: &Power| self.hypothesis(power).effect.as_ref();
-        let test = |power: &Power| match self.hypothesis(power).test {
-            Test::LikelihoodRatio => "likelihood-ratio",
-            Test::Friedman => "friedman",
-        };
-        let truth = |power: &Power| if effect(power).is_some() { "effect" } else { "none" };
-        let logits = |power: &Power| effect(power).map_or(Some(0.0), |effect| effect.logits);
-        let power = |power: &Power| effect(power).map(|_| power.share());
-        let false_alarms = |power: &Power| effect(power).is_none().then(|| power.share());
-        Rows::new(&self.powers)
-            .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
-            .column("participants", "Number of participants.", |power| power.participants)
-            .column("term", "Term or factor that is tested.", |power| self.hypothesis(power).term.as_str())
-            .column("test", "Name of the test.", test)
-            .column("truth", "Whether the simulated observer has the effect.", truth)
-            .column("effect_logits", "Size of the effect on the latent scale.", logits)
-            .in_unit("logit", 1)
-            .column("above", "Level that is rated higher.", |power| Some(effect(power)?.above.as_str()))
-            .column("below", "Level that is rated lower.", |power| Some(effect(power)?.below.as_str()))
-            .column("studies", "Number of simulated studies.", |power| power.studies)
-            .column("found", "Number of studies in which the test is significant.", |power| power.found)
-            .column("untested", "Number of studies in which the test is not possible.", |power| power.untested)
-            .column("power", "Proportion of studies that find the effect.", power)
-            .column("false_alarms", "Proportion of studies that find an effect that is not there.", false_alarms)
-            .interval("ci", "the 95 % interval of this proportion", |power| Some(power.interval()))
-            .column("median_estimate", "Median of the estimated effects.", |power| power.estimate)
-            .in_unit("logit", 1)
-            .column("alpha", "Level of significance.", |_| self.sampling.alpha)
-            .column("link", "Link function of the model.", |_| spec.link.to_string())
-            .column("terms", "Terms of the model.", |_| spec.terms.to_string())
-            .column("slopes", "Random slopes of the model.", |_| spec.slopes.to_string())
-            .column("slope_sd", "Standard deviations of the simulated random slopes.", |_| slopes.as_str())
-            .in_unit("logit", 1)
-            .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
-            .column("observer", "Simulated observer.", |_| self.observer.as_str())
-            .table()
-    }
-}
-
 /// The fields that apply to thresholds; the others are about ratings.
 const OF_THRESHOLDS: [&str; 8] =
     ["experiment", "participants", "effects", "deviations", "studies", "target", "seed", "trials"];
@@ -414,6 +278,90 @@ impl Plan {
         }
         Ok((observer, shifts))
     }
+
+    /// Simulates studies of ratings.
+    fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
+        let observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
+        let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
+        let (shifts, parameters) = self.given();
+        let set = |observer: OrderedLogit, effect: &Assignment| {
+            let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
+            with(&observer, effect, &protocol).map_err(error)
+        };
+        let observer = parameters.into_iter().try_fold(observer, set)?;
+        let plan = power::Plan::new(&protocol, &observer, &shifts, &self.slopes(), &self.model).map_err(refused)?;
+        let sampling = Sampling { studies: self.studies, alpha: self.alpha, seed: self.seed };
+        let participants = in_order(&self.participants);
+        let all = plan.simulated(&participants, &sampling);
+        let powers = plan.run(&participants, &sampling, &progress(watcher, all));
+        let given = self.effects.iter().map(ToString::to_string);
+        let observer = std::iter::once(name).chain(given).collect::<Vec<_>>().join(" ");
+        Ok(Planned { protocol, observer, plan, sampling, target: self.target, powers })
+    }
+
+    /// Returns how much people differ in effects.
+    fn slopes(&self) -> Vec<Slope> {
+        let slope = |given: &Assignment| Slope { factor: given.name.clone(), sd: given.value };
+        self.deviations.iter().map(slope).collect()
+    }
+
+    /// Returns the effects of levels of factors, and those that set parameters of the observer.
+    fn given(&self) -> (Vec<Shift>, Vec<&Assignment>) {
+        let shift = |effect: &Assignment| {
+            let (factor, level) = effect.name.split_once(':')?;
+            Some(Shift { factor: factor.trim().to_owned(), level: level.trim().to_owned(), logits: effect.value })
+        };
+        let parameters = self.effects.iter().filter(|effect| !effect.name.contains(':')).collect();
+        (self.effects.iter().filter_map(shift).collect(), parameters)
+    }
+}
+
+/// Returns the numbers in ascending order, each once.
+fn in_order(numbers: &[u32]) -> Vec<u32> {
+    let mut numbers = numbers.to_vec();
+    numbers.sort_unstable();
+    numbers.dedup();
+    numbers
+}
+
+/// Counts simulated participants.
+fn progress(watcher: &dyn Watcher, all: u64) -> impl Fn(u64) + Sync {
+    let done = AtomicU64::new(0);
+    move |people| watcher.progress(done.fetch_add(people, Ordering::Relaxed) + people, all)
+}
+
+/// Returns what is wrong with the request.
+fn refused(error: PlanError) -> RequestError {
+    match &error {
+        PlanError::Model(of_model) => analyze::refused(of_model).unwrap_or_else(|| RequestError::whole(&error)),
+        PlanError::UnknownFactor { is_slope: true, .. } => RequestError::value("deviations", &error),
+        PlanError::UnknownFactor { .. } | PlanError::UnknownLevel { .. } => RequestError::value("effects", &error),
+        PlanError::Untestable { .. } => RequestError::value("terms", &error),
+        PlanError::TooLarge(_) => RequestError::whole(&error).unless("large"),
+        PlanError::Condition(_) | PlanError::NothingVaries => RequestError::whole(&error),
+    }
+}
+
+/// Returns the observer with a new value for one parameter, validated like an observer file.
+fn with(observer: &OrderedLogit, effect: &Assignment, protocol: &Protocol) -> Result<OrderedLogit, String> {
+    let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
+    match table.get_mut(&effect.name) {
+        Some(parameter) if parameter.is_float() => *parameter = effect.value.into(),
+        _ => return Err(unknown(&effect.name, &table, protocol)),
+    }
+    table.insert("schema".to_owned(), 1.into());
+    observer::parse("effect", &table.to_string())
+        .map_err(|errors| errors.0.into_iter().map(|error| error.message).collect::<Vec<_>>().join("; "))
+}
+
+fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
+    let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
+    let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+    format!(
+        "the observer has no such parameter; {}; or FACTOR:LEVEL with one of the factors {}",
+        expected_one_of(name, &known),
+        factors.join(", ")
+    )
 }
 
 fn unknown_factor(name: &str, protocol: &Protocol) -> String {
@@ -422,6 +370,56 @@ fn unknown_factor(name: &str, protocol: &Protocol) -> String {
         return format!("{name} is not a factor; {} has none", protocol.name);
     }
     format!("{name} is not a factor; {}", expected_one_of(name, &known))
+}
+
+impl Planned {
+    /// Returns what a power is the power of.
+    pub fn hypothesis(&self, power: &Power) -> &Hypothesis {
+        &self.plan.hypotheses[power.hypothesis]
+    }
+
+    /// Returns one row for each number of participants and each test.
+    pub fn table(&self) -> Table {
+        let spec = &self.plan.spec;
+        let slopes = self.plan.slopes().iter().map(|slope| format!("{}={}", slope.factor, slope.sd));
+        let slopes = slopes.collect::<Vec<_>>().join(" ");
+        let effect = |power: &Power| self.hypothesis(power).effect.as_ref();
+        let test = |power: &Power| match self.hypothesis(power).test {
+            Test::LikelihoodRatio => "likelihood-ratio",
+            Test::Friedman => "friedman",
+        };
+        let truth = |power: &Power| if effect(power).is_some() { "effect" } else { "none" };
+        let logits = |power: &Power| effect(power).map_or(Some(0.0), |effect| effect.logits);
+        let power = |power: &Power| effect(power).map(|_| power.share());
+        let false_alarms = |power: &Power| effect(power).is_none().then(|| power.share());
+        Rows::new(&self.powers)
+            .column("experiment", "Name of the definition.", |_| self.protocol.name.as_str())
+            .column("participants", "Number of participants.", |power| power.participants)
+            .column("term", "Term or factor that is tested.", |power| self.hypothesis(power).term.as_str())
+            .column("test", "Name of the test.", test)
+            .column("truth", "Whether the simulated observer has the effect.", truth)
+            .column("effect_logits", "Size of the effect on the latent scale.", logits)
+            .in_unit("logit", 1)
+            .column("above", "Level that is rated higher.", |power| Some(effect(power)?.above.as_str()))
+            .column("below", "Level that is rated lower.", |power| Some(effect(power)?.below.as_str()))
+            .column("studies", "Number of simulated studies.", |power| power.studies)
+            .column("found", "Number of studies in which the test is significant.", |power| power.found)
+            .column("untested", "Number of studies in which the test is not possible.", |power| power.untested)
+            .column("power", "Proportion of studies that find the effect.", power)
+            .column("false_alarms", "Proportion of studies that find an effect that is not there.", false_alarms)
+            .interval("ci", "the 95 % interval of this proportion", |power| Some(power.interval()))
+            .column("median_estimate", "Median of the estimated effects.", |power| power.estimate)
+            .in_unit("logit", 1)
+            .column("alpha", "Level of significance.", |_| self.sampling.alpha)
+            .column("link", "Link function of the model.", |_| spec.link.to_string())
+            .column("terms", "Terms of the model.", |_| spec.terms.to_string())
+            .column("slopes", "Random slopes of the model.", |_| spec.slopes.to_string())
+            .column("slope_sd", "Standard deviations of the simulated random slopes.", |_| slopes.as_str())
+            .in_unit("logit", 1)
+            .column("seed", "Seed of the simulation.", |_| self.sampling.seed)
+            .column("observer", "Simulated observer.", |_| self.observer.as_str())
+            .table()
+    }
 }
 
 impl PlannedThresholds {
