@@ -1,11 +1,6 @@
 //! A definition without errors.
 
-use std::{
-    collections::{BTreeSet, HashSet},
-    ops::Deref,
-    sync::Arc,
-    time::Duration,
-};
+use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
 
 use serde::{Serialize, Serializer};
 
@@ -310,11 +305,10 @@ impl Definition {
         let ends = dial.as_ref().map_or(vec![None], |(name, [low, high])| {
             vec![Some((name, low, "task.low")), Some((name, high, "task.high"))]
         });
-        let places: BTreeSet<u32> = self.task.places().into_iter().collect();
         for condition in conditions {
             let turn =
                 |place: u32, [level, second]: [_; 2]| Turn { condition, other: None, place, draw: 1.0, level, second };
-            let turns = places.iter().flat_map(|place| picks.iter().map(move |pick| turn(*place, *pick)));
+            let turns = (0..self.task.places()).flat_map(|place| picks.iter().map(move |pick| turn(place, *pick)));
             for (turn, end) in turns.flat_map(|turn| ends.iter().map(move |end| (turn, *end))) {
                 let shown = self.task.present(&turn).stimuli.into_iter();
                 let mut shown = shown.map(|stimulus| match end {

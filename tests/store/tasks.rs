@@ -247,7 +247,7 @@ fn sides_places_and_catch_trials_are_balanced() {
         if protocol.task.catches().is_some() {
             continue;
         }
-        let places = protocol.task.places();
+        let places: Vec<u32> = (0..protocol.task.places()).collect();
         for seen in dealt(&protocol) {
             let whole = &seen[..seen.len() / places.len() * places.len()];
             for place in &places {

@@ -76,8 +76,8 @@ impl Kind for Choice {
         Some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        (0..self.alternatives).collect()
+    fn places(&self) -> u32 {
+        self.alternatives
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {

@@ -355,14 +355,14 @@ pub trait Kind {
     fn dial(&self) -> Option<Dial> {
         None
     }
-    /// Returns the places to draw from.
-    fn places(&self) -> Vec<u32> {
-        vec![0]
+    /// Returns the number of places to draw from.
+    fn places(&self) -> u32 {
+        1
     }
     /// Returns the places of the next trials of a condition, which are shuffled, after `done` of `all` its trials: by
     /// default, each place once.
     fn round(&self, _done: usize, _all: usize) -> Vec<u32> {
-        self.places()
+        (0..self.places()).collect()
     }
     /// Returns the pairs of conditions to compare; `None` if the trials show one condition each.
     fn pairs(&self, _conditions: &[Condition], _factors: &[Factor]) -> Option<Vec<[usize; 2]>> {

@@ -118,8 +118,8 @@ impl Kind for Pair {
         self.with_reference().then_some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        vec![0, 1]
+    fn places(&self) -> u32 {
+        2
     }
 
     fn pairs(&self, conditions: &[Condition], factors: &[Factor]) -> Option<Vec<[usize; 2]>> {

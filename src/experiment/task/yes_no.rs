@@ -37,8 +37,8 @@ impl Kind for YesNo {
         Some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        vec![0, 1]
+    fn places(&self) -> u32 {
+        2
     }
 
     fn round(&self, done: usize, all: usize) -> Vec<u32> {
