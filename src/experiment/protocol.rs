@@ -412,25 +412,15 @@ fn targets<'a>(condition: &'a Condition, picks: &'a [[Option<(&'a str, f64)>; 2]
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.
 pub fn name_error(name: &str) -> Option<String> {
-    // Windows does not allow folders with these names, and results move between machines.
-    let reserved = ["con", "prn", "aux", "nul"].contains(&name)
-        || (name.len() == 4
-            && (name.starts_with("com") || name.starts_with("lpt"))
-            && name.as_bytes()[3].is_ascii_digit());
     let well_formed = !name.is_empty()
         && name.len() <= 64
         && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
         // A spreadsheet would read a cell that starts with a hyphen as a formula, and a command line would read it as
         // an option.
-        && !name.starts_with('-')
-        && name.bytes().any(|b| b != b'-');
-    if !well_formed {
-        Some(format!(
+        && !name.starts_with('-');
+    (!well_formed).then(|| {
+        format!(
             "name {name:?} is not allowed; expected at most 64 lowercase letters, digits and hyphens, with no hyphen first, such as \"bangay2003\""
-        ))
-    } else if reserved {
-        Some(format!("name {name:?} is reserved by Windows; expected another name"))
-    } else {
-        None
-    }
+        )
+    })
 }
