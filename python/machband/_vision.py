@@ -122,9 +122,6 @@ class Comparison:
     mean_ratio
         Mean luminance of the picture over that of the reference, which is not part of the difference; a warning says if
         it is far from 1.
-    color_ignored
-        True, with a warning, if the pictures differ in color at equal luminance, which is not judged; `None`, with a
-        warning, if their primaries differ, so that nothing is known about it.
     map
         Times threshold for a gaze at each pixel, shape (height, width).
     """
@@ -134,7 +131,6 @@ class Comparison:
     places: list[Place]
     light: str
     mean_ratio: float
-    color_ignored: bool | None
     map: npt.NDArray[np.float64] = field(repr=False)
 
 

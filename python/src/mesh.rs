@@ -61,8 +61,7 @@ pub fn shade<'py>(
     let given = mesh.as_ref().map(mesh_of).transpose()?;
     let wanted = Wanted { picture: true, metrics: measure };
     let shaded = job::run(py, None, false, move |job| request.shade(given.map(|of| of()).transpose()?, wanted, job))?;
-    let idle = shaded.idle.iter().map(ToString::to_string);
-    job::warn(py, &idle.chain(shaded.notes).collect::<Vec<_>>())?;
+    job::warn(py, &shaded.notes)?;
     let codes = shaded.picture.ok_or_else(|| error("no picture; expected one"))?;
     let metrics = shaded.metrics.as_ref().map(serde_json::to_string).transpose().map_err(error)?;
     Ok((codes_array(py, codes)?, metrics))

@@ -132,13 +132,6 @@ pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w })
 }
 
-/// Returns the smallest probability that Friedman's test can give: all participants agree on one order, and each order
-/// of the levels does this.
-pub(crate) fn least_friedman_p(participants: usize, levels: usize) -> f64 {
-    let orders: f64 = (1..=levels).map(|level| level as f64).product();
-    if participants > EXACT_PARTICIPANTS { 0.0 } else { orders.powi(1 - participants as i32) }
-}
-
 /// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each
 /// participant's ranks are in random order.
 fn permutation_probability(rows: &[Vec<f64>], permutations: usize) -> (f64, PMethod) {

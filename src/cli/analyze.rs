@@ -10,9 +10,8 @@ use super::{
 };
 use crate::{
     report::{
-        Predicted, Provenance, check_folder,
+        Provenance, check_folder,
         document::Document,
-        prediction::StudyPrediction,
         skins,
         study::{Parts, document, shell_command},
         study_files, task_files,
@@ -46,7 +45,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
     check_folder(writer, &arguments.out)?;
-    let progress = Bar::spinner("reading");
+    let progress = Bar::new("reading");
     if let Some(study) = arguments.analysis.read_task()? {
         return run_task(arguments, writer, &study, &progress);
     }
@@ -56,25 +55,11 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     progress.stage(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
     let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
     let provenance = Provenance::new(shell_command(words), now());
-    let (contents, prediction) = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+    let (contents, _) = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     let files = write_files(writer, &arguments.out, contents)?;
     progress.clear();
     super::print_line(&sentence(&study.source, &results.measured))?;
     print_summary(&document(&study.source, &results, Parts::default()))?;
-    if let Ok(report) = &results.model {
-        let terms = results.spec.terms.to_string();
-        let terms = if terms.is_empty() { "without terms" } else { &terms };
-        let model = &report.model;
-        super::print_line(&format!(
-            "cumulative-link {}model {terms} ({} link): log-likelihood {:.3}",
-            if model.random.is_some() { "mixed " } else { "" },
-            model.link,
-            model.loglik
-        ))?;
-    }
-    if let Some(predicted) = &prediction {
-        super::print_line(&prediction_line(predicted))?;
-    }
     report_written(&files, &arguments.out)?;
     problems(&study.source.warnings, &study.source.errors)
 }
@@ -104,16 +89,4 @@ fn print_summary(document: &Document) -> anyhow::Result<()> {
 fn report_written(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     super::print_line(&format!("{} files written; see {}", files.len(), report.map_or(out, |report| report).display()))
-}
-
-/// Summarizes the vision model's prediction in one line.
-fn prediction_line(predicted: &Predicted) -> String {
-    match predicted {
-        Ok(StudyPrediction { comparison, .. }) => format!(
-            "vision model: rank correlation {} with the mean ratings of {} conditions",
-            comparison.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}")),
-            comparison.conditions
-        ),
-        Err(error) => format!("no prediction by the vision model: {error}"),
-    }
 }

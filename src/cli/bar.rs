@@ -1,11 +1,6 @@
 //! How a terminal shows the progress of an operation.
 
-use std::{
-    path::Path,
-    sync::atomic::{AtomicBool, Ordering},
-    thread::sleep,
-    time::Duration,
-};
+use std::{path::Path, thread::sleep, time::Duration};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -16,25 +11,13 @@ use crate::{
     work::Watcher,
 };
 
-/// A progress bar, or a spinner while progress cannot be measured. Nothing is shown unless stderr is a terminal.
-pub(super) struct Bar {
-    bar: ProgressBar,
-    /// True until progress can be measured.
-    spins: AtomicBool,
-}
+/// Shows what is being done, and how many steps are done if they are counted. Nothing is shown unless stderr is a terminal.
+pub(super) struct Bar(ProgressBar);
 
 impl Bar {
-    /// Creates a bar; `what` names the steps that are counted.
-    pub fn new(what: &str) -> Self {
-        let template = format!("{{bar:40}} {{pos}}/{{len}} {what}, {{eta}} to go");
-        let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        Self { bar: ProgressBar::no_length().with_style(style), spins: AtomicBool::new(false) }
-    }
-
-    /// Creates a spinner for work whose progress is not counted.
-    pub fn spinner(what: &'static str) -> Self {
-        let spinner = ProgressBar::new_spinner().with_message(what);
-        let turning = spinner.clone();
+    pub fn new(what: &'static str) -> Self {
+        let bar = ProgressBar::new_spinner().with_message(what);
+        let turning = bar.clone();
         // `enable_steady_tick` would panic if the system cannot create a thread; the text is then shown without the
         // moving spinner.
         let turned = run_on_thread(move || {
@@ -44,38 +27,43 @@ impl Bar {
             }
         });
         if turned.is_err() {
-            spinner.tick();
+            bar.tick();
         }
-        Self { bar: spinner, spins: AtomicBool::new(true) }
+        Self(bar)
     }
 
     /// Removes the bar from the screen.
     pub fn clear(&self) {
-        self.bar.finish_and_clear();
+        self.0.finish_and_clear();
     }
 
     /// Prints something above the bar.
     pub fn above<T>(&self, print: impl FnOnce() -> T) -> T {
-        self.bar.suspend(print)
+        self.0.suspend(print)
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.clear();
     }
 }
 
 impl Watcher for Bar {
     fn stage(&self, what: &'static str) {
-        self.bar.set_message(what);
-        if !self.spins.swap(true, Ordering::Relaxed) {
-            self.bar.set_style(ProgressStyle::default_spinner());
-        }
+        self.0.set_message(what);
+        self.0.unset_length();
+        self.0.set_style(ProgressStyle::default_spinner());
     }
 
     fn progress(&self, done: u64, total: u64) {
-        if self.spins.swap(false, Ordering::Relaxed) {
-            let style = ProgressStyle::with_template("{spinner} {msg}: {pos} of {len}");
-            self.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        if self.0.length() != Some(total) {
+            let style = ProgressStyle::with_template("{spinner} {msg}: {pos} of {len}, {eta} to go");
+            self.0.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+            self.0.set_length(total);
         }
-        self.bar.set_length(total);
         // Steps may end out of order.
-        self.bar.set_position(done.max(self.bar.position()));
+        self.0.set_position(done.max(self.0.position()));
     }
 
     fn warn(&self, warning: &str) {

@@ -1,15 +1,12 @@
 //! `machband calibrate`
 
-use std::path::Path;
-
-use super::{OutPath, columns, message, print_line, report_written};
+use super::{OutPath, columns, message, print_line};
 use crate::{
-    display::photometer::{Calibration, Sum, largest},
-    report::{calibration::tables, document::TextTable, figures},
+    display::photometer::{Sum, largest},
+    report::{calibration::tables, document::TextTable},
     store::{Writer, profile},
     system::found,
     work::{
-        RequestError,
         calibrate::{Calibrate, Calibrated},
         outdated,
     },
@@ -20,62 +17,27 @@ use crate::{
 /// READINGS.csv has the columns channel,level,luminance_cd_m2. The channel is r, g, b or gray; the level is the code
 /// divided by the largest code, 0 to 1. List the readings in the order in which you took them, including repeats.
 #[derive(clap::Args)]
-#[command(
-    after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\" --plot left.svg\n\n\
+#[command(after_help = "Example: machband calibrate left.csv --out left.toml --with \"Konica Minolta LS-150\"\n\n\
     Models: srgb is the sRGB curve; gamma is black + range·V^γ; gog adds an offset, (gain·V + offset)^γ; table \
     interpolates the readings, for displays that no curve fits. By default, each level is left out in turn, \
-    and the simplest of the models that predict the left-out levels best is chosen."
-)]
+    and the simplest of the models that predict the left-out levels best is chosen.")]
 pub(super) struct Arguments {
     #[command(flatten)]
     request: Calibrate,
     /// Display profile to write.
     #[arg(long, value_name = "PROFILE.toml")]
     out: OutPath,
-    /// Where to write a chart of the readings, curves and errors.
-    #[arg(long, value_name = "FILE.svg|FILE.png")]
-    plot: Option<OutPath>,
-    /// Where to write all results as JSON.
-    #[arg(long, value_name = "FILE.json")]
-    report: Option<OutPath>,
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
-    let Arguments { request, out, plot, report } = arguments;
-    plot.as_deref().map_or(Ok(()), check)?;
+    let Arguments { request, out } = arguments;
     let stem = out.file_stem().map_or_else(|| "display".into(), |stem| stem.to_string_lossy().into_owned());
     let made = request.calibrate(&stem)?;
     print(request, &made)?;
     let done = if found(out)?.is_some() { "replaced" } else { "wrote" };
     profile::write(writer, out, &made.profile)?;
-    if let Some(path) = plot {
-        draw(writer, path, &made.calibration)?;
-        report_written(path)?;
-    }
-    if let Some(path) = report {
-        writer.write(path, format!("{:#}\n", made.json()).as_bytes())?;
-        report_written(path)?;
-    }
     outdated(out, &made.profile).iter().for_each(|warning| message("warning", warning));
     print_line(&format!("{done} {}: {}", out.display(), made.profile.sentence()))
-}
-
-fn check(plot: &Path) -> Result<(), RequestError> {
-    if has_extension(plot, "svg") || has_extension(plot, "png") {
-        return Ok(());
-    }
-    let message = "is neither an SVG nor a PNG file; expected a name ending in .svg or .png";
-    Err(RequestError::value("plot", format!("{} {message}", plot.display())))
-}
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
-}
-
-fn draw(writer: &Writer, path: &Path, calibration: &Calibration) -> anyhow::Result<()> {
-    let figure = figures::calibration(calibration, calibration.chosen);
-    let bytes = if has_extension(path, "png") { figure.png()? } else { figure.svg.into_bytes() };
-    Ok(writer.write(path, &bytes)?)
 }
 
 /// Prints the results as text.

@@ -8,6 +8,7 @@ use super::{Bar, OutPath, print_data, print_line, told_of};
 use crate::{
     light::Transfer,
     report::terminal::{message, printable},
+    stimulus::ViewingConditions,
     store::{self, Writer},
     work::{
         RequestError,
@@ -57,17 +58,8 @@ struct Case {
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool> {
     let Arguments { request, json, junit, .. } = arguments;
     let is_folder = request.is_folder()?;
-    let bar = if is_folder { Bar::new("pairs") } else { Bar::spinner("comparing") };
-    let cases = judged(arguments, writer, is_folder, &bar);
-    // JUnit also tells of what cannot be judged.
-    if let (Err(error), Some(path)) = (&cases, junit)
-        && !error.is::<RequestError>()
-    {
-        let name = request.picture.display().to_string();
-        let case = Case::of_pair(&request.picture, name, Err(anyhow::anyhow!("{error:#}")))?;
-        writer.write(path, document(&[case], request.max).as_bytes())?;
-    }
-    let cases = cases?;
+    let bar = Bar::new(if is_folder { "pairs" } else { "comparing" });
+    let cases = judged(arguments, writer, is_folder, &bar)?;
     bar.clear();
     if let Some(path) = junit {
         writer.write(path, document(&cases, request.max).as_bytes())?;
@@ -157,7 +149,7 @@ impl Case {
             printable(&found.picture),
             found.times_threshold,
             found.center,
-            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
+            seen(&found.viewing, &found.light)
         );
         let json = serde_json::to_value(&found)?;
         Ok(Self { name, times: Ok(found.times_threshold), line, json, note: found.note() })
@@ -182,7 +174,7 @@ impl Case {
             printable(&found.picture),
             found.steps,
             found.dithered,
-            seen([found.window_deg, found.white_cd_m2, found.black_cd_m2], &found.light)
+            seen(&found.viewing, &found.light)
         );
         Ok(Self {
             name: found.picture.clone(),
@@ -202,10 +194,11 @@ fn too_much(times: f64, max: f64) -> String {
 }
 
 /// Says how pictures are seen, and what their codes mean.
-fn seen([window_deg, white, black]: [f64; 3], light: &str) -> String {
+fn seen(viewing: &ViewingConditions, light: &str) -> String {
     // Of pixels per degree, a width has many decimals.
+    let ViewingConditions { window_deg, white_cd_m2: white, black_cd_m2: black } = viewing;
     let window_deg = (1e4 * window_deg).round() / 1e4;
-    format!("{window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
+    format!("luminance only; {window_deg}° wide; white {white} cd/m², black {black} cd/m²; {light}")
 }
 
 /// Returns text without the characters that XML cannot contain; [`printable`] escapes the others.

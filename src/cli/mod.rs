@@ -6,9 +6,7 @@
 mod analyze;
 mod bar;
 mod calibrate;
-mod check;
 mod compare;
-mod export;
 mod outputs;
 mod plan;
 mod predict;
@@ -16,8 +14,8 @@ mod print;
 mod ratings;
 #[cfg(feature = "window")]
 mod run;
+mod sessions;
 mod shade;
-mod simulate;
 mod stimulus;
 #[cfg(feature = "window")]
 mod timing;
@@ -94,6 +92,10 @@ pub fn main() -> ExitCode {
 
 /// Runs the program with these arguments, of which the first is the program's name, and returns the exit status.
 pub fn run_with(arguments: Vec<OsString>) -> u8 {
+    if let Some(argument) = arguments.iter().find(|argument| argument.to_str().is_none()) {
+        message("error", &format!("{}: is not Unicode; expected text in UTF-8", argument.to_string_lossy()));
+        return 2;
+    }
     let definition = definition();
     let matches = definition.clone().try_get_matches_from(&arguments);
     let matches = matches.unwrap_or_else(|error| refuse(&error, &arguments));
@@ -142,22 +144,22 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
         )),
         #[cfg(feature = "window")]
         Some(Command::Run(arguments)) => run::run(&arguments),
-        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
-        Some(Command::Check(arguments)) => check::check(&arguments),
+        Some(Command::Simulate(arguments)) => sessions::simulate(&arguments),
+        Some(Command::Check(arguments)) => sessions::check(&arguments),
         Some(Command::Compare(arguments)) => return compare::run(&arguments, writer),
         Some(Command::Plan(arguments)) => plan::run(&arguments, writer),
         Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
         Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
-        Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Repair(arguments)) => check::repair(&arguments),
+        Some(Command::Export(arguments)) => sessions::export(&arguments),
+        Some(Command::Repair(arguments)) => sessions::repair(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),
         #[cfg(feature = "window")]
         Some(Command::Timing(arguments)) => timing::run(&arguments, writer),
-        Some(Command::Verify(arguments)) => check::verify(&arguments),
+        Some(Command::Verify(arguments)) => sessions::verify(&arguments),
     };
     done.map(|()| true)
 }

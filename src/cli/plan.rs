@@ -1,16 +1,17 @@
 //! `machband plan`
 
-use super::{Bar, OutPath, columns, print_line};
+use super::{Bar, OutPath, print_line};
 use crate::{
     analysis::{
         Slopes,
-        power::{Effect, Hypothesis, Power, Precision, Sampling, ThresholdObserver},
+        power::{Sampling, ThresholdObserver},
     },
     report::document::Shown,
-    store::Writer,
+    store::{Writer, definition},
+    text::{Cell, Column, Table},
     work::{
-        plan::{OPTIONS, Plan, Planned},
-        plan_thresholds::{Found, PlannedThresholds},
+        RequestError,
+        plan::{Found, OPTIONS, Plan, Planned, PlannedThresholds},
     },
 };
 
@@ -51,75 +52,88 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> {
+    let Arguments { request, out, preregistration } = arguments;
+    if preregistration.is_some() && definition::open(&request.experiment)?.adaptive.is_some() {
+        let message = "does not apply to thresholds; expected a definition of ratings";
+        return Err(RequestError::new("preregistration", message).into());
+    }
     let bar = Bar::new("simulated participants");
-    let planned = arguments.request.plan(&bar);
+    let planned = request.plan(&bar);
     bar.clear();
     let found = planned?;
-    let lines = match &found {
-        Found::Ratings(planned) => lines(planned),
-        Found::Thresholds(planned) => thresholds(planned),
+    let (heading, names, sentences) = match &found {
+        Found::Ratings(planned) => (ratings(planned), RATINGS, planned.sentences(OPTIONS)),
+        Found::Thresholds(planned) => (thresholds(planned), THRESHOLDS, planned.sentences()),
     };
+    let table = found.table();
+    let lines = [vec![heading, String::new()], shown(&table, names), vec![String::new()], sentences].concat();
     lines.iter().try_for_each(|line| print_line(line))?;
     // Written last, so that no result is lost if the path cannot be written.
-    if let Some(path) = &arguments.out {
-        writer.write(path, &found.table().csv())?;
+    if let Some(path) = out {
+        writer.write(path, &table.csv())?;
     }
-    if let Some(path) = &arguments.preregistration {
-        writer.write(path, arguments.request.preregistration(&found).as_bytes())?;
+    if let (Some(path), Found::Ratings(planned)) = (preregistration, &found) {
+        writer.write(path, request.preregistration(planned).as_bytes())?;
     }
     Ok(())
 }
 
-/// Returns the lines about a study of thresholds.
-fn thresholds(planned: &PlannedThresholds) -> Vec<String> {
-    const HEADER: [&str; 8] = [
-        "participants",
-        "trials",
-        "estimate",
-        "true difference",
-        "± (95 % interval)",
-        "rms error",
-        "power",
-        "false alarms",
-    ];
+/// The columns of a plan that are printed.
+const RATINGS: &[&str] = &[
+    "participants",
+    "term",
+    "test",
+    "effect_logits",
+    "above",
+    "below",
+    "power",
+    "false_alarms",
+    "ci_low",
+    "ci_high",
+    "median_estimate",
+];
+const THRESHOLDS: &[&str] = &[
+    "participants",
+    "trials",
+    "estimate",
+    "truth",
+    "missing",
+    "half_width",
+    "error",
+    "power",
+    "false_alarms",
+    "ci_low",
+    "ci_high",
+];
+
+/// Formats these columns of a table, with three decimals.
+fn shown(table: &Table, names: &[&str]) -> Vec<String> {
+    let text = |cell: &Cell| match cell {
+        Cell::Number(number) => Shown::new(*number, format!("{number:.3}")),
+        cell => Shown::new(cell.clone(), cell.to_string()),
+    };
+    let is_shown = |column: &&Column| names.contains(&column.name.as_str());
+    let columns: Vec<Column> = table.columns.iter().filter(is_shown).cloned().collect();
+    let rows: Vec<Vec<Shown>> = Table { columns }.rows().map(|row| row.into_iter().map(text).collect()).collect();
+    super::columns(names, &rows)
+}
+
+/// Says what was simulated.
+fn thresholds(planned: &PlannedThresholds) -> String {
     let ThresholdObserver { threshold, subject_sd, slope, lapse, false_alarms } = planned.observer;
-    let heading = format!(
+    format!(
         "{}: {} studies per number of participants, seed {}; observer threshold={threshold} subject_sd={subject_sd} slope={slope} \
          lapse={lapse} false_alarms={false_alarms}; differences and errors in {}",
         planned.protocol.name,
         planned.sampling.studies,
         planned.sampling.seed,
         planned.unit(),
-    );
-    let row = |found: &Precision| {
-        let (truth, differs) = (found.quantity.truth(), found.quantity.differs());
-        let number =
-            |value: Option<f64>| Shown::new(value, value.map_or_else(String::new, |value| format!("{value:.3}")));
-        let (share, interval) = found.share();
-        let percent = format!("{:.1} % ({:.1}–{:.1})", 100.0 * share, 100.0 * interval.low, 100.0 * interval.high);
-        // One participant has no interval, which could exclude 0.
-        let percent = |shown: bool| {
-            if shown && found.half_width.is_some() { Shown::new(share, percent.clone()) } else { Shown::from("") }
-        };
-        vec![
-            Shown::new(found.participants, found.participants.to_string()),
-            Shown::new(found.trials, found.trials.to_string()),
-            planned.name(&found.quantity).as_str().into(),
-            number(truth),
-            number(found.half_width),
-            number(found.error),
-            percent(differs),
-            percent(truth.is_some() && !differs),
-        ]
-    };
-    let table = columns(&HEADER, &planned.found.iter().map(row).collect::<Vec<_>>());
-    [vec![heading, String::new()], table, vec![String::new()], planned.sentences()].concat()
+    )
 }
 
-/// Returns the lines to print.
-fn lines(planned: &Planned) -> Vec<String> {
+fn ratings(planned: &Planned) -> String {
     let (spec, Sampling { studies, alpha, seed }) = (&planned.plan.spec, planned.sampling);
-    let heading = format!(
+    format!(
         "{}, observer {}: {} ratings from each participant, {studies} studies per number of participants, seed {seed}; \
              {} model of {} with {}, alpha {alpha}",
         planned.protocol.name,
@@ -132,45 +146,5 @@ fn lines(planned: &Planned) -> Vec<String> {
             Slopes::Independent => "independent random slopes",
             Slopes::Correlated => "correlated random slopes",
         }
-    );
-    [vec![heading, String::new()], table(planned), vec![String::new()], planned.sentences(OPTIONS)].concat()
-}
-
-/// Formats one line for each number of participants and each test.
-fn table(planned: &Planned) -> Vec<String> {
-    const HEADER: [&str; 8] = [
-        "participants",
-        "term",
-        "test",
-        "true effect, logits",
-        "power",
-        "false alarms",
-        "95 % interval",
-        "median estimate",
-    ];
-    columns(&HEADER, &planned.powers.iter().map(|power| cells(planned, power)).collect::<Vec<_>>())
-}
-
-fn cells(planned: &Planned, power: &Power) -> Vec<Shown> {
-    let Hypothesis { term, effect, .. } = planned.hypothesis(power);
-    let interval = power.interval();
-    let share = Shown::new(power.share(), format!("{:.1} %", 100.0 * power.share()));
-    let none = || Shown::from("");
-    let [found, false_alarms] = if effect.is_some() { [share, none()] } else { [none(), share] };
-    let truth = |effect: &Effect| {
-        let levels = format!("{} over {}", effect.above, effect.below);
-        effect
-            .logits
-            .map_or_else(|| Shown::from(levels.as_str()), |logits| Shown::new(logits, format!("{logits:.2}: {levels}")))
-    };
-    vec![
-        Shown::new(power.participants, power.participants.to_string()),
-        term.as_str().into(),
-        planned.test(power).into(),
-        effect.as_ref().map_or("none".into(), truth),
-        found,
-        false_alarms,
-        Shown::new(interval.low, format!("{:.1}–{:.1} %", 100.0 * interval.low, 100.0 * interval.high)),
-        Shown::new(power.estimate, power.estimate.map_or_else(String::new, |estimate| format!("{estimate:.2}"))),
-    ]
+    )
 }

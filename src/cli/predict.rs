@@ -4,7 +4,6 @@ use super::{Bar, OutPath, count, print_data, print_line, report_written};
 use crate::{
     report::prediction::Comparison,
     store::{Writer, observer, ratings::Source},
-    text::Table,
     work::predict::{Predict, Predictions},
 };
 
@@ -43,7 +42,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         observer::write_criterion(writer, path, &told(comparison, source), &comparison.criterion)?;
     }
     if fit.is_none() || arguments.out.is_some() {
-        put(arguments, writer, &all(&table, *json)?)?;
+        put(arguments, writer, &if *json { as_json(&table.json())? } else { table.csv() })?;
     }
     let Some((found, source)) = fit else { return Ok(()) };
     if *json {
@@ -61,12 +60,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     super::ratings::problems(&source.warnings, &source.errors)
 }
 
-fn all(table: &Table, json: bool) -> anyhow::Result<Vec<u8>> {
-    if json { as_json(&table.json()) } else { Ok(table.csv()) }
-}
-
 fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
-    let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| format!("{value:.3}"));
     print_line(&format!("{} of {}", count(found.ratings, "rating"), count(found.conditions as u64, "condition")))?;
     let [a, b, c] = found.criterion.thresholds;
     print_line(&format!(
@@ -74,7 +68,8 @@ fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {
         found.criterion.spread
     ))?;
     print_line(&told(found, source))?;
-    print_line(&format!("rank correlation between prediction and mean rating: {}", number(found.rank_correlation)))
+    let rho = found.rank_correlation.map_or_else(|| "—".to_owned(), |rho| format!("{rho:.3}"));
+    print_line(&format!("rank correlation between prediction and mean rating: {rho}"))
 }
 
 /// Says how certain the criterion is, and what it rests on.

@@ -1,57 +1,35 @@
 //! `machband counts`, and what it and `analyze` say about the ratings that they read.
 
+use std::collections::BTreeMap;
+
 use super::OutPath;
 use crate::{
-    analysis::{
-        Options,
-        counts::{Excluded, Measured, Part},
-        results::covariates,
-    },
+    analysis::{Options, counts::Measured, results::covariates},
     report::{document::numbers::count, tables},
     store::{
         FileError, FileErrors, Writer,
-        ratings::{FileRead, Reason, Source},
+        ratings::{FileRead, Source},
     },
     work::{Ratings, check_order, explained},
 };
 
-/// Summarizes in one line what was read and what was left out.
-pub(super) fn sentence(source: &Source, measured: &Measured) -> String {
-    let Measured { counts, excluded, .. } = measured;
-    let sum = |of: fn(&FileRead) -> u64| source.files.iter().map(of).sum::<u64>();
-    let left_out: Vec<String> = [
-        (sum(|file| file.practice), "from practice".to_owned()),
-        (sum(|file| file.superseded), "superseded by a correction".to_owned()),
-        (sum(|file| file.erroneous), "with errors".to_owned()),
-    ]
-    .into_iter()
-    .chain(Reason::ALL.iter().map(|reason| (source.left_out(*reason).0, reason.to_string())))
-    .filter(|(rows, _)| *rows > 0)
-    .map(|(rows, what)| format!("{rows} {what}"))
-    .collect();
-    let unfinished = source.sessions.iter().filter(|session| session.is_unfinished()).count();
-    let mut line = format!(
-        "{} of {} by {}, from {}",
+/// Summarizes in one line what was read, and how many rows were left out.
+pub(super) fn sentence(source: &Source, Measured { counts, .. }: &Measured) -> String {
+    let of = |file: &FileRead| {
+        let reasons = file.left_out.values().flat_map(BTreeMap::values).sum::<u64>();
+        file.practice + file.superseded + file.erroneous + reasons
+    };
+    let left_out = match source.files.iter().map(of).sum::<u64>() {
+        0 => String::new(),
+        rows => format!("; {} left out", count(rows, "row")),
+    };
+    format!(
+        "{} of {} by {}, from {}{left_out}",
         count(counts.total(), "rating"),
         count(counts.complete_conditions(), "condition"),
         count(counts.subjects.len() as u64, "participant"),
         count(source.files.len() as u64, "file")
-    );
-    if !left_out.is_empty() {
-        line += &format!("; rows left out: {}", left_out.join(", "));
-    }
-    let (missing, requested): (Vec<&Excluded>, _) =
-        excluded.iter().partition(|excluded| matches!(excluded.what, Part::Missing(_)));
-    for (what, excluded) in [("excluded on request", requested), ("without a covariate", missing)] {
-        let ratings = excluded.into_iter().map(|excluded| excluded.ratings).sum();
-        if ratings > 0 {
-            line += &format!("; {what}: {}", count(ratings, "rating"));
-        }
-    }
-    if unfinished > 0 {
-        line += &format!("; {unfinished} of {} unfinished", count(source.sessions.len() as u64, "session"));
-    }
-    line
+    )
 }
 
 /// Prints all warnings about the input, and fails with all errors in it, if there are any.
@@ -77,7 +55,7 @@ pub(super) struct CountsArguments {
 }
 
 pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
-    let progress = super::Bar::spinner("reading");
+    let progress = super::Bar::new("reading");
     let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
     check_order(&study, true)?;
     let counts = &study.measured.counts;

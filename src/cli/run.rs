@@ -14,7 +14,6 @@ use crate::{
     },
     system::{check_clock, found},
     text::number::whole,
-    work::RequestError,
 };
 
 /// Open the window and start a session.
@@ -38,10 +37,6 @@ pub(super) struct Arguments {
     /// Display profile [default: sRGB].
     #[arg(long, value_name = "PROFILE.toml")]
     display: Option<PathBuf>,
-    /// Show gray instead of color, for a participant with a color vision deficiency; the experiment's name then ends in
-    /// -gray.
-    #[arg(long)]
-    gray: bool,
     /// Use a window instead of the full screen.
     #[arg(long)]
     windowed: bool,
@@ -59,14 +54,6 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
     check_clock()?;
     let protocol = definition::open(&arguments.experiment)?;
-    let protocol = match (arguments.gray, protocol.in_gray()) {
-        (false, _) => protocol,
-        (true, Some(gray)) => gray,
-        (true, None) => {
-            let message = format!("{} is already gray or varies color; expected another definition", protocol.name);
-            return Err(RequestError::new("gray", message).into());
-        }
-    };
     let participant = match &arguments.participant {
         Some(participant) => participant.clone(),
         None => free_participant(&arguments.results, &protocol)?,

@@ -1,8 +1,6 @@
 //! `machband shade`
 
-use clap::Args as _;
-
-use super::{Bar, OutPath, count, message, option, print_line, report_written};
+use super::{Bar, OutPath, count, message, print_line, report_written};
 use crate::{
     report::document::numbers::{ratio, significant},
     shading::{Shader, crease},
@@ -41,13 +39,11 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
         let message = "nothing to write; expected --out FILE.png or --metrics FILE.json";
         return Err(RequestError::whole(message).into());
     }
-    let bar = Bar::spinner("shading");
+    let bar = Bar::new("shading");
     let shaded = request.shade(None, wanted, &bar);
     bar.clear();
     let shaded = shaded?;
-    let command = Arguments::augment_args(clap::Command::new("shade"));
-    let idle = shaded.idle.iter().map(|idle| idle.told(|field| option(&command, field)));
-    idle.chain(shaded.notes).for_each(|note| message("note", &note));
+    shaded.notes.iter().for_each(|note| message("note", note));
     if let (Some(path), Some(codes)) = (out, &shaded.picture) {
         store::image::write_shaded(writer, path, codes, &shaded.transfers, &shaded.description)?;
     }
@@ -80,7 +76,7 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
         Some(difference) => format!(
             "{shader}: differs from the smooth surface by {:.2} times what people can just see in a {}° window (95 % of the surface: at most {:.2}), {}",
             difference.largest,
-            found.window_deg,
+            found.viewing.window_deg,
             difference.p95,
             relative(difference.over_gouraud.largest)
         ),

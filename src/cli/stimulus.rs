@@ -31,15 +31,7 @@ pub(super) fn stimulus(arguments: &StimulusArguments, writer: &Writer) -> anyhow
         return Err(RequestError::whole(message).into());
     }
     let bar = Bar::new("images");
-    let reduced = request.render(out.as_deref(), profile.as_deref(), writer, &bar)?;
-    if let (Some(reduction), Some(image)) = (request.palette, reduced) {
-        print_line(&format!(
-            "{reduction}: {}, error in linear light rms {:.5}, largest {:.5}",
-            count(image.palette.len() as u64, "color"),
-            image.error.rms,
-            image.error.max
-        ))?;
-    }
+    request.render(out.as_deref(), profile.as_deref(), writer, &bar)?;
     out.iter().chain(profile).try_for_each(|path| report_written(path))
 }
 

@@ -89,40 +89,22 @@ impl Course {
             level: names.next().zip(x),
             second: names.next().zip(y),
         };
-        self.protocol.task.present(&turn)
+        Presentation { pick, ..self.protocol.task.present(&turn) }
     }
 
-    /// Takes the answer to a trial. If it was answered last, the new answer replaces the old one.
-    pub fn answer(&mut self, trial: usize, answer: &Answer) {
+    /// Takes the answer to a trial that showed `shown`, which need not follow from the answers before. If the trial was
+    /// answered last, the new answer replaces the old one.
+    pub fn answer(&mut self, trial: usize, shown: &Presentation, answer: &Answer) {
         self.take_back(trial);
-        self.learn(trial, self.pick(trial), answer);
-    }
-
-    /// Takes the answer to a trial that showed `shown`, which need not follow from the answers before.
-    pub fn answer_as_shown(&mut self, trial: usize, shown: &Presentation, answer: &Answer) {
-        self.take_back(trial);
-        let pick = match shown.level {
-            Some(level) => Pick::Level(level, self.second_of(shown)),
-            None => self.pair_of(trial, shown).map_or(Pick::Planned, Pick::Pair),
-        };
-        self.learn(trial, pick, answer);
-    }
-
-    fn learn(&mut self, trial: usize, pick: Pick, answer: &Answer) {
         let Some(track) = self.track(trial) else {
             self.last = Some((trial, None));
             return;
         };
-        let shown = self.present(trial, pick);
-        let before = self.tracks[track].clone();
-        let task = &self.protocol.task;
-        let mut outcome = task.outcome(&shown, answer);
-        if let (Pick::Pair(_), 1) = (pick, self.schedule.trials[trial].place) {
-            // The first of the pair was on the right.
-            outcome = !outcome;
-        }
+        let (task, before) = (&self.protocol.task, self.tracks[track].clone());
+        // The first of a pair may be on the right.
+        let is_turned = matches!(shown.pick, Pick::Pair(_)) && self.schedule.trials[trial].place == 1;
         let is_catch = task.catches().is_some() && shown.target == Some(0);
-        self.tracks[track].learn(pick, outcome, is_catch);
+        self.tracks[track].learn(shown.pick, task.outcome(shown, answer) != is_turned, is_catch);
         self.last = Some((trial, Some((track, before))));
     }
 
@@ -133,17 +115,6 @@ impl Course {
         {
             self.tracks[track] = state;
         }
-    }
-
-    /// Returns the level of the second parameter that a presentation shows, if the method varies one.
-    pub(super) fn second_of(&self, shown: &Presentation) -> Option<f64> {
-        let name = self.protocol.adaptive.as_ref()?.parameters().nth(1)?;
-        crate::text::Cell::from(shown.described().get(name)?).as_number()
-    }
-
-    fn pair_of(&self, trial: usize, shown: &Presentation) -> Option<[usize; 2]> {
-        let is_shown = |pair: &&[usize; 2]| self.present(trial, Pick::Pair(**pair)).stimuli == shown.stimuli;
-        self.protocol.pairs()?.iter().find(is_shown).copied()
     }
 
     /// Returns what a trial could show, whatever the answers before, given the level that it has.

@@ -13,11 +13,10 @@ pub struct Identity {
 
 /// The error for an identifier that cannot be part of a file name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} {given:?} {problem}; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
+#[error("{what} {given:?} is not allowed; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
 pub struct IdentityError {
     what: &'static str,
     given: String,
-    problem: String,
     example: &'static str,
 }
 
@@ -65,15 +64,9 @@ pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
 }
 
 fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, IdentityError> {
-    let problem = if id.is_empty() {
-        "is empty".to_owned()
-    } else if let Some(c) = id.chars().find(|c| !c.is_ascii_alphanumeric()) {
-        format!("contains the character {c:?}")
-    } else if id.len() > MAX_LENGTH {
-        format!("has {} characters", id.len())
-    } else {
+    if (1..=MAX_LENGTH).contains(&id.len()) && id.chars().all(|c| c.is_ascii_alphanumeric()) {
         return Ok(id.to_owned());
-    };
+    }
     let shown: String = id.chars().take(MAX_LENGTH + 8).collect();
-    Err(IdentityError { what, given: shown, problem, example })
+    Err(IdentityError { what, given: shown, example })
 }

@@ -28,7 +28,7 @@ pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, 
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use identity::{Identity, IdentityError};
-pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, judged, simulate};
+pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
 pub use participant::{Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{

@@ -9,7 +9,6 @@ use rand_chacha::{
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{
-    condition::Condition,
     identity::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
@@ -17,9 +16,9 @@ use super::{
 };
 use crate::{
     light::interpolation::Depth,
-    stimulus::{Stimulus, ViewingConditions, Visible},
+    stimulus::{Stimulus, ViewingConditions},
     text::Cell,
-    vision::{Criterion, VisionError},
+    vision::Criterion,
 };
 
 /// An observer that rates stimuli.
@@ -87,6 +86,15 @@ fn any_key(categories: usize, rng: &mut ChaCha8Rng) -> u8 {
     ((u128::from(rng.next_u64()) * categories as u128) >> 64) as u8
 }
 
+/// Returns a random key, with the probability `lapse`, or otherwise the rating with standard logistic noise, by inversion.
+fn rated(lapse: f64, categories: usize, rng: &mut ChaCha8Rng, rating: impl FnOnce(f64) -> u8) -> u8 {
+    if unit(rng) < lapse {
+        return any_key(categories, rng);
+    }
+    let u = unit(rng);
+    rating((u / (1.0 - u)).ln())
+}
+
 /// Returns the rating of a latent value: the number of thresholds below it. The three thresholds of an observer belong to
 /// four categories and lie at ¼, ½ and ¾ of their scale. Those of another number of categories, at j/`categories`, are
 /// on the lines through them.
@@ -96,13 +104,7 @@ fn rating(thresholds: [f64; 3], categories: usize, latent: f64) -> u8 {
         let (from, to, along) =
             if share < 0.5 { (first, second, 4.0 * share - 1.0) } else { (second, third, 4.0 * share - 2.0) };
         // Exactly the given thresholds where they apply.
-        if along == 0.0 {
-            from
-        } else if along == 1.0 {
-            to
-        } else {
-            from + along * (to - from)
-        }
+        from * (1.0 - along) + to * along
     };
     (1..categories).filter(|threshold| latent > at(*threshold as f64 / categories as f64)).count() as u8
 }
@@ -187,13 +189,7 @@ impl OrderedLogit {
 
     /// Returns a rating on a scale with this many categories for a linear predictor.
     pub fn rate_at(&self, predictor: f64, categories: usize, rng: &mut ChaCha8Rng) -> u8 {
-        if unit(rng) < self.lapse {
-            return any_key(categories, rng);
-        }
-        let u = unit(rng);
-        // Standard logistic noise by inversion.
-        let latent = predictor + (u / (1.0 - u)).ln();
-        rating(self.thresholds, categories, latent)
+        rated(self.lapse, categories, rng, |noise| rating(self.thresholds, categories, predictor + noise))
     }
 }
 
@@ -242,19 +238,6 @@ impl VisionRater {
     }
 }
 
-/// Returns what the raters of each condition are asked about, in times threshold; see [`Visible::rated`]. The stimuli
-/// are drawn with `px` pixels per side, or by default with [`ViewingConditions::px`].
-///
-/// # Errors
-/// Returns a [`VisionError`] if a condition cannot be judged, for example because it has no light.
-pub fn judged(
-    conditions: &[Condition],
-    viewing: &ViewingConditions,
-    px: Option<u32>,
-) -> Result<Vec<Visible>, VisionError> {
-    viewing.visible(&conditions.iter().map(|condition| &condition.stimulus).collect::<Vec<_>>(), px)
-}
-
 /// A [`VisionRater`] with what it sees in stimuli, each computed once.
 #[derive(Debug)]
 pub struct VisionObserver {
@@ -264,33 +247,26 @@ pub struct VisionObserver {
     seen: Mutex<HashMap<String, f64>>,
 }
 
-/// The reason why the vision observer cannot rate an experiment.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unrated {
-    /// The model cannot process a stimulus.
-    #[error(transparent)]
-    Vision(#[from] VisionError),
-    /// A stimulus has no smooth reference.
-    #[error(
-        "the vision model does not say how visible the bands in a stimulus of the kind {0} are; expected a mach-band, or a mesh whose smooth surface is known"
-    )]
-    NoReference(&'static str),
-}
-
 impl VisionObserver {
     /// Judges every condition of `protocol` at its window size.
     ///
     /// # Errors
     /// Returns the reason why a stimulus cannot be rated.
-    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, Unrated> {
+    pub fn new(rater: VisionRater, protocol: &Protocol) -> Result<Self, String> {
         let conditions = protocol.conditions();
         let viewing = ViewingConditions::new(protocol.viewing.window_deg);
-        let found = judged(conditions, &viewing, None)?;
-        let seen = conditions.iter().zip(found).map(|(condition, visible)| {
-            let rated = visible.rated().ok_or(Unrated::NoReference(condition.stimulus.kind()))?;
-            Ok((condition.stimulus.key(), rated))
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let found = viewing.visible(&stimuli, None).map_err(|error| error.to_string())?;
+        let seen = stimuli.into_iter().zip(found).map(|(stimulus, visible)| {
+            let unrated = || {
+                format!(
+                    "the vision model does not say how visible the bands in a stimulus of the kind {} are; expected a mach-band, or a mesh whose smooth surface is known",
+                    stimulus.kind()
+                )
+            };
+            Ok((stimulus.key(), visible.rated().ok_or_else(unrated)?))
         });
-        let seen = seen.collect::<Result<_, Unrated>>()?;
+        let seen = seen.collect::<Result<_, String>>()?;
         Ok(Self { rater, viewing, seen: Mutex::new(seen) })
     }
 
@@ -312,12 +288,8 @@ impl VisionObserver {
 impl Observer for VisionObserver {
     fn rate(&self, stimulus: &Stimulus, categories: usize, subject: f64, rng: &mut ChaCha8Rng) -> u8 {
         let VisionRater { thresholds, spread, subject_sd, lapse } = self.rater;
-        if unit(rng) < lapse {
-            return any_key(categories, rng);
-        }
-        let u = unit(rng);
-        let latent = self.seen(stimulus).max(0.0).ln() + subject_sd * subject + spread * (u / (1.0 - u)).ln();
-        rating(thresholds.map(f64::ln), categories, latent)
+        let seen = self.seen(stimulus).max(0.0).ln() + subject_sd * subject;
+        rated(lapse, categories, rng, |noise| rating(thresholds.map(f64::ln), categories, seen + spread * noise))
     }
 
     /// In times threshold: a band at its threshold lies one standard deviation of the noise above nothing.

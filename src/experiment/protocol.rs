@@ -1,11 +1,6 @@
 //! A definition without errors.
 
-use std::{
-    collections::{BTreeSet, HashSet},
-    ops::Deref,
-    sync::Arc,
-    time::Duration,
-};
+use std::{collections::HashSet, ops::Deref, sync::Arc, time::Duration};
 
 use serde::{Serialize, Serializer};
 
@@ -14,12 +9,9 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Adaptive, Given, Layout, Method, Second, Settings, Turn, at_level},
+    task::{Given, Layout, Turn, at_level},
 };
-use crate::{
-    stimulus::{ParameterValue, Stimulus},
-    text::names::expected_one_of,
-};
+use crate::{stimulus::Stimulus, text::names::expected_one_of};
 
 /// Maximum number of trials per session.
 const MAX_TRIALS: usize = 100_000;
@@ -29,8 +21,6 @@ const RATING_S: f64 = 3.5;
 const SETTING_S: f64 = 12.0;
 /// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
-/// What is wrong with a parameter of a task that has no effect.
-const NO_EFFECT: &str = "changes nothing that is shown; expected a parameter that has an effect here";
 
 /// A [`Definition`] without errors, and its conditions: what a session runs. The definition can be read but not changed.
 #[derive(Clone, Debug)]
@@ -80,22 +70,6 @@ impl Protocol {
             definition.check_shown(&conditions, &mut errors);
         }
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
-    }
-
-    /// Returns what is wrong with what a task varies: the reference does not differ from the target in what is shown, or the
-    /// parameter that is adjusted or adapted changes nothing. This draws stimuli, so it is for definitions that are written;
-    /// those of recorded sessions were checked. So was a definition `before` this one, if what it shows is the same.
-    pub fn reference_errors(&self, before: Option<&Self>) -> Vec<DefinitionError> {
-        let mut errors = DefinitionErrors::default();
-        let shown = |of: &Self| {
-            (&of.stimulus, &of.factors, &of.task, &of.adaptive)
-                == (&self.stimulus, &self.factors, &self.task, &self.adaptive)
-        };
-        if !before.is_some_and(shown) {
-            self.definition.check_reference(&self.conditions, &mut errors);
-            self.definition.check_effect(&self.conditions, &mut errors);
-        }
-        errors.0
     }
 
     /// Returns a protocol whose definition differs in what `change` does to it.
@@ -177,30 +151,6 @@ impl Protocol {
             Layout::Intervals { gap_s, .. } => Duration::from_secs_f64(gap_s),
             Layout::Single | Layout::Places(_) => Duration::ZERO,
         }
-    }
-
-    /// Returns the experiment in gray, for observers who see colors differently from most people. A yellow with equal
-    /// amounts of red and green light has a different luminance for each kind of color deficiency, but a gray has the
-    /// same luminance for everyone.
-    ///
-    /// It is a separate experiment: its name ends in `-gray`, so its data go into a separate folder and are not mixed
-    /// with the data of the original. Returns `None` if the experiment is already gray, if color is a factor, or if its
-    /// name is too long for the suffix.
-    pub fn in_gray(&self) -> Option<Self> {
-        let [gray, same] = ["gray", "same"].map(ParameterValue::from);
-        let (color, color_high) = (self.stimulus.get("color")?, self.stimulus.get("color_high"));
-        let is_gray = color == gray && color_high.iter().all(|high| *high == same || *high == gray);
-        let varies = self.factors.iter().any(|factor| factor.name.starts_with("color"));
-        if is_gray || varies {
-            return None;
-        }
-        let in_gray = |copy: &mut Definition| {
-            let mut set = |name: &str, value| copy.stimulus.get(name).map(|_| copy.stimulus.set(name, value));
-            let _ = (set("color", &gray), set("color_high", &same));
-            copy.name += "-gray";
-            copy.title += " (gray)";
-        };
-        self.with(in_gray).ok()
     }
 }
 
@@ -328,16 +278,9 @@ impl Definition {
         let given = Given { stimulus: &self.stimulus, factors: &self.factors, adapted };
         self.task.check(&given, errors);
         let is_changed = self.task.dial().is_some_and(|dial| dial.parameter.is_some());
-        let message = match self.task.layout() {
-            Layout::Intervals { .. } => {
-                "[presentation] does not apply to intervals; expected task.duration_s, which says how long each lasts"
-            }
-            _ if is_changed => {
-                "[presentation] does not apply to adjustment; expected none: the stimulus stays until it is set"
-            }
-            _ => "",
-        };
-        if self.presentation.is_some() && !message.is_empty() {
+        let has_own = is_changed || matches!(self.task.layout(), Layout::Intervals { .. });
+        if self.presentation.is_some() && has_own {
+            let message = "[presentation] does not apply to this task; expected none, or task.duration_s for intervals";
             errors.add("presentation", message);
         }
         let Some(adaptive) = &self.adaptive else { return };
@@ -351,7 +294,8 @@ impl Definition {
         adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
     }
 
-    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.
+    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one, or if the reference is
+    /// the target.
     fn check_shown(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
         if self.task.is_default() {
             return;
@@ -361,11 +305,10 @@ impl Definition {
         let ends = dial.as_ref().map_or(vec![None], |(name, [low, high])| {
             vec![Some((name, low, "task.low")), Some((name, high, "task.high"))]
         });
-        let places: BTreeSet<u32> = self.task.places().into_iter().collect();
         for condition in conditions {
             let turn =
                 |place: u32, [level, second]: [_; 2]| Turn { condition, other: None, place, draw: 1.0, level, second };
-            let turns = places.iter().flat_map(|place| picks.iter().map(move |pick| turn(*place, *pick)));
+            let turns = (0..self.task.places()).flat_map(|place| picks.iter().map(move |pick| turn(place, *pick)));
             for (turn, end) in turns.flat_map(|turn| ends.iter().map(move |end| (turn, *end))) {
                 let shown = self.task.present(&turn).stimuli.into_iter();
                 let mut shown = shown.map(|stimulus| match end {
@@ -375,28 +318,19 @@ impl Definition {
                 let Some(error) = shown.find_map(|stimulus| stimulus.validate().err()?.into_iter().next()) else {
                     continue;
                 };
-                let of_dial = || end.map(|(.., key)| key);
+                let is_adapted = targets(condition, &picks).any(|target| target.validate().is_err());
                 let of_reference = || self.task.reference().map(|_| "task.reference");
-                let key = self.level_to_blame(condition, &picks).or_else(of_dial).or_else(of_reference);
-                errors.add(key.unwrap_or("task"), error.to_string());
+                let of_task = || end.map(|(.., key)| key).or_else(of_reference).unwrap_or("task");
+                errors.add(if is_adapted { "adaptive.parameter" } else { of_task() }, error.to_string());
                 return;
             }
         }
-    }
-
-    /// Returns the key of the level that the target of a condition cannot have; `None` if it can have them all.
-    fn level_to_blame(&self, condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Option<&'static str> {
-        let targets = targets(condition, picks);
-        let is_wrong = |target: &Stimulus| target.validate().is_err();
-        let wrong = targets.iter().position(is_wrong)?;
-        let seconds = self.adaptive.as_ref()?.second().map_or(1, |second| second.levels.len());
-        let mut with_same_second = targets.iter().skip(wrong % seconds).step_by(seconds);
-        Some(match &self.adaptive.as_ref()?.method {
-            Method::QuestPlus(_) if seconds > 1 && with_same_second.all(is_wrong) => "adaptive.second.levels",
-            Method::Staircase(_) if 2 * wrong < targets.len() => "adaptive.low",
-            Method::Staircase(_) => "adaptive.high",
-            Method::QuestPlus(_) | Method::Constant(_) => "adaptive.levels",
-        })
+        let Some(reference) = self.task.reference() else { return };
+        let is_same = |target: Stimulus| reference.apply(&target).is_ok_and(|other| other == target);
+        if conditions.iter().any(|condition| targets(condition, &picks).all(is_same)) {
+            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
+            errors.add("task.reference", message);
+        }
     }
 
     /// Returns the levels that an adaptive method may choose, at both ends of its range, with each level of a second parameter.
@@ -410,56 +344,6 @@ impl Definition {
             seconds = adaptive.second().map_or(seconds, |second| choices(&second.parameter, &second.levels));
         }
         levels.iter().flat_map(|level| seconds.iter().map(move |second| [*level, *second])).collect()
-    }
-
-    /// Adds the errors that [`Protocol::reference_errors`] returns.
-    fn check_reference(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
-        let (picks, Some(reference)) = (self.picks(), self.task.reference()) else { return };
-        // Most differences are seen in few pixels; only more pixels tell that there is none.
-        let is_seen = |conditions: &[Condition], other: &Settings| {
-            let differs = |side| {
-                conditions
-                    .iter()
-                    .flat_map(|one| targets(one, &picks))
-                    .any(|target| reference.differs(other, &target, side))
-            };
-            [32, 512].into_iter().any(differs)
-        };
-        for (name, value) in reference.0.iter().filter(|(name, value)| self.stimulus.get(name).as_ref() != Some(*value))
-        {
-            let mut others = reference.clone();
-            others.0.remove(name);
-            if !is_seen(conditions, &others) {
-                errors.add(format!("task.reference.{name}"), format!("{name} {value} {NO_EFFECT}"));
-                return;
-            }
-        }
-        if !conditions.iter().all(|condition| is_seen(std::slice::from_ref(condition), &Settings::default())) {
-            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
-            errors.add("task.reference", message);
-        }
-    }
-
-    /// Adds an error for each parameter that is adjusted or adapted and changes nothing in what these conditions show.
-    fn check_effect(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
-        // A direction can come back to where it began.
-        let between = |[low, high]: [f64; 2]| vec![low, f64::midpoint(low, high), high];
-        let adjusted = self.task.dial().and_then(|dial| Some(("task.parameter", dial.parameter?, between(dial.range))));
-        let adapted = |it: &Adaptive| ("adaptive.parameter", it.common.parameter.clone(), between(it.range()));
-        let second = |it: &Second| ("adaptive.second.parameter", it.parameter.clone(), it.levels.clone());
-        let second = self.adaptive.as_ref().and_then(Adaptive::second).map(second);
-        let reference = self.task.reference().cloned().unwrap_or_default();
-        let picks = self.picks();
-        for (path, name, levels) in adjusted.into_iter().chain(self.adaptive.as_ref().map(adapted)).chain(second) {
-            let levels: Vec<Settings> =
-                levels.into_iter().map(|level| Settings([(name.clone(), level.into())].into())).collect();
-            let differs = |side, shown: &Stimulus| levels[1..].iter().any(|to| levels[0].differs(to, shown, side));
-            let targets = conditions.iter().flat_map(|one| targets(one, &picks));
-            let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
-            if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(side, &shown))) {
-                errors.add(path, format!("{name} {NO_EFFECT}"));
-            }
-        }
     }
 
     /// Returns the pairs of conditions to compare, and adds an error if their trials cannot be ordered as asked.
@@ -521,32 +405,22 @@ impl Definition {
 }
 
 /// Returns the target of a condition at each pair of levels.
-fn targets(condition: &Condition, picks: &[[Option<(&str, f64)>; 2]]) -> Vec<Stimulus> {
-    let turn = |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
-    picks.iter().map(|pick| turn(pick).target()).collect()
+fn targets<'a>(condition: &'a Condition, picks: &'a [[Option<(&'a str, f64)>; 2]]) -> impl Iterator<Item = Stimulus> {
+    let turn = move |&[level, second]: &[_; 2]| Turn { condition, other: None, place: 0, draw: 1.0, level, second };
+    picks.iter().map(move |pick| turn(pick).target())
 }
 
 /// Returns why `name` cannot be the name of an experiment, or `None` if it can.
 pub fn name_error(name: &str) -> Option<String> {
-    // Windows does not allow folders with these names, and results move between machines.
-    let reserved = ["con", "prn", "aux", "nul"].contains(&name)
-        || (name.len() == 4
-            && (name.starts_with("com") || name.starts_with("lpt"))
-            && name.as_bytes()[3].is_ascii_digit());
     let well_formed = !name.is_empty()
         && name.len() <= 64
         && name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
         // A spreadsheet would read a cell that starts with a hyphen as a formula, and a command line would read it as
         // an option.
-        && !name.starts_with('-')
-        && name.bytes().any(|b| b != b'-');
-    if !well_formed {
-        Some(format!(
+        && !name.starts_with('-');
+    (!well_formed).then(|| {
+        format!(
             "name {name:?} is not allowed; expected at most 64 lowercase letters, digits and hyphens, with no hyphen first, such as \"bangay2003\""
-        ))
-    } else if reserved {
-        Some(format!("name {name:?} is reserved by Windows; expected another name"))
-    } else {
-        None
-    }
+        )
+    })
 }

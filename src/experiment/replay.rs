@@ -6,7 +6,7 @@ use super::{
     identity::Identity,
     record::{RowContext, TrialRecord, columns},
     schedule::{Phase, Trial},
-    task::{Answer, Presentation},
+    task::{Answer, Pick, Presentation},
 };
 
 /// What a row records.
@@ -26,7 +26,8 @@ pub struct Replayed {
 #[derive(Debug)]
 pub struct Replay<'a> {
     identity: &'a Identity,
-    course: Course,
+    /// The session after the rows so far.
+    pub course: Course,
     /// Whether rows may be missing, so that what an adaptive method showed need not follow from the rows.
     has_gaps: bool,
     /// The trial after the furthest one that has a row.
@@ -37,16 +38,6 @@ impl<'a> Replay<'a> {
     /// Begins a session. `has_gaps` if rows were removed by a repair.
     pub fn new(identity: &'a Identity, course: Course, has_gaps: bool) -> Self {
         Self { identity, course, has_gaps, next: 0 }
-    }
-
-    /// Returns the session after the rows so far.
-    pub fn course(&self) -> &Course {
-        &self.course
-    }
-
-    /// Returns the session after the rows so far.
-    pub fn into_course(self) -> Course {
-        self.course
     }
 
     /// Takes the next row, and returns what it records.
@@ -103,7 +94,7 @@ impl<'a> Replay<'a> {
         let is_over = self.course.is_over(index);
         let shown = self.course.presentation(index);
         if !is_over && self.shows(row, index, (&shown, &given)) {
-            self.course.answer_as_shown(index, &shown, &given);
+            self.course.answer(index, &shown, &given);
             return Ok(Replayed { trial: index, shown, answer: given, gap });
         }
         let level = row.answer.as_ref().and_then(|answer| answer.level);
@@ -118,7 +109,7 @@ impl<'a> Replay<'a> {
                 format!("row {} does not follow from the answers before it; expected {expected}", row.row_id)
             }));
         }
-        self.course.answer_as_shown(index, &shown, &given);
+        self.course.answer(index, &shown, &given);
         Ok(Replayed { trial: index, shown, answer: given, gap })
     }
 
@@ -157,13 +148,11 @@ impl<'a> Replay<'a> {
     }
 
     fn expected(&self, index: usize) -> String {
-        let shown = self.course.presentation(index);
-        let second = self.course.second_of(&shown);
-        match shown.level {
-            Some(level) => {
+        match self.course.presentation(index).pick {
+            Pick::Level(level, second) => {
                 format!("the level {level}{}", second.map_or_else(String::new, |second| format!(" with {second}")))
             }
-            None => "the most informative pair".to_owned(),
+            _ => "the most informative pair".to_owned(),
         }
     }
 

@@ -142,7 +142,7 @@ impl Schedule {
 /// Draws the place and the number of each trial. Within a condition, and within the practice, every round of places is
 /// complete before the next begins. A task with a single place draws nothing.
 fn draw_places(trials: &mut [Trial], task: &Task, rng: &mut ChaCha8Rng) {
-    if task.places().len() < 2 {
+    if task.places() < 2 {
         return;
     }
     let owner = |trial: &Trial| (trial.phase == Phase::Main).then_some(trial.condition);

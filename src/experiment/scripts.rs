@@ -4,26 +4,19 @@ use std::collections::BTreeSet;
 
 use unicode_script::{Script, UnicodeScript as _};
 
-use super::{definition::Definition, faults::DefinitionError, participant::FieldKind};
+use super::{definition::Definition, faults::DefinitionError};
 
 impl Definition {
-    /// Returns every text that participants read, with its place in the definition.
+    /// Returns every text that participants read, with its place in the definition, or that of its question.
     pub fn participant_texts(&self) -> impl Iterator<Item = (String, &str)> {
         let texts = self.instructions.entries().map(|(key, text)| (format!("instructions.{key}"), text));
         let question = ("response.question".to_owned(), self.response.question.as_str());
         let labels = self.response.categories.iter().enumerate();
         let labels = labels.map(|(i, category)| (format!("response.labels.{i}"), category.label.as_str()));
         let fields = self.participant.0.iter().flat_map(|field| {
-            let path = |key: &str| format!("participant.{}.{key}", field.name);
-            let lines = [("label", &field.spec.label), ("text", &field.spec.text)];
-            let lines = lines.into_iter().filter_map(move |(key, text)| Some((path(key), text.as_deref()?)));
-            let path = |i: usize| match field.spec.choice_labels.is_empty() {
-                true => format!("participant.{}.choices.{i}", field.name),
-                false => format!("participant.{}.choice_labels.{i}", field.name),
-            };
-            let is_choice = field.kind() == FieldKind::Choice;
-            let choices = if is_choice { field.options() } else { Vec::new() };
-            lines.chain(choices.into_iter().enumerate().map(move |(i, (_, shown))| (path(i), shown)))
+            let texts = [&field.spec.label, &field.spec.text].into_iter().filter_map(|text| text.as_deref());
+            let texts = texts.chain(field.options().into_iter().map(|(_, shown)| shown));
+            texts.map(|text| (format!("participant.{}", field.name), text))
         });
         texts.chain([question]).chain(labels).chain(fields)
     }

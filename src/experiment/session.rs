@@ -553,7 +553,7 @@ impl Session {
         // The last frame that shows the stimulus counts as well.
         self.end_frame(now);
         let attempt = self.attempt(trial);
-        self.course.answer(trial, &answer);
+        self.course.answer(trial, &shown, &answer);
         if self.redo.take().is_none() {
             self.done(trial);
         }

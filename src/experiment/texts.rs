@@ -45,7 +45,7 @@ texts! {
     /// First page: the task.
     task = "You will see a dark and a bright area with a transition between them. Where the transition meets the bright area, you may see a line or band that is brighter still.\n\nAfter each image, rate how visible this BRIGHTER band is. There is no right answer: report what you see.\n\nBetween images, the screen shows one even color while your eyes recover. Sit at the planned distance, and dim the room if you can.";
     /// First page, in small print: advice on eyes and health.
-    light = "If you see colors differently from most people, say so before you begin: the same experiment can be shown in gray. Nothing flickers, but the screen changes between an even color and an image every few seconds. If flickering light has ever made you ill, ask before you begin. Press Esc to stop whenever you feel unwell.";
+    light = "If you see colors differently from most people, say so before you begin. Nothing flickers, but the screen changes between an even color and an image every few seconds. If flickering light has ever made you ill, ask before you begin. Press Esc to stop whenever you feel unwell.";
     /// Heading of the page that shows the categories.
     categories = "The answers";
     /// Shown below the categories, and while paused; `{keys}` is filled in. With keys that are not digits, it names them.

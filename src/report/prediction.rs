@@ -10,8 +10,8 @@ use crate::{
         rank_tests::ranks,
         summary::{category_values, means_by_subject},
     },
-    experiment::{Condition, Protocol, judged},
-    stimulus::{ViewingConditions, Visible},
+    experiment::{Condition, Protocol},
+    stimulus::{Stimulus, ViewingConditions, Visible},
     store::ratings::Source,
     vision::{Criterion, VisionError},
 };
@@ -108,7 +108,8 @@ impl StudyPrediction {
             return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
         }
         let viewing = ViewingConditions::new(window_deg(source, protocol));
-        let predicted = judged(conditions, &viewing, None)?;
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let predicted = viewing.visible(&stimuli, None)?;
         let predicted = by_condition(counts, protocol, conditions, &predicted)?;
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);

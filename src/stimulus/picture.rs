@@ -179,11 +179,6 @@ impl Picture {
         self.files().nth(self.chosen?)
     }
 
-    /// Returns the SHA-256 of the chosen file.
-    pub(crate) fn sha256(&self) -> Option<&str> {
-        Some(&self.chosen()?.sha256)
-    }
-
     /// Returns each picture to show, with its own file chosen.
     pub fn each(&self) -> impl Iterator<Item = Self> {
         (0..self.gallery.pictures.len()).map(|index| Self { chosen: Some(index), ..self.clone() })

@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// A window on a screen, viewed by an eye adapted to the window's mean light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ViewingConditions {
     /// The window's width in degrees of visual angle; above 0.
     pub window_deg: f64,

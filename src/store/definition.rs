@@ -86,8 +86,7 @@ pub fn parse(file: &str, text: &str) -> Result<Protocol, FileErrors> {
     parse_again(file, text, None)
 }
 
-/// Like [`parse`], for a definition that is edited: pictures that it had `before` are not read again, and a reference is
-/// not compared again with the target.
+/// Like [`parse`], for a definition that is edited: pictures that it had `before` are not read again.
 ///
 /// # Errors
 /// Returns every error, with its line and column.
@@ -98,7 +97,7 @@ pub fn parse_again(file: &str, text: &str, before: Option<&Protocol>) -> Result<
         _ => None,
     };
     let place = Place { folder: Path::new(file).parent().unwrap_or(Path::new("")), known };
-    match written.protocol(Some(place), before) {
+    match written.protocol(Some(place)) {
         Ok(protocol) => document.finish(protocol),
         Err(errors) => {
             errors.into_iter().for_each(|error| document.error(&error.path, error.message));
@@ -122,7 +121,7 @@ pub fn from_json(file: &str, definition: &Value) -> Result<Protocol, FileErrors>
         return Err(fail("the schema of the definition is missing or not 1; expected schema 1".to_owned()));
     }
     written
-        .protocol(None, None)
+        .protocol(None)
         .map_err(|errors| FileErrors(errors.into_iter().flat_map(|error| fail(error.message).0).collect()))
 }
 
@@ -216,17 +215,12 @@ struct WrittenScale {
 }
 
 impl Written {
-    /// Returns the definition. `place` is where its pictures are; without it, they are only described. `before` is the
-    /// definition before it was edited.
+    /// Returns the definition. `place` is where its pictures are; without it, they are only described.
     ///
     /// # Errors
     /// Returns every error.
-    fn protocol(
-        mut self,
-        place: Option<Place<'_>>,
-        before: Option<&Protocol>,
-    ) -> Result<Protocol, Vec<DefinitionError>> {
-        let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
+    fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
+        let mut errors = DefinitionErrors::default();
         let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
             self.pictures(place, &mut errors).into()
         } else {
@@ -260,10 +254,6 @@ impl Written {
             session: self.session,
             plan: self.plan,
             ..Definition::new(name, stimulus)
-        });
-        let protocol = protocol.and_then(|protocol| {
-            let wrong = if is_recorded { Vec::new() } else { protocol.reference_errors(before) };
-            if wrong.is_empty() { Ok(protocol) } else { Err(wrong) }
         });
         if errors.0.is_empty() {
             return protocol;

@@ -1,7 +1,8 @@
 //! Values that commands and files write as words.
 
-use std::ops::RangeInclusive;
-use std::str::FromStr;
+use std::{error::Error, ops::RangeInclusive, str::FromStr};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// Returns "expected one of …", followed by "; did you mean …?" if a known name is similar to `name`; if only one is known,
 /// "expected …".
@@ -42,6 +43,14 @@ fn natural_parts(text: &str) -> impl Iterator<Item = (usize, &[u8])> {
         let zeros = part.iter().take_while(|digit| **digit == b'0').count();
         if part[0].is_ascii_digit() { (part.len() - zeros, &part[zeros..]) } else { (usize::MAX, part) }
     })
+}
+
+/// Returns a parser of the command line that accepts only one of `names`.
+pub(crate) fn one_of<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
+{
+    PossibleValuesParser::new(names).try_map(|name| name.parse())
 }
 
 /// Declares an enum whose values have a name in commands and files, and the error for any other name.

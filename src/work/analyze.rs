@@ -1,21 +1,18 @@
 //! The analysis of ratings.
 
-use std::{
-    collections::{BTreeSet, HashSet},
-    path::Path,
-};
+use std::{collections::BTreeSet, path::Path};
 
 use serde::Serialize;
 
 use super::{
-    Model, Only, Ratings, RequestError, Watcher, named,
+    Model, Only, Ratings, RequestError, Watcher,
     ratings::{check_order, explained},
     request::allow_only,
 };
 use crate::{
     analysis::{
         ModelError, Options, Random, Resampling, Results, analyze_with,
-        counts::{Counts, ExclusionError, Trial},
+        counts::Counts,
         find_factor, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
@@ -31,7 +28,7 @@ use crate::{
         ratings::Source,
         table::List,
     },
-    text::names::expected_one_of,
+    text::names::{expected_one_of, one_of},
 };
 
 /// The fields that apply to every task; the others are about ratings.
@@ -52,7 +49,7 @@ pub struct Analyze {
     #[serde(flatten)]
     pub model: Model,
     /// Random intercept for each participant [default: subject if there are at least two participants].
-    #[arg(long, value_parser = named::<Random>(Random::NAMES))]
+    #[arg(long, value_parser = one_of::<Random>(Random::NAMES))]
     pub random: Option<Random>,
     /// Numbers that describe participants: each has one slope in the model, and no levels [default: numbers that are the same
     /// in all ratings of each participant].
@@ -86,10 +83,10 @@ pub struct AnswersAtLevels {
     #[arg(long, value_name = "N|free", requires = "level")]
     pub guess: Option<Guess>,
     /// Shape of the psychometric function [default: normal].
-    #[arg(long, requires = "level", value_parser = named::<Curve>(Curve::NAMES))]
+    #[arg(long, requires = "level", value_parser = one_of::<Curve>(Curve::NAMES))]
     pub function: Option<Curve>,
     /// The end of the levels that is easier to see [default: high].
-    #[arg(long, requires = "level", value_parser = named::<Easier>(Easier::NAMES))]
+    #[arg(long, requires = "level", value_parser = one_of::<Easier>(Easier::NAMES))]
     pub easier: Option<Easier>,
     /// Fit the function to the base-10 logarithms of the levels.
     #[arg(long, requires = "level")]
@@ -229,18 +226,13 @@ impl Analyze {
             range: None,
         };
         for Only { factor, levels } in &self.ratings.levels {
-            let names: Vec<&str> = factors.iter().map(String::as_str).collect();
-            let expected =
-                if names.is_empty() { "expected --factors".to_owned() } else { expected_one_of(factor, &names) };
-            let Some(place) = factors.iter().position(|name| name == factor) else {
-                let message = format!("{factor}: is not among the factors; {expected}");
+            let place = factors.iter().position(|name| name == factor);
+            let occurs =
+                |level: &&String| place.is_some_and(|place| rows.iter().any(|row| row.factors[place] == **level));
+            if let Some(level) = levels.iter().find(|level| !occurs(level)) {
+                let message =
+                    format!("{factor}={level}: there is no such level of a factor; expected levels in the table");
                 return Err(RequestError::value("levels", message).into());
-            };
-            let known: BTreeSet<&str> = rows.iter().map(|row| row.factors[place].as_str()).collect();
-            if let Some(level) = levels.iter().find(|level| !known.contains(level.as_str())) {
-                let (level, known) = (level.clone(), known.into_iter().map(str::to_owned).collect());
-                let error = ExclusionError::Level { factor: factor.clone(), level, known };
-                return Err(RequestError::value("levels", error.to_string()).into());
             }
         }
         let order = |factor: String| {
@@ -277,7 +269,7 @@ impl Analyze {
         }
     }
 
-    /// Checks that the columns with a role are there and suit it, and that each trial has a place of its own.
+    /// Checks that the columns with a role are there and suit it.
     fn check(&self, study: &Study) -> Result<(), RequestError> {
         let counts = &study.measured.counts;
         if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
@@ -290,15 +282,7 @@ impl Analyze {
         if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {
             return Err(RequestError::value("terms", message));
         }
-        let Some(order) = &self.ratings.order else { return Ok(()) };
-        let mut known = HashSet::new();
-        let place = |trial: &Trial| Some((trial.subject, trial.session, trial.position?.to_bits()));
-        let twice = study.measured.trials.iter().find(|trial| place(trial).is_some_and(|place| !known.insert(place)));
-        twice.map_or(Ok(()), |trial| {
-            let (who, position) = (&counts.subjects[trial.subject as usize], trial.position.unwrap_or_default());
-            let message = format!("{order}: several ratings by {who} have the place {position}; expected one");
-            Err(RequestError::value("order", message))
-        })
+        Ok(())
     }
 
     /// Checks the options about factors.

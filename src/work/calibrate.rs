@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use jiff::civil::Date;
 use serde::Serialize;
-use serde_json::{Value, json};
 
-use super::{named, request::paths, today};
+use super::today;
 use crate::{
     display::{
         DisplayProfile, Measurement,
-        photometer::{Calibration, Family, FittedChannel, Sum, largest},
+        photometer::{Calibration, Family},
     },
     store::readings,
+    text::names::one_of,
 };
 
 /// The readings, and what else the profile says.
@@ -20,7 +20,6 @@ use crate::{
 pub struct Calibrate {
     /// Photometer readings.
     #[arg(value_name = "READINGS.csv")]
-    #[serde(serialize_with = "paths")]
     pub readings: PathBuf,
     /// Name of the display [default: the profile's file name].
     #[arg(long, value_parser = filled)]
@@ -35,7 +34,7 @@ pub struct Calibrate {
     #[arg(long, value_name = "DATE", value_parser = date)]
     pub on: Option<Date>,
     /// Model of the profile [default: the simplest of those that predict left-out levels best].
-    #[arg(long, value_parser = named::<Family>(Family::NAMES))]
+    #[arg(long, value_parser = one_of::<Family>(Family::NAMES))]
     pub model: Option<Family>,
 }
 
@@ -73,62 +72,4 @@ impl Calibrate {
         let profile = calibration.profile(family, self.name.as_deref().unwrap_or(name), measured);
         Ok(Calibrated { calibration, family, profile })
     }
-}
-
-impl Calibrated {
-    /// Returns all results as JSON.
-    pub fn json(&self) -> Value {
-        let Self { calibration, family, .. } = self;
-        let models = calibration.models.iter().map(|model| {
-            json!({
-                "model": model.family.name(),
-                "common_shape": model.common_shape,
-                "channels": model.channels.iter().map(channel_json).collect::<Value>(),
-                "cross_validation": model.validation,
-            })
-        });
-        let sums = &calibration.additivity;
-        let additivity = (!sums.is_empty()).then(|| {
-            let levels = sums.iter().map(|sum| {
-                json!({
-                    "level": sum.level,
-                    "gray_cd_m2": sum.gray_cd_m2,
-                    "sum_cd_m2": sum.sum_cd_m2,
-                    "deviation_percent": sum.deviation_percent(),
-                })
-            });
-            json!({
-                "largest_percent": largest(sums, Sum::deviation_percent),
-                "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
-                "levels": levels.collect::<Value>(),
-            })
-        });
-        json!({
-            "readings": calibration.readings.all().len(),
-            "misfit": { "relative": calibration.misfit },
-            "luminance": calibration.luminance_of(*family),
-            "models": models.collect::<Value>(),
-            "chosen": family.name(),
-            "better_by_cross_validation": calibration.chosen.name(),
-            "additivity": additivity,
-            "drift_percent": calibration.drift_percent,
-            "notes": calibration.notes,
-        })
-    }
-}
-
-fn channel_json(channel: &FittedChannel) -> Value {
-    let gain_and_offset = channel.curve.gain_and_offset();
-    json!({
-        "channel": channel.channel.key(),
-        "gamma": channel.curve.gamma(),
-        "gamma_se": channel.gamma_se,
-        "gain": gain_and_offset.map(|(gain, _)| gain),
-        "offset": gain_and_offset.map(|(_, offset)| offset),
-        "black_cd_m2": channel.curve.black_cd_m2,
-        "range_cd_m2": channel.curve.range_cd_m2,
-        "r_squared": channel.r_squared,
-        "largest_error_codes": channel.largest_codes,
-        "largest_error_cd_m2": channel.largest_cd_m2,
-    })
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Found, Watcher, image::outdated, request::paths};
+use super::{Found, Watcher, image::outdated};
 use crate::store::{check::check_large, image::MAX_PIXELS};
 
 /// Check definitions, result files, display profiles, readings, observers, scenes and images, and report every error.
@@ -16,7 +16,6 @@ use crate::store::{check::check_large, image::MAX_PIXELS};
 pub struct Check {
     /// Files, or names of built-in definitions.
     #[arg(required = true, value_name = "FILE")]
-    #[serde(serialize_with = "paths")]
     pub files: Vec<PathBuf>,
     /// Also check images of more than 4096 × 4096 pixels, which needs more time and memory.
     #[arg(long)]

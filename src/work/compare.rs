@@ -8,7 +8,7 @@ use std::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Encoded, Encoding, Luminances, RequestError, Watcher, request::paths};
+use super::{Encoded, Encoding, Luminances, RequestError, Watcher};
 use crate::{
     light::{Bits, CodeImage, Dither, Levels, LinearImage, Quantizer, Samples, Transfer, Transfers, reaches},
     report::terminal::printable,
@@ -29,12 +29,6 @@ const PLACES: usize = 10;
 const APART_DEG: f64 = 0.5;
 /// From this difference between their mean luminances on, a caller is told about it, percent.
 const BRIGHTER_PERCENT: f64 = 5.0;
-/// Colors differ if a primary's light, brought to the lower luminance of both, differs by more than this share of it ...
-const COLORFUL: f64 = 0.2;
-/// ... to which this is added, since codes of dark colors are coarse ...
-const DARK: f64 = 0.05;
-/// ... in more than this share of the pixels.
-const COLORED: f64 = 1e-3;
 /// Pairs of pictures that are larger than this are compared one after another, since each keeps all threads busy and
 /// needs 80 bytes for each of its pixels.
 const SMALL_PX: u64 = 1024 * 1024;
@@ -44,11 +38,9 @@ const SMALL_PX: u64 = 1024 * 1024;
 pub struct Compare {
     /// The picture to judge: an opaque PNG, or a folder of them.
     #[arg(value_name = "FILE.png|DIR")]
-    #[serde(serialize_with = "paths")]
     pub picture: PathBuf,
     /// The picture that it should look like, of the same size; or a folder of pictures of the same names.
     #[arg(value_name = "REFERENCE.png|DIR", required_unless_present = "steps", conflicts_with = "steps")]
-    #[serde(serialize_with = "paths")]
     pub reference: Option<PathBuf>,
     /// Judge the steps between the picture's own codes, without a reference: how visible it is that they are not the
     /// smooth picture that they were rounded from.
@@ -68,7 +60,6 @@ pub struct Compare {
     pub encoding: Encoding,
     /// Picture of the same size that is white where differences count, and black where they do not.
     #[arg(long, value_name = "FILE.png", conflicts_with = "steps")]
-    #[serde(serialize_with = "paths")]
     pub mask: Option<PathBuf>,
     /// The largest difference that is accepted, in times threshold; with more, the exit status is 1.
     #[arg(long, value_name = "V", value_parser = within(0.0, 1e6))]
@@ -97,15 +88,11 @@ pub struct Compared {
     pub center: f64,
     /// The places where it is most visible, the most visible first.
     pub places: Vec<Place>,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// Mean luminance of the picture over that of the reference. The eye adapts to it, so it is not part of the
     /// difference.
     pub mean_ratio: f64,
-    /// True if the pictures differ in color at equal luminance, which is not judged; `None` if their primaries differ, so
-    /// that nothing is known about it.
-    pub color_ignored: Option<bool>,
     /// What the codes mean, and what says so.
     pub light: String,
     /// Times threshold for a gaze at each pixel, row by row.
@@ -127,9 +114,8 @@ pub struct Steps {
     /// The same with blue-noise dither, whose grain is a visible difference too; of a picture of fewer than
     /// 16 bits, the smoothest picture is dithered.
     pub dithered: f64,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// What the codes mean, and what says so.
     pub light: String,
     /// The number of bits of the codes that are judged.
@@ -137,9 +123,6 @@ pub struct Steps {
     /// The number of bits of a code in the file.
     #[serde(skip)]
     pub file_bits: u32,
-    /// True if most pixels have a level beside which others are skipped evenly.
-    #[serde(skip)]
-    pub is_skipping: bool,
     /// True if most changes between neighboring pixels are larger than a step, so that they count as edges.
     #[serde(skip)]
     pub is_edges: bool,
@@ -169,18 +152,6 @@ impl Lit {
     fn of_picture(name: String, picture: &Picture, light: String) -> Lit {
         Lit { name, image: picture.codes.light(&picture.transfers), weights: picture.weights, light }
     }
-}
-
-/// True if pictures of the same primaries with these luminances differ in color, where `share` counts.
-fn differ_in_color(pictures: [&LinearImage; 2], luminances: [&[f64]; 2], share: Option<&[f64]>) -> bool {
-    let differs = |i: &usize| {
-        let [own, other] = luminances.map(|of| of[*i]);
-        let least = own.min(other);
-        let at = |k: usize, of: f64| f64::from(pictures[k / 3].data[3 * i + k % 3]) * least / of.max(f64::MIN_POSITIVE);
-        share.is_none_or(|share| share[*i] > 0.0)
-            && (0..3).any(|k| (at(k, own) - at(k + 3, other)).abs() > COLORFUL * (least + DARK))
-    };
-    (0..luminances[0].len()).into_par_iter().filter(differs).count() as f64 > COLORED * luminances[0].len() as f64
 }
 
 /// Returns the luminance of each pixel, with these parts of the primaries.
@@ -280,7 +251,7 @@ impl Compare {
         let CodeImage { width, height, .. } = picture.codes;
         let size = [width as usize, height as usize];
         let levels = Levels::of(&picture.codes, picture.significant_bits);
-        let (smooth, [is_skipping, is_edges]) = smooth(&picture, levels);
+        let (smooth, is_edges) = smooth(&picture, levels);
         let quantizer = Quantizer::new(&picture.transfers, Bits::Eight);
         let shown = picture.codes.light(&picture.transfers);
         // A picture of 16 bits is what it is; its steps in 8 bits are what dither would hide.
@@ -304,13 +275,10 @@ impl Compare {
             steps: largest(&shown, &reference)?,
             rounded: rounded.map(|rounded| largest(&rounded, &target)).transpose()?,
             dithered: largest(&grain, &target)?,
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing,
             light: said(&picture),
             bits: levels.bits,
             file_bits: picture.bits,
-            is_skipping,
             is_edges,
             is_srgb: Picture::are_alike(picture.weights, Picture::srgb_weights()),
             picture: name,
@@ -365,8 +333,6 @@ impl Compare {
         let share = self.mask.as_deref().map(|path| self.share(path, size)).transpose()?;
         let size = size.map(|side| side as usize);
         let (mine, theirs) = (weighted(&shown.image, shown.weights), weighted(&reference.image, reference.weights));
-        let differ = || differ_in_color([&shown.image, &reference.image], [&mine, &theirs], share.as_deref());
-        let color_ignored = Picture::are_alike(shown.weights, reference.weights).then(differ);
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
         let (mine, theirs) = (cd_m2(mine), cd_m2(theirs));
         drop((shown.image, reference.image));
@@ -395,11 +361,8 @@ impl Compare {
             times_threshold: map.largest().max(center),
             center,
             places: map.peaks(PLACES, APART_DEG * size[0] as f64 / viewing.window_deg),
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing,
             mean_ratio,
-            color_ignored,
             light,
             map: map.enlarged(),
             size,
@@ -430,19 +393,12 @@ impl Compare {
 }
 
 impl Compared {
-    /// Says what differs but is not judged: one picture is brighter as a whole, or colors of equal luminance differ.
+    /// Says if one picture is brighter as a whole, which is not judged.
     pub fn note(&self) -> Option<String> {
         let percent = 100.0 * (self.mean_ratio - 1.0);
-        let brighter = (percent.abs() > BRIGHTER_PERCENT).then(|| {
+        (percent.abs() > BRIGHTER_PERCENT).then(|| {
             format!("mean luminance {percent:+.0} %: the eye adapts to the mean, which is not part of the difference")
-        });
-        let color = match self.color_ignored {
-            Some(false) => None,
-            Some(true) => Some("the pictures differ in color at equal luminance, which is not judged".to_owned()),
-            None => Some("the primaries of the pictures differ, so that their colors are not compared".to_owned()),
-        };
-        let notes: Vec<String> = brighter.into_iter().chain(color).collect();
-        (!notes.is_empty()).then(|| notes.join("; "))
+        })
     }
 
     /// Draws the map; `crease::color` goes from no difference to the largest one, or to the threshold if that is larger.
@@ -465,11 +421,9 @@ impl Steps {
         let Self { bits, file_bits, .. } = self;
         let bits =
             (bits < file_bits).then(|| format!("its {file_bits} bits hold codes of {bits} bits, which are judged"));
-        let skips = "its codes skip values evenly, as after posterizing: the steps between those that occur are judged";
         let edges = "most changes between neighboring pixels exceed one code: they are taken as edges and not judged";
-        let said = [(self.is_skipping, skips), (self.is_edges && self.is_below(), edges)];
-        let said = said.into_iter().filter(|(holds, _)| *holds).map(|(_, text)| text.to_owned());
-        let notes: Vec<String> = bits.into_iter().chain(said).collect();
+        let edges = (self.is_edges && self.is_below()).then(|| edges.to_owned());
+        let notes: Vec<String> = bits.into_iter().chain(edges).collect();
         (!notes.is_empty()).then(|| notes.join("; "))
     }
 }
@@ -504,9 +458,9 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     }
 }
 
-/// Returns the light of the smoothest picture that has the codes of this one, whether most of its levels stand beside
-/// others that are skipped evenly, and whether most changes of a channel are edges.
-fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
+/// Returns the light of the smoothest picture that has the codes of this one, and whether most changes of a channel are
+/// edges.
+fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
     let CodeImage { width, height, samples } = &picture.codes;
     let size = [*width as usize, *height as usize];
     let level = |code: u32| f64::from(levels.level(code));
@@ -515,17 +469,11 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
     let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
-    let (mut skipping, mut is_edges) = (0, false);
+    let mut is_edges = false;
     let mut smooth = |own: &[f64]| {
         let (reaches, has_edges) = reaches(own, size[0]);
         is_edges |= has_edges;
-        let reach = |level: f64| reaches[level as usize];
-        // What is finer than 8 bits is not posterization, but a slow ramp.
-        let skips = |level: &&f64| match reach(**level) {
-            [below, above] => below + above > 1.0 && levels.encoded(below + above) > 1.001 / 255.0,
-        };
-        skipping = skipping.max(own.iter().filter(skips).count());
-        unrounded(own, size, reach)
+        unrounded(own, size, |level: f64| reaches[level as usize])
     };
     let first = channel(0);
     let smooth_first = smooth(&first);
@@ -538,7 +486,7 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, [bool; 2]) {
     let data = (0..first.len())
         .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
         .collect();
-    (LinearImage { width: *width, height: *height, data }, [2 * skipping > first.len(), is_edges])
+    (LinearImage { width: *width, height: *height, data }, is_edges)
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

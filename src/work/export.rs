@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{NewFolder, Watcher, request::paths};
+use super::{NewFolder, Watcher};
 use crate::store::export::{self, Choice, Exported, Format};
 
 /// Export recorded sessions as a data set that passes the standard's validator.
@@ -16,7 +16,6 @@ use crate::store::export::{self, Choice, Exported, Format};
 pub struct Export {
     /// Results folder, or the folder of one experiment.
     #[arg(value_name = "DIR")]
-    #[serde(serialize_with = "paths")]
     pub folder: PathBuf,
     /// Format of the data set.
     #[arg(long, value_enum)]

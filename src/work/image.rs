@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
 
-use super::{RequestError, Watcher, named, request::paths};
+use super::{RequestError, Watcher};
 use crate::{
     display::DisplayProfile,
     light::{Bits, Dither, Transfer, Transfers},
@@ -14,7 +14,10 @@ use crate::{
     },
     store::{self, image::Picture},
     system::now,
-    text::number::{whole, within},
+    text::{
+        names::one_of,
+        number::{whole, within},
+    },
 };
 
 /// How the display converts codes to light.
@@ -27,7 +30,6 @@ pub struct Encoding {
     pub transfer: Option<Transfers>,
     /// Display profile written by `machband calibrate`.
     #[arg(long, value_name = "FILE")]
-    #[serde(serialize_with = "paths")]
     pub display: Option<PathBuf>,
 }
 
@@ -123,7 +125,7 @@ pub struct Image {
     #[serde(flatten)]
     pub encoding: Encoding,
     /// Bits per channel.
-    #[arg(long, default_value = "8", value_parser = named::<Bits>(Bits::NAMES))]
+    #[arg(long, default_value = "8", value_parser = one_of::<Bits>(Bits::NAMES))]
     pub bits: Bits,
     /// Dither: none, ordered, blue-noise or random; for a specific matrix, ordered:bayer2, 4, 8 or 16, or
     /// ordered:clustered2 or 3.

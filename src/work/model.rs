@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use crate::analysis::{Link, MAX_COEFFICIENTS, MAX_MINUTES, Slopes, terms::Terms};
+use crate::{
+    analysis::{Link, MAX_COEFFICIENTS, MAX_MINUTES, Slopes, terms::Terms},
+    text::names::one_of,
+};
 
 /// The ordinal model.
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
@@ -12,11 +15,11 @@ pub struct Model {
     #[arg(long, value_name = "T,…")]
     pub terms: Option<Terms>,
     /// Link function of the cumulative model.
-    #[arg(long, default_value_t, value_parser = super::named::<Link>(Link::NAMES))]
+    #[arg(long, default_value_t, value_parser = one_of::<Link>(Link::NAMES))]
     pub link: Link,
     /// Random slopes: for each term that varies within participants, where the design supports it (independent), or
     /// with all their correlations (correlated).
-    #[arg(long, default_value_t, value_parser = super::named::<Slopes>(Slopes::NAMES))]
+    #[arg(long, default_value_t, value_parser = one_of::<Slopes>(Slopes::NAMES))]
     pub slopes: Slopes,
     /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
     /// 20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{RequestError, named, request::paths};
+use super::RequestError;
 use crate::{
     light::Depth,
     shading::{
@@ -16,14 +16,16 @@ use crate::{
     stimulus::{StimulusColor, Triple, ViewingConditions, describe_scene},
     store::{self, mesh::MeshFile},
     system::found,
-    text::number::{whole, within},
+    text::{
+        names::one_of,
+        number::{whole, within},
+    },
 };
 
 /// One mesh, and how it is shaded and seen.
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct OneMesh {
     #[arg(long, value_name = "MESH", default_value = "blob", help = format!("Mesh: {}, or the path to an OBJ, PLY, glTF or GLB file", Shape::NAMES.join(", ")))]
-    #[serde(serialize_with = "paths")]
     pub mesh: PathBuf,
     /// Number of vertices; exact for a blob, approximate for other round shapes.
     #[arg(long, value_name = "N", default_value_t = 313, value_parser = whole(1..=usize::MAX))]
@@ -34,15 +36,14 @@ pub struct OneMesh {
     /// Normals at the vertices: the mesh's own, or estimated from its triangles as the mean over the faces, as Max's
     /// weighted mean (1999), from a cubic fitted to the neighbors, or as the best between a mean and the cubic, which is
     /// also what a mesh without normals gets.
-    #[arg(long, default_value = "given", value_parser = named::<Normals>(Normals::NAMES))]
+    #[arg(long, default_value = "given", value_parser = one_of::<Normals>(Normals::NAMES))]
     pub normals: Normals,
     /// Shader: how the light inside each triangle is computed.
-    #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = named::<Shader>(Shader::NAMES))]
+    #[arg(long, required_unless_present_any = ["truth", "scene"], value_parser = one_of::<Shader>(Shader::NAMES))]
     pub shader: Option<Shader>,
     /// Draw the smooth surface that the mesh approximates, not the mesh. For a mesh from a file, give a file of the same
     /// surface with many more triangles; with a shader, that surface is not drawn, but the picture is compared with it.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = KNOWN)]
-    #[serde(serialize_with = "paths")]
     pub truth: Option<PathBuf>,
     /// Continuity depth n of the strips at the edges, 1 to 32 or inf; used by fixed, gradient and the corrections.
     #[arg(long, value_name = "N", default_value = "1")]
@@ -51,10 +52,10 @@ pub struct OneMesh {
     #[arg(long, value_name = "B", default_value_t = shading::Shade::new(Shader::Fixed).boundary, value_parser = within(0.0, 1.0))]
     pub boundary: f64,
     /// Vertex shading correction (Bangay, eq. 7).
-    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
+    #[arg(long, default_value = "off", value_parser = one_of::<Correction>(Correction::NAMES))]
     pub vertex: Correction,
     /// Intensity reweighting correction (Bangay, eq. 9).
-    #[arg(long, default_value = "off", value_parser = named::<Correction>(Correction::NAMES))]
+    #[arg(long, default_value = "off", value_parser = one_of::<Correction>(Correction::NAMES))]
     pub reweight: Correction,
     /// Rotation of the mesh about x, then y, then z, in degrees.
     #[arg(long, value_name = "X,Y,Z", default_value = "25,-35,0", allow_hyphen_values = true)]
@@ -76,7 +77,7 @@ pub struct OneMesh {
     #[arg(long, value_name = "L", default_value_t = Scene::default().specular, value_parser = within(0.0, 1.0))]
     pub specular: f64,
     /// Highlight model.
-    #[arg(long, default_value = "phong", value_parser = named::<Highlight>(Highlight::NAMES))]
+    #[arg(long, default_value = "phong", value_parser = one_of::<Highlight>(Highlight::NAMES))]
     pub highlight: Highlight,
     /// Exponent of the highlight.
     #[arg(long, value_name = "M", default_value_t = Scene::default().shininess, value_parser = within(1.0, 1000.0))]

@@ -8,13 +8,11 @@ use std::{
 use clap::builder::{MapValueParser, PathBufValueParser, TypedValueParser as _, ValueParserFactory};
 use serde::Serialize;
 
-use super::request::paths;
-
 macro_rules! output_path {
     ($(#[$documentation:meta])* $name:ident) => {
         $(#[$documentation])*
         #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-        pub struct $name(#[serde(serialize_with = "paths")] PathBuf);
+        pub struct $name(PathBuf);
 
         impl ValueParserFactory for $name {
             type Parser = MapValueParser<PathBufValueParser, fn(PathBuf) -> Self>;

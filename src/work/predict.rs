@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::{
-    Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained, request::paths,
-};
+use super::{Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained};
 use crate::{
-    experiment::{Condition, Protocol, judged},
+    experiment::{Condition, Protocol},
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
@@ -30,7 +28,6 @@ const MAX_CONDITIONS: usize = 500;
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Predict {
     /// Built-in definition or path to a .toml file; all its conditions are predicted.
-    #[serde(serialize_with = "paths")]
     pub experiment: Option<PathBuf>,
     /// Also accept more than 500 conditions (100 if each has a rendered picture), and ratings beyond the limits of
     /// `analyze`. This needs more time and memory.
@@ -41,7 +38,6 @@ pub struct Predict {
     pub drawn: Drawn,
     /// Display profile written by `machband calibrate`, for its white and black; stimuli have the primaries of sRGB.
     #[arg(long, value_name = "FILE")]
-    #[serde(serialize_with = "paths")]
     pub display: Option<PathBuf>,
     /// Side of the stimulus in pixels [default: 512, or 1024 if it varies in one direction only].
     #[arg(long, value_name = "PX", value_parser = whole(16..=MAX_SIZE))]
@@ -58,7 +54,6 @@ pub struct Predict {
     pub luminances: Luminances,
     /// Compare the prediction with ratings from these result files or folders.
     #[arg(long, value_name = "FILE|DIR", num_args = 1.., requires = "experiment")]
-    #[serde(serialize_with = "paths")]
     pub fit: Vec<PathBuf>,
     /// File with the thresholds between ratings, fitted to people; written if the prediction is compared with ratings,
     /// otherwise read to predict ratings.
@@ -140,7 +135,8 @@ impl Predict {
         let planned = study.as_ref().map_or(protocol.viewing.window_deg, |study| window_deg(&study.source, &protocol));
         let viewing = self.viewing(&encoded, self.size_of(&protocol.stimulus)?, planned);
         let wrong = |error| self.unseen(protocol.stimulus.kind(), &error);
-        let found = judged(conditions, &viewing, self.size).map_err(wrong)?;
+        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
+        let found = viewing.visible(&stimuli, self.size).map_err(wrong)?;
         let compared = |study: Study| {
             prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
                 .map(|comparison| (comparison, study.source))
@@ -151,7 +147,6 @@ impl Predict {
             Some((comparison, _)) => (Some(comparison.criterion.clone()), prediction::LEAST),
             None => (self.criterion()?, 0.0),
         };
-        let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let detections = viewing.detections(&stimuli).map_err(wrong)?;
         let known = protocol.stimulus.parameters();
         let named = |name: &str| {

@@ -4,7 +4,7 @@ use std::{fmt, path::PathBuf, str::FromStr};
 
 use serde::Serialize;
 
-use super::{RequestError, request::paths};
+use super::RequestError;
 use crate::{
     analysis::{
         counts::{ExclusionError, Exclusions},
@@ -27,7 +27,6 @@ use crate::{
 pub struct Ratings {
     /// Result files, folders of result files, tables of counts, or any table (CSV or Excel).
     #[arg(required = true, value_name = "FILE|DIR")]
-    #[serde(serialize_with = "paths")]
     pub paths: Vec<PathBuf>,
     /// Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or subject_nr].
     #[arg(long, value_name = "COL")]

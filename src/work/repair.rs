@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Found, Watcher, request::paths};
+use super::{Found, Watcher};
 use crate::{
     report::document::numbers::count,
     store::{
@@ -26,7 +26,6 @@ use crate::{
 pub struct Repair {
     /// Data file of a session, or a folder with data files.
     #[arg(value_name = "FILE|DIR")]
-    #[serde(serialize_with = "paths")]
     pub path: PathBuf,
 }
 

@@ -4,14 +4,13 @@
 //! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
 //! fields and nowhere else.
 
-use std::{error::Error, fmt::Display, path::PathBuf, str::FromStr};
+use std::{error::Error as _, fmt::Display};
 
 use clap::{
     Arg, Args, Command, FromArgMatches,
-    builder::{PossibleValuesParser, TypedValueParser},
     error::{ContextKind, ContextValue, ErrorKind},
 };
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::{
@@ -109,14 +108,6 @@ pub fn told(error: &anyhow::Error, name: impl Fn(&str) -> String) -> String {
     }
 }
 
-/// Returns a parser that accepts only one of `names`.
-pub fn named<T>(names: &'static [&'static str]) -> impl TypedValueParser<Value = T>
-where
-    T: FromStr<Err: Error + Send + Sync + 'static> + Clone + Send + Sync + 'static,
-{
-    PossibleValuesParser::new(names).try_map(|name| name.parse())
-}
-
 /// Makes a request from named values. Missing fields and `null` have their defaults; a list is a list of names.
 ///
 /// # Errors
@@ -138,37 +129,9 @@ pub fn from_names<T: Request>(given: &Map<String, Value>) -> Result<T, RequestEr
     matches.and_then(|matches| T::from_arg_matches(&matches)).map_err(|error| RequestError::of(&error, &command))
 }
 
-/// Paths in a field of a request.
-pub(super) trait Paths {
-    fn value(&self) -> Value;
-}
-
-impl Paths for PathBuf {
-    fn value(&self) -> Value {
-        self.to_string_lossy().into()
-    }
-}
-
-impl<T: Paths> Paths for Option<T> {
-    fn value(&self) -> Value {
-        self.as_ref().map_or(Value::Null, Paths::value)
-    }
-}
-
-impl<T: Paths> Paths for Vec<T> {
-    fn value(&self) -> Value {
-        self.iter().map(Paths::value).collect()
-    }
-}
-
-/// Writes paths as text. Bytes that are not UTF-8 are replaced, so that they do not prevent the rest from being written.
-pub(super) fn paths<T: Paths, S: Serializer>(paths: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    paths.value().serialize(serializer)
-}
-
 /// Returns the arguments of a request that differ from their defaults, with their values.
 fn given<T: Request + Serialize>(request: &T) -> Vec<(Arg, Value)> {
-    // A request has texts, numbers, flags and lists, so serialization cannot fail.
+    // A request has texts, numbers, flags and lists. Only a path that is not Unicode cannot be written.
     let values = serde_json::to_value(request).unwrap_or_default();
     let is_default = |argument: &Arg, value: &Value| {
         let default: Vec<_> = argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();

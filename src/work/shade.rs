@@ -6,7 +6,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use clap::builder::{PathBufValueParser, TypedValueParser};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -14,12 +13,12 @@ use serde_json::{Value, json};
 use super::{
     Image, Luminances, RequestError, Watcher,
     one_mesh::{OneMesh, append},
-    request::{self, paths},
+    request,
 };
 use crate::{
-    light::{CodeImage, Dither, LinearImage, Quantizer, Transfers},
+    light::{CodeImage, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
-    shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image, shapes::Shape},
+    shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image},
     stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
@@ -30,8 +29,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct Shade {
     /// A scene of several meshes, with their materials, transparency, and lamps, in place of the options for one mesh.
-    #[arg(value_name = "SCENE.toml", value_parser = scene_path())]
-    #[serde(serialize_with = "paths")]
+    #[arg(value_name = "SCENE.toml")]
     pub scene: Option<PathBuf>,
     #[command(flatten)]
     #[serde(flatten)]
@@ -47,18 +45,6 @@ pub struct Shade {
 /// A mesh and the surface with which it is compared are taken for different ones if more than this share of their pixels
 /// shows only one of them.
 const APART: f64 = 0.1;
-/// From this share of pixels that are not compared on, a caller is told about it.
-const MASKED: f64 = 0.5;
-
-/// Parses the path of a scene. The name of a mesh is not one.
-fn scene_path() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        let is = |ending: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
-        let is_mesh = ["obj", "ply", "gltf", "glb"].iter().any(is)
-            || path.to_str().is_some_and(|name| name.parse::<Shape>().is_ok());
-        if is_mesh { Err(format!("is a mesh; expected a scene, or --mesh {}", path.display())) } else { Ok(path) }
-    })
-}
 
 /// Which results are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,8 +64,6 @@ pub struct Shaded {
     pub transfers: Transfers,
     /// Every parameter, as image files record them.
     pub description: Value,
-    /// The options that were given but have no effect.
-    pub idle: Vec<RequestError>,
     /// What is unusual about the mesh or the light.
     pub notes: Vec<String>,
 }
@@ -110,9 +94,8 @@ pub struct Metrics {
     /// Change of light across the edges.
     pub step_rms: f64,
     pub crease_unit: &'static str,
-    pub window_deg: f64,
-    pub white_cd_m2: f64,
-    pub black_cd_m2: f64,
+    #[serde(flatten)]
+    pub viewing: ViewingConditions,
     /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
     pub difference: Option<DifferenceMetrics>,
     pub difference_unit: &'static str,
@@ -200,33 +183,7 @@ impl Shade {
         let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
         let Drawing { transfers, mut description, .. } = drawing;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
-        Ok(Shaded { picture, metrics, transfers, description, idle: self.idle(wanted), notes })
-    }
-
-    /// Names the options that were given but have no effect.
-    fn idle(&self, wanted: Wanted) -> Vec<RequestError> {
-        let (one, shade, shape) = (&self.one, self.one.shade(), self.one.named());
-        let (shader, mesh) = (format!("on {}", one.drawn()), format!("on {}", one.mesh.display()));
-        let rules: [(&[&str], bool, &str); 9] = [
-            (&["depth", "boundary"], shade.has_strip(), &shader),
-            (&["crease"], shape.is_none(), &mesh),
-            (&["vertices"], shape.is_some_and(Shape::has_vertices), &mesh),
-            (
-                &["highlight", "shininess", "facet_slope", "facet_c1", "facet_index"],
-                one.specular > 0.0,
-                "without specular light",
-            ),
-            (&["shininess"], one.facet_slope.is_none(), "beside a slope of the small mirrors"),
-            (&["bits", "dither", "seed"], wanted.picture, "without a picture"),
-            (&["seed"], matches!(self.image.dither, Dither::Random { .. }), "without random dither"),
-            (&["window_deg", "white", "black"], wanted.metrics, "without the measurements"),
-            (&["truth"], wanted.metrics || one.draws_truth(), "without the measurements"),
-        ];
-        let without_effect = |(field, _): (String, Value)| {
-            let (_, _, why) = rules.iter().find(|(fields, is_used, _)| !is_used && fields.contains(&field.as_str()))?;
-            Some(RequestError::value(&field, format!("has no effect {why}")))
-        };
-        request::changed(self).into_iter().filter_map(without_effect).collect()
+        Ok(Shaded { picture, metrics, transfers, description, notes })
     }
 
     /// Draws a scene of several meshes.
@@ -241,8 +198,7 @@ impl Shade {
         notes.extend(clipped(&image));
         let picture = Quantizer::new(&transfers, bits).quantize_with(&image, &self.image.dither());
         let description = json!({ "scene": scene.display().to_string(), "size": size, "toml": text });
-        let idle = self.idle(Wanted { picture: true, ..Wanted::default() });
-        Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, idle, notes })
+        Ok(Shaded { picture: Some(picture), metrics: None, transfers, description, notes })
     }
 }
 
@@ -302,33 +258,14 @@ impl<'a> Drawing<'a> {
         truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
-    /// Says what is doubtful about the comparison with the smooth surface.
-    fn doubts(&self, judged: &Judged) -> Vec<String> {
-        let mut doubts = Vec::new();
-        let mesh = self.one.mesh.display();
-        if let Some((file, fine)) = self.one.fine_file().zip(self.fine.as_ref()) {
-            let (file, of, own) = (file.display(), fine.mesh.triangles.len(), self.surface.mesh.triangles.len());
-            if of <= own {
-                doubts.push(format!(
-                    "{file} has {of} triangles, {mesh} {own}; expected a finer mesh of the same surface"
-                ));
-            }
-            if let Some(apart) = judged.apart().filter(|apart| *apart > APART) {
-                doubts.push(format!(
-                    "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
-                    100.0 * apart
-                ));
-            }
-        }
-        match judged.not_compared() {
-            Some(1.0) => doubts.push(format!("no pixel of {mesh} can be compared with the smooth surface")),
-            Some(masked) if masked > MASKED => doubts.push(format!(
-                "{:.0} % of the pixels of {mesh} are not compared with the smooth surface",
-                100.0 * masked
-            )),
-            _ => {}
-        }
-        doubts
+    /// Says if the smooth surface is another one, or elsewhere.
+    fn doubt(&self, judged: &Judged) -> Option<String> {
+        let apart = judged.apart().filter(|apart| *apart > APART)?;
+        let (file, mesh) = (self.one.fine_file()?.display(), self.one.mesh.display());
+        Some(format!(
+            "the outlines of {file} and {mesh} differ by {:.0} % of the pixels; expected the same surface in the same place",
+            100.0 * apart
+        ))
     }
 
     /// Measures this picture and Gouraud's.
@@ -337,7 +274,7 @@ impl<'a> Drawing<'a> {
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
-        notes.extend(self.doubts(&judged));
+        notes.extend(self.doubt(&judged));
         let unseen = |error: VisionError| {
             let (field, value) = match error {
                 VisionError::Black { .. } | VisionError::AllBlack => ("black", viewing.black_cd_m2),
@@ -387,9 +324,7 @@ impl<'a> Drawing<'a> {
             crease_p95_over_gouraud: over_gouraud(|of| of.creases.p95),
             step_rms: own.creases.step_rms,
             crease_unit: "linear light per pixel",
-            window_deg: viewing.window_deg,
-            white_cd_m2: viewing.white_cd_m2,
-            black_cd_m2: viewing.black_cd_m2,
+            viewing: *viewing,
             difference,
             difference_unit: "times threshold, against the smooth surface",
             residual,

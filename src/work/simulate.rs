@@ -14,7 +14,7 @@ use std::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{RequestError, Watcher, request::paths};
+use super::{RequestError, Watcher};
 use crate::{
     experiment::{
         self, Course, FrameCount, Identity, Observer, Protocol, Resumed, RowContext, Schedule, Session, SessionOptions,
@@ -43,7 +43,6 @@ const NO_SCREEN: SessionOptions = SessionOptions { pages: 0, frames: FrameCount:
 #[command(after_help = "Example: machband simulate bangay2003 --participants 8 --seed 1 --results results")]
 pub struct Simulate {
     /// Built-in definition or path to a .toml file.
-    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Number of participants; their IDs start at S001.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole::<u32>(1..=1_000_000))]
@@ -53,14 +52,12 @@ pub struct Simulate {
     pub seed: u64,
     /// Folder for the results.
     #[arg(long, value_name = "DIR", default_value = "results")]
-    #[serde(serialize_with = "paths")]
     pub results: PathBuf,
     /// Simulated observer [default: paper for ratings, vision for other tasks].
     #[arg(long, value_enum)]
     pub observer: Option<ObserverKind>,
     /// Parameters of the paper or vision observer; experiments/observers has the documented defaults.
     #[arg(long, value_name = "FILE.toml")]
-    #[serde(serialize_with = "paths")]
     pub observer_file: Option<PathBuf>,
     /// Resume an interrupted run; complete sessions are not changed.
     #[arg(long)]
@@ -149,7 +146,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 /// # Errors
 /// The observer cannot see the stimuli, or the trials cannot be ordered as the definition asks.
 pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
-    let observer = VisionObserver::new(VisionRater::default(), protocol)?;
+    let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
     let identity = Identity::new("S001", "1")?;
     let schedule = Schedule::new(protocol, &identity, 1)?;
     let course = Course::new(protocol.clone(), schedule.clone());
@@ -181,10 +178,7 @@ fn observer(request: &Simulate, protocol: &Protocol) -> anyhow::Result<(Box<dyn 
             (Box::new(observer), description)
         }
         ObserverKind::Paper => {
-            let parameters = match file {
-                Some(path) => observer::open(path)?,
-                None => observer::parse("paper.toml", observer::PAPER)?,
-            };
+            let parameters = file.map(observer::open).transpose()?.unwrap_or_default();
             let description = SimulatedObserver::Paper { ordered_logit: parameters.clone() };
             (Box::new(parameters), description)
         }

@@ -10,7 +10,7 @@ use std::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Image, RequestError, Watcher, request::paths};
+use super::{Image, RequestError, Watcher};
 use crate::{
     experiment::Condition,
     stimulus::{Stimulus, recipe::Recipe},
@@ -22,7 +22,6 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, clap::Args, Serialize)]
 pub struct RenderAll {
     /// Built-in definition or path to a .toml file.
-    #[serde(serialize_with = "paths")]
     pub experiment: PathBuf,
     /// Make only part I of N, counted from 1, to split the work among machines or the tasks of a job array.
     #[arg(long, value_name = "I/N", default_value = "1/1")]

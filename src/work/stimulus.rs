@@ -6,11 +6,7 @@ use serde::Serialize;
 
 use super::{Drawn, Encoding, Image, RequestError, Watcher, image::as_text, words};
 use crate::{
-    light::{
-        Bits, Dither, Transfer,
-        halftone::Screen,
-        palette::{IndexedImage, Reduction},
-    },
+    light::{Bits, Dither, Transfer, halftone::Screen, palette::Reduction},
     report::study::shell_command,
     stimulus::recipe::Recipe,
     store::{self, Writer},
@@ -38,8 +34,7 @@ pub struct Render {
 }
 
 impl Render {
-    /// Writes the image, and the luminance profile through the center, to the files that are wanted. Returns the image
-    /// if it was reduced to a palette.
+    /// Writes the image, and the luminance profile through the center, to the files that are wanted.
     ///
     /// # Errors
     /// A value is impossible, or a file cannot be written.
@@ -49,7 +44,7 @@ impl Render {
         profile: Option<&Path>,
         writer: &Writer,
         watcher: &dyn Watcher,
-    ) -> anyhow::Result<Option<IndexedImage>> {
+    ) -> anyhow::Result<()> {
         let changed = [("palette", self.palette.is_some()), ("halftone", self.halftone.is_some())];
         if let (None, Some((field, _))) = (out, changed.iter().find(|(_, is_given)| *is_given)) {
             let message = "changes only the image; expected a file for the image";
@@ -65,12 +60,11 @@ impl Render {
         }
         let recipe = self.image.recipe(self.drawn.stimulus()?, watcher)?;
         let quantizer = recipe.quantizer();
-        let mut reduced = None;
         if let Some(out) = out {
             match (self.halftone, self.palette) {
                 (Some(screen), _) => store::image::write_halftone(writer, out, &recipe, screen)?,
                 (None, Some(reduction)) => {
-                    reduced = Some(store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?);
+                    store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?;
                 }
                 (None, None) => store::image::write_recipe(writer, out, &recipe, &quantizer)?,
             }
@@ -78,7 +72,7 @@ impl Render {
         if let Some(profile) = profile {
             store::curve::write_profile(writer, profile, &recipe, &quantizer)?;
         }
-        Ok(reduced)
+        Ok(())
     }
 }
 

@@ -1,18 +1,14 @@
 //! Whether recorded sessions are correct and unchanged.
 
-use std::{
-    collections::{BTreeSet, HashMap},
-    path::{Path, PathBuf},
-};
+use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{Found, Watcher, request::paths};
+use super::{Found, Watcher};
 use crate::{
     report::document::numbers::count,
     store::{
-        FileError, FileErrors, StoreError,
-        dataset::DATA_FILE,
+        FileError, FileErrors,
         ratings::Listed,
         verify::{self, Renderer, Verified},
     },
@@ -28,7 +24,6 @@ use crate::{
 pub struct Verify {
     /// Results folder, or the folder of one experiment.
     #[arg(value_name = "DIR")]
-    #[serde(serialize_with = "paths")]
     pub folder: PathBuf,
 }
 
@@ -48,18 +43,14 @@ impl Verify {
         if listed.files.is_empty() && errors.is_empty() {
             return Err(listed.nothing(&self.folder).into());
         }
-        let mut names = HashMap::new();
-        for csv in &listed.files {
-            if let Some(other) = names.insert(csv.file_name(), csv) {
-                let message = format!("is the same session as {}; expected each session once", other.display());
-                watcher.warn(&FileError::whole(csv, message).to_string());
-            }
-        }
         let (mut found, mut renderer, mut further) = (Found::default(), Renderer::default(), 0);
         for (csv, done) in listed.files.iter().zip(1..) {
             let verified = verify::session(csv, &mut renderer);
             found.add(csv, sentence(&verified), watcher)?;
             watcher.progress(done, listed.files.len() as u64);
+            if !verified.errors.is_empty() {
+                found.wrong.insert(csv.clone());
+            }
             for error in verified.errors {
                 if errors.len() < MAX_ERRORS { errors.push(error) } else { further += 1 }
             }
@@ -70,24 +61,6 @@ impl Verify {
         listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();
         Ok(found)
-    }
-}
-
-impl Found {
-    /// Returns the data files of the sessions with an error in one of their files.
-    pub fn wrong(&self) -> BTreeSet<PathBuf> {
-        let files = self.errors.iter().filter_map(|error| match error {
-            StoreError::FileErrors(FileErrors(errors)) => Some(errors),
-            _ => None,
-        });
-        let named: BTreeSet<&Path> = files.flatten().map(|error| Path::new(&error.file)).collect();
-        let is_wrong = |csv: &&PathBuf| {
-            // The files of a session are beside each other and have a common stem.
-            let stem = csv.to_string_lossy();
-            let stem = stem.strip_suffix(DATA_FILE).unwrap_or(&stem);
-            named.iter().any(|file| file.to_string_lossy().starts_with(stem))
-        };
-        self.files.iter().map(|(csv, _)| csv).filter(is_wrong).cloned().collect()
     }
 }
 

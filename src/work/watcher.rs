@@ -1,6 +1,9 @@
 //! Whoever waits for an operation, and what it learns about files.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use crate::store::StoreError;
 
@@ -35,6 +38,8 @@ impl Watcher for () {}
 #[derive(Debug, Default)]
 pub struct Found {
     pub files: Vec<(PathBuf, String)>,
+    /// The data files of the sessions in which something is wrong.
+    pub wrong: BTreeSet<PathBuf>,
     pub errors: Vec<StoreError>,
 }
 

@@ -16,11 +16,7 @@ use machband::{
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
-    store::{
-        StoreError, Writer, definition, image, profile,
-        session::{Changes, SessionStore},
-        sidecar::Sidecar,
-    },
+    store::{Writer, definition, image, profile, sidecar::Sidecar},
     work,
 };
 
@@ -117,7 +113,7 @@ fn the_preflight_detects_an_old_profile_and_another_screen_and_records_confirmat
     harness.step();
     press(&mut harness, Key::Space);
     wait_for(&mut harness, "Welcome");
-    harness.get_by_label_contains("can be shown in gray");
+    harness.get_by_label_contains("say so before you begin");
     let sidecar = sidecar(folder.path());
     let sitting = &sidecar.sittings[0];
     let note = |check: &str| {
@@ -368,26 +364,4 @@ fn the_command_receives_the_report_and_the_window_closes() {
         let rows = report.rows();
         assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
     }
-}
-
-#[test]
-fn an_experiment_in_gray_has_its_own_name() {
-    let quick = definition::open("quick").unwrap();
-    let gray = quick.in_gray().unwrap();
-    assert_eq!((gray.name.as_str(), gray.in_gray()), ("quick-gray", None));
-    assert_eq!(gray.stimulus.field_light(0.3), [0.3; 3]);
-    assert_eq!(gray.factors, quick.factors);
-    assert_ne!(definition::hash(&gray), definition::hash(&quick));
-    let text = "schema = 1\nname = \"c\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ncolor = [\"red\", \"gray\"]\n";
-    assert_eq!(definition::parse("c", text).unwrap().in_gray(), None);
-    let text = text.replace("[factors]\ncolor = [\"red\", \"gray\"]", "color = \"gray\"\ncolor_high = \"red\"");
-    let gray = definition::parse("c", &text).unwrap().in_gray().unwrap();
-    assert_eq!((gray.stimulus.get("color_high"), gray.in_gray()), (Some("same".into()), None));
-    // The definition in its sidecar can be read back unchanged.
-    let folder = tempfile::tempdir().unwrap();
-    let identity = Identity::new("P1", "1").unwrap();
-    SessionStore::create(folder.path(), &gray, &identity, 1, Default::default()).unwrap();
-    let is_finished = |protocol| SessionStore::is_finished(folder.path(), protocol, &identity, None, Changes::Refuse);
-    assert!(!is_finished(&gray).unwrap());
-    assert!(matches!(is_finished(&quick), Err(StoreError::NothingToResume(_))));
 }

@@ -38,7 +38,7 @@ fn analyze_writes_every_documented_file() {
     let folder = study("bangay2003", 4);
     let output = succeeds(folder.path(), &split("analyze results --out a"));
     assert!(output.contains("960 ratings of 120 conditions by 4 participants"), "{output}");
-    assert!(output.contains("48 from practice"), "{output}");
+    assert!(output.contains("48 rows left out"), "{output}");
     let out = folder.path().join("a");
     let (header, cells) = table(&out.join("cells.csv"));
     let contract = "width,depth,orientation_deg,n,mean,median,p0,p1,p2,p3,ci_low,ci_high";
@@ -565,7 +565,7 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     let output = machband(folder.path(), &split(&format!("{line} a --missing -99")));
     let (output, warnings) = (text(&output.stdout), text(&output.stderr));
     assert!(warnings.contains("warning: d.csv: 6 of 240 rows have no response ("), "{warnings}");
-    assert!(output.contains("rows left out: 6 without a response, 4 answered too fast;"), "{output}");
+    assert!(output.contains("; 10 rows left out"), "{output}");
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
     let left_out = report.split("What was left out, and why").nth(1).and_then(|rest| rest.split("</table>").next());
     let cells = left_out.unwrap().split('<').filter_map(|tag| tag.split_once('>')).map(|(_, text)| text.trim());
@@ -783,15 +783,15 @@ fn requests_that_cannot_be_are_explained() {
     fs::write(folder.path().join("const.toml"), definition).unwrap();
     // One participant has no interval, and so no false alarms.
     let printed = succeeds(folder.path(), &split("plan const.toml --participants 1 --studies 4 --out plan.csv"));
-    assert!(printed.contains("orientation_deg 90 − 0") && !printed.contains('%'), "{printed}");
+    assert!(printed.contains("orientation 90° − 0°") && !printed.contains('%'), "{printed}");
     let rows = records(&folder.path().join("plan.csv"));
     assert!(["found", "false_alarms", "ci_high"].iter().all(|name| rows[2][*name].is_empty()), "{rows:?}");
     let cases = "2: => --trials 12 is not a multiple of the 5 levels; expected each level equally often";
     refuses(folder.path(), "plan const.toml --participants 4 --trials 12 {}", cases);
     let cases = r"
         2: --exclude p9 => --exclude p9 is not a participant; expected one of p0, p1, p2
-        2: --levels cond=c => cond: is not among the factors; expected --factors
-        2: --factors cond --levels cond=nope => nope is not a level of cond; expected c
+        2: --levels cond=c => cond=c: there is no such level
+        2: --factors cond --levels cond=nope => cond=nope: there is no such level
         2: --link probit => expected only --subject, --factors, --levels, --exclude";
     refuses(folder.path(), "analyze answers.csv --level level --correct right --total n --guess 0.5 --out b {}", cases);
     let cases = r"

@@ -6,7 +6,7 @@ use machband::{
     store::{Writer, profile, readings},
 };
 
-use crate::common::{fails, json, machband, refuses, split, succeeds, text};
+use crate::common::{fails, machband, refuses, split, succeeds, text};
 
 /// Luminance ranges of red, green, blue and gray, in cd/m².
 const RANGES: [f64; 4] = [25.0, 80.0, 10.0, 115.0];
@@ -25,11 +25,11 @@ fn errors(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn calibrate_writes_a_profile_a_plot_and_a_report() {
+fn calibrate_writes_a_profile() {
     let folder = tempfile::tempdir().unwrap();
     readings::write(&Writer::default(), &folder.path().join("r.csv"), &good(9)).unwrap();
     let measured = "--name Left --by AB --with LS-150 --on 2026-02-03";
-    let line = format!("calibrate r.csv --out left.toml {measured} --plot left.svg --report left.json");
+    let line = format!("calibrate r.csv --out left.toml {measured}");
     let output = machband(folder.path(), &split(&line));
     // The measurement is old, so there is a warning.
     let (warned, output) = (text(&output.stderr), text(&output.stdout));
@@ -41,8 +41,6 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "gamma       0.00      0.000           0.00                   —\n",
         "additivity",
         "white 115.30",
-        "wrote left.svg\n",
-        "wrote left.json\n",
         "wrote left.toml: Left (γ 2.200",
     ] {
         assert!(output.contains(part), "{part}: {output}");
@@ -60,22 +58,16 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
     assert!((light.black_cd_m2 - 0.3).abs() < 1e-6 && (light.white_cd_m2 - 115.3).abs() < 1e-5);
     let measured = made.measured.unwrap();
     assert_eq!((measured.on.unwrap().to_string().as_str(), measured.by.as_deref()), ("2026-02-03", Some("AB")));
-    let svg = std::fs::read_to_string(folder.path().join("left.svg")).unwrap();
-    assert!(svg.contains("Luminance (cd/m²)") && svg.contains("Encoded value"));
-    let report = json(&folder.path().join("left.json"));
-    assert_eq!((report["chosen"].as_str(), report["models"].as_array().map(Vec::len)), (Some("gamma"), Some(4)));
     refuses(
         folder.path(),
         "calibrate r.csv --out new.toml {}",
         "2: --on 2026-02-30 => is not a date; expected one such as 2026-01-31
          2: --name '' => is empty; expected a name",
     );
-    assert!(report["models"][0]["cross_validation"]["score"].is_null(), "there is no noise to compare it with");
-    // Request the table model and a chart as PNG.
-    let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
+    // Request the table model.
+    let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");
     assert!(profile::open(&folder.path().join("left.toml")).unwrap().transfers.has_table());
-    assert!(std::fs::read(folder.path().join("t.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
 /// The individual errors are tested in `tests/stimulus/calibrate.rs`.

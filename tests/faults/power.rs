@@ -362,7 +362,7 @@ const OUTPUTS: &[&str] = &[
     "shade --size 64 --vertices 40 --shader phong --out OUT/shaded.png --metrics OUT/metrics.json",
     "predict IN/definition.toml --out OUT/predicted.csv",
     "plan quick --participants 2 --studies 1 --effect oblique=1 --out OUT/plan.csv",
-    "calibrate IN/readings.csv --out OUT/profile.toml --plot OUT/profile.svg --report OUT/profile.json",
+    "calibrate IN/readings.csv --out OUT/profile.toml",
     "simulate IN/definition.toml --results OUT/results --participants 3",
 ];
 

@@ -127,8 +127,7 @@ fn palettes_and_halftones_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for method in ["popularity:8", "median-cut:16", "k-means:4"] {
-        let made = succeeds(folder, &["stimulus", "--size", "64", "--palette", method, "--out", "p.png", "--force"]);
-        assert!(made.contains("error in linear light"), "{made}");
+        succeeds(folder, &["stimulus", "--size", "64", "--palette", method, "--out", "p.png", "--force"]);
         assert!(succeeds(folder, &["check", "p.png"]).contains(method));
     }
     for screen in ["clustered3:1", "bayer4:2"] {

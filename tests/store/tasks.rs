@@ -247,7 +247,7 @@ fn sides_places_and_catch_trials_are_balanced() {
         if protocol.task.catches().is_some() {
             continue;
         }
-        let places = protocol.task.places();
+        let places: Vec<u32> = (0..protocol.task.places()).collect();
         for seen in dealt(&protocol) {
             let whole = &seen[..seen.len() / places.len() * places.len()];
             for place in &places {
@@ -399,11 +399,8 @@ DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
-[task]\nkind = "adjust"\nparameter = "width"\nlow = 0.1\nhigh = 0.2\nstep = 5\n => 11:1 => step 5 goes from one end to the other
-[task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown
 [task]\nkind = "rating"\nscale = "dial"\n => 8:1 => scale
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
-[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "constant"\nparameter = "tanh_k"\nlevels = [1, 9]\n => 11:1 => tanh_k changes nothing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICESTAIRSparameter = "width"\nlow = 0.1\nhigh = 0.4\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
@@ -415,9 +412,6 @@ QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
 YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse 0.6 is outside 0…0.5
 QUESTfunction = "cubic"\n => 13:1 => function
-QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
-QUESTstop_width = 30\n => 13:1 => stop_width 30 is reached before the first trial
-CHOICEshown = "places"\ngap_s = 2\n => 10:1 => gap_s applies to intervals only
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
@@ -426,9 +420,7 @@ CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 3, 4
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => depth has whole numbers only
 CHOICESTAIRSparameter = "vertices"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => vertices is not known
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = inf\n => 15:1 => adaptive.high is inf; expected a finite number
-CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\nsteps = [0.2, 20]\n => 15:15 => step 20 goes from one end to the other; expected less than 1.602
-CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.01\nhigh = 0.4\ntrials = 60\nreversals = 40\n => 16:1 => 40 reversals cannot occur in 60 trials; expected at most 39
-CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 14:1 => high 0.75 is below low, which is 0.9
+CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 11:1 => high 0.75 is below low, which is 0.9
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
 ADJUST"orientation_deg"\nlow = 0.1\nhigh = 190\n => 10:1 => goes around half a turn or more
@@ -437,35 +429,24 @@ ADJUST"low"\nlow = 0.1\nhigh = 0.9\n => 10:1 => high 0.75 is below low, which is
 ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
 HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
-QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 13:31 => high 0.75 is below low, which is 0.9
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0] }\n => 13:52 => the threshold cannot change with the second parameter
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:70 => 0 appears twice
+QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 11:1 => high 0.75 is below low, which is 0.9
 QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
 QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
-[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
-QUESTthreshold = [0.1]\nslope = [3]\nlapse = [0.02]\n => 13:1 => nothing is left to learn
-QUESTslope = [2, 3, 2]\n => 13:16 => 2 appears twice
 QUESTslope = []\n => 13:1 => the list is empty
 QUESTlapse = []\n => 13:1 => the list is empty
 QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
 QUESTlapse = [0.49]\n => 
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
-[presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to intervals
-[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to adjustment
+[presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to this task
+[presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to this task
 [response]\nquestion = " "\n => 7:1 => the question is empty
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
-ORIENTEDpairs = "chain"\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => expected no pairs
 ORIENTEDtrials = 9\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => trials applies to adaptive pairs only
-DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to pairs = "chain" only
-[factors]\ndepth = [1]\n[task]\nkind = "choice"\nreference = { tanh_k = 10 }\n => 10:15 => tanh_k 10 changes nothing that is shown
-[factors]\ndepth = [2]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 10:15 => tanh_k 10 changes nothing that is shown
-[factors]\ndepth = [1, "inf"]\n[task]\nkind = "choice"\nreference = { tanh_k = 10 }\n => 10:1 => all stimuli of a trial are the same
 [factors]\ndepth = ["inf"]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 
 [factors]\ndepth = [1, 2]\nCHOICE => 
 [factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same
-[task]\nkind = "choice"\nreference = { depth = 2, tanh_k = 10 }\n => 8:26 => tanh_k 10 changes nothing that is shown
 [task]\nkind = "choice"\nreference = { depth = "inf", tanh_k = 5 }\n => 
 [task]\nkind = "choice"\nreference = { low = 0.9 }\n => 8:1 => high 0.75 is below low, which is 0.9
 "##;
@@ -654,8 +635,8 @@ fn own_pictures_are_described_by_their_question() {
     let reference = "reference = { picture = \"pictures/truth.png\" }";
     for (task, said) in [
         ("".to_owned(), "You will see one image at a time."),
-        ("[task]\nkind = \"pair\"".to_owned(), "You will see two images at the same time."),
-        (format!("[task]\nkind = \"choice\"\n{reference}"), "You will see two images, one after the other."),
+        ("[task]\nkind = \"pair\"".to_owned(), "You will see several images at the same time."),
+        (format!("[task]\nkind = \"choice\"\n{reference}"), "You will see several images, one after the other."),
         (format!("[task]\nkind = \"yes-no\"\n{reference}"), "You will see one image at a time."),
     ] {
         let texts = write(&task, "").unwrap().instructions.clone();
@@ -664,11 +645,6 @@ fn own_pictures_are_described_by_their_question() {
         let own = write(&task, "[instructions]\ntask = \"Look.\"\n").unwrap().instructions.clone();
         assert_eq!(own.task, "Look.");
     }
-    let [truth, same] = ["truth", "same"].map(|name| folder.path().join(format!("pictures/{name}.png")));
-    fs::copy(truth, &same).unwrap();
-    let told = write(&format!("[task]\nkind = \"choice\"\n{reference}"), "").map(drop).unwrap_err().to_string();
-    assert!(told.contains("all stimuli of a trial are the same"), "{told}");
-    fs::remove_file(same).unwrap();
     let chain = "[task]\nkind = \"pair\"\npairs = \"chain\"\nalong = \"style\"";
     for (levels, pairs) in [(["x", "y", "z"], Some(2)), (["x", "x", "x"], None)] {
         let rows = ["a", "b", "truth"].iter().zip(levels).map(|(name, level)| format!("{name}.png;{level}\n"));

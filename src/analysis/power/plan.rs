@@ -15,7 +15,7 @@ use crate::{
             check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms_with_slopes, without_term,
             without_terms,
         },
-        rank_tests::{SubjectMeans, friedman, least_friedman_p},
+        rank_tests::{SubjectMeans, friedman},
         results::model_spec,
     },
     experiment::{OrderedLogit, Protocol},
@@ -125,13 +125,6 @@ impl Plan {
 
     pub fn observer(&self) -> &OrderedLogit {
         &self.scenario.observer
-    }
-
-    /// Returns the smallest p that Friedman's test can reach with this number of participants, when all of them agree,
-    /// or `None` for other tests.
-    pub fn least_p(&self, power: &Power) -> Option<f64> {
-        let factor = self.hypotheses[power.hypothesis].factor?;
-        Some(least_friedman_p(power.participants as usize, self.scenario.empty.factors[factor].levels.len()))
     }
 
     /// Returns how much the simulated people differ in the effects.

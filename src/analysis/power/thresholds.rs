@@ -119,11 +119,6 @@ impl Precision {
     pub fn share(&self) -> (f64, Interval) {
         (self.found as f64 / self.studies as f64, Interval::of_proportion(self.found, self.studies))
     }
-
-    /// Returns the share of estimates that are not possible or have no interval.
-    pub fn missing_share(&self) -> f64 {
-        self.missing as f64 / self.studies as f64
-    }
 }
 
 /// A study of thresholds.
@@ -299,7 +294,7 @@ impl ThresholdPlan {
             let x = common.scaled(level);
             let seen = rng.random::<f64>()
                 < if is_target { self.chance(x, thresholds[condition]) } else { self.observer.false_alarms };
-            course.answer(trial, &self.answer(&shown, seen));
+            course.answer(trial, &shown, &self.answer(&shown, seen));
             if is_target || self.model.guess == Guess::Free {
                 let x = if is_target { x } else { self.model.unseen() };
                 Point::add(&mut points[condition], x, seen.into(), 1);

@@ -40,8 +40,6 @@ pub struct SessionForm {
     pub cell: Cell,
     /// Fields for the screen and the viewing distance.
     pub screen: ScreenFields,
-    /// Whether to run the experiment in gray, for participants with a color vision deficiency.
-    pub gray: bool,
     /// Path of the results folder.
     pub results: String,
 }
@@ -189,13 +187,9 @@ impl SessionForm {
         }
     }
 
-    /// Reads the definition; converts it to gray if requested and if it has a color.
+    /// Reads the definition.
     pub fn protocol(&self) -> Result<Protocol, String> {
-        let protocol = definition::open(&self.experiment).map_err(|error| error.to_string())?;
-        Ok(match protocol.in_gray() {
-            Some(gray) if self.gray => gray,
-            _ => protocol,
-        })
+        definition::open(&self.experiment).map_err(|error| error.to_string())
     }
 
     /// Returns the viewing geometry, or adds the errors in its fields.

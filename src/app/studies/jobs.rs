@@ -23,8 +23,7 @@ use crate::{
     report::document::numbers::count,
     work::{
         Export, Watcher,
-        plan::Plan,
-        plan_thresholds::Found,
+        plan::{Found, Plan},
         simulate::{Simulate, simulate},
         verify::Verify,
     },
@@ -142,9 +141,8 @@ impl Job {
     pub fn check(ctx: &Context, folder: PathBuf) -> Self {
         Self::start(ctx, "Checking", true, move |watcher| {
             let verified = Verify { folder: folder.clone() }.verify(watcher)?;
-            let wrong = verified.wrong();
             let errors = verified.errors.iter().map(ToString::to_string).collect();
-            Ok(Made::Checked(Checked { folder, sessions: verified.files.len(), errors, wrong }))
+            Ok(Made::Checked(Checked { folder, sessions: verified.files.len(), errors, wrong: verified.wrong }))
         })
     }
 

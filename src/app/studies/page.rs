@@ -192,8 +192,8 @@ impl Studies {
             Some(_) => name_or_path,
             None => ui::full(Path::new(&name_or_path)).display().to_string(),
         };
-        // The choice of gray and who was entered belong to the definition.
-        (self.form.gray, self.form.cell) = (false, Cell::first(&self.suggested));
+        // Who was entered belongs to the definition.
+        self.form.cell = Cell::first(&self.suggested);
         (self.selected, self.error) = (None, None);
         if self.form.screen.distance_cm == self.planned_cm {
             self.form.screen.distance_cm.clear();

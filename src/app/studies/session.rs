@@ -201,19 +201,12 @@ impl Studies {
     }
 
     fn monitor_field(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
-        let Now { checked, monitor, settings } = now;
-        let has_color = checked.protocol.as_ref().is_some_and(|protocol| protocol.in_gray().is_some());
+        let Now { monitor, settings, .. } = now;
         Field::new("Screen").column(labels(ui)).show(ui, |ui, _| {
             ui.horizontal_wrapped(|ui| {
                 let title = ui.label(monitor.title());
                 title.on_hover_text("To use another screen, move this window there.");
                 ui.checkbox(&mut settings.full_screen, "Full screen");
-                if self.form.gray || has_color {
-                    let gray = ui.checkbox(&mut self.form.gray, "In gray");
-                    gray.on_hover_text(
-                        "For participants with a color vision deficiency. The experiment's name then ends in -gray.",
-                    );
-                }
             });
         });
     }

@@ -5,8 +5,7 @@ use serde::Serialize;
 use super::{
     common::Common,
     kind::{Kind, whole_only},
-    kinds::kinds,
-    options::{OptionValue, options},
+    options::{OptionValue, kinds, options},
     quest::{QuestPlus, Second},
     staircase::Staircase,
 };

@@ -54,8 +54,8 @@ impl Kind for Adjust {
         Some(self.own_dial())
     }
 
-    fn places(&self) -> Vec<u32> {
-        vec![0, 1]
+    fn places(&self) -> u32 {
+        2
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {

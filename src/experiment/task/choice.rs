@@ -61,15 +61,6 @@ impl Kind for Choice {
         }
         errors.check_range("task.duration_s", self.duration_s, 0.001, 60.0, "seconds");
         errors.check_range("task.gap_s", self.gap_s, 0.001, 60.0, "seconds");
-        let usual = Self::default();
-        for (key, own, usual) in [("duration_s", self.duration_s, usual.duration_s), ("gap_s", self.gap_s, usual.gap_s)]
-        {
-            if self.shown == Shown::Places && own != usual {
-                let message =
-                    format!("{key} applies to intervals only; expected none, or [presentation] with its duration_s");
-                errors.add(format!("task.{key}"), message);
-            }
-        }
         given.check_reference(&self.reference, errors);
     }
 
@@ -85,17 +76,15 @@ impl Kind for Choice {
         Some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        (0..self.alternatives).collect()
+    fn places(&self) -> u32 {
+        self.alternatives
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {
-        let target = turn.target();
-        let reference = self.reference.apply(&target).unwrap_or_else(|_| target.clone());
+        let [target, reference] = turn.compared(&self.reference);
         let mut stimuli = vec![reference; self.alternatives as usize];
         stimuli[turn.place as usize] = target;
-        let level = turn.level.map(|(_, level)| level);
-        Presentation { stimuli, target: Some(turn.place + 1), level, start: None }
+        turn.shows(stimuli, turn.place + 1)
     }
 
     fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {

@@ -29,16 +29,6 @@ impl Settings {
         self.0.iter().try_for_each(|(name, value)| stimulus.set(name, value))?;
         Ok(stimulus)
     }
-
-    /// Returns whether a stimulus of `side` pixels has other light with these parameters than with others. Pictures are
-    /// compared by the content of their files.
-    pub(in crate::experiment) fn differs(&self, others: &Self, stimulus: &Stimulus, side: u32) -> bool {
-        match [self.apply(stimulus), others.apply(stimulus)] {
-            [Ok(Stimulus::Image(one)), Ok(Stimulus::Image(other))] => one.sha256() != other.sha256(),
-            [Ok(one), Ok(other)] => one.linear(side) != other.linear(side),
-            both => both[0] != both[1],
-        }
-    }
 }
 
 /// How the stimuli of a trial are arranged.
@@ -141,8 +131,20 @@ pub fn significant(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
+/// What the schedule or a method chose for a trial.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Pick {
+    /// What the schedule plans.
+    #[default]
+    Planned,
+    /// A level of the adapted parameter, and one of the second.
+    Level(f64, Option<f64>),
+    /// A pair of conditions.
+    Pair([usize; 2]),
+}
+
 /// What a trial shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Presentation {
     /// The stimuli in the order of their places or intervals.
     pub stimuli: Vec<Stimulus>,
@@ -152,12 +154,14 @@ pub struct Presentation {
     pub level: Option<f64>,
     /// The value at which an adjustment begins.
     pub start: Option<f64>,
+    /// The choice that led to this.
+    pub pick: Pick,
 }
 
 impl Presentation {
     /// Shows one stimulus.
     pub fn of(stimulus: Stimulus) -> Self {
-        Self { stimuli: vec![stimulus], target: None, level: None, start: None }
+        Self { stimuli: vec![stimulus], ..Self::default() }
     }
 
     /// Returns the stimulus that a row describes: the target if it is shown, and otherwise the first.
@@ -189,6 +193,19 @@ impl Turn<'_> {
     pub fn target(&self) -> Stimulus {
         let levels = self.level.into_iter().chain(self.second);
         levels.fold(self.condition.stimulus.clone(), |stimulus, (name, level)| at_level(stimulus, name, level))
+    }
+
+    /// Returns that stimulus, and the same one with the parameters of a reference.
+    pub fn compared(&self, reference: &Settings) -> [Stimulus; 2] {
+        let target = self.target();
+        let reference = reference.apply(&target).unwrap_or_else(|_| target.clone());
+        [target, reference]
+    }
+
+    /// Shows these stimuli, with the target at a place or interval counted from 1, or nowhere.
+    pub fn shows(&self, stimuli: Vec<Stimulus>, target: u32) -> Presentation {
+        let level = self.level.map(|(_, level)| level);
+        Presentation { stimuli, target: Some(target), level, ..Presentation::default() }
     }
 }
 
@@ -293,9 +310,6 @@ impl Given<'_> {
         }
         if !(dial.step > 0.0 && dial.step.is_finite()) {
             errors.add("task.step", format!("step {} is not above 0; expected a positive number", dial.step));
-        } else if dial.at(0.0) < dial.at(1.0) && dial.turned(dial.range[0], 1.0) >= dial.range[1] {
-            let message = format!("step {} goes from one end to the other; expected a smaller number", dial.step);
-            errors.add("task.step", message);
         }
     }
 }
@@ -341,14 +355,14 @@ pub trait Kind {
     fn dial(&self) -> Option<Dial> {
         None
     }
-    /// Returns the places to draw from.
-    fn places(&self) -> Vec<u32> {
-        vec![0]
+    /// Returns the number of places to draw from.
+    fn places(&self) -> u32 {
+        1
     }
     /// Returns the places of the next trials of a condition, which are shuffled, after `done` of `all` its trials: by
     /// default, each place once.
     fn round(&self, _done: usize, _all: usize) -> Vec<u32> {
-        self.places()
+        (0..self.places()).collect()
     }
     /// Returns the pairs of conditions to compare; `None` if the trials show one condition each.
     fn pairs(&self, _conditions: &[Condition], _factors: &[Factor]) -> Option<Vec<[usize; 2]>> {

@@ -10,7 +10,6 @@ mod choice;
 mod common;
 pub mod curve;
 mod kind;
-mod kinds;
 mod options;
 mod pair;
 mod quest;
@@ -27,19 +26,18 @@ pub use choice::{Choice, Shown as ChoiceShown};
 pub use common::{Common, Easier};
 pub use curve::{Curve, Psychometric};
 pub(super) use kind::at_level;
-pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Presentation, Senses, Settings, Turn, significant};
-pub use kinds::{Defaults, OptionReader, typed};
-pub use options::{OptionValue, TaskOption};
+pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, Senses, Settings, Turn, significant};
+pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
 pub use ranking::Ranking;
 pub use rating::{Rating as RatingTask, Scale as RatingScale};
 pub use scaling::{Mode, Scaling, Wins};
 pub use staircase::{Staircase, Stairs};
-pub use track::{Pick, Track};
+pub use track::Track;
 pub use yes_no::YesNo;
 
-use kinds::kinds;
+use options::kinds;
 
 use super::{scale::ResponseScale, texts::Texts};
 
@@ -111,24 +109,16 @@ impl Task {
         if texts.task != self.instructions() {
             return;
         }
-        let count = |count| if count == 4 { "four" } else { "two" };
-        let (seen, each) = match self.layout() {
-            Layout::Single => ("You will see one image at a time.".to_owned(), "For each image"),
-            Layout::Places(places) => (format!("You will see {} images at the same time.", count(places)), "Each time"),
-            Layout::Intervals { count: intervals, .. } => {
-                (format!("You will see {} images, one after the other.", count(intervals)), "Each time")
+        let (seen, answer) = match self.layout() {
+            _ if self.dial().is_some() => {
+                ("one image at a time", "Set the slider with the mouse or with the arrow keys, and press Enter.")
             }
-        };
-        let answer = if self.dial().is_some() {
-            "Set the slider with the mouse or with the arrow keys, and press Enter."
-        } else if self.layout() == Layout::Single {
-            "Report what you see."
-        } else {
-            "If you are not sure, guess."
+            Layout::Single => ("one image at a time", "Report what you see."),
+            Layout::Places(_) => ("several images at the same time", "If you are not sure, guess."),
+            Layout::Intervals { .. } => ("several images, one after the other", "If you are not sure, guess."),
         };
         texts.task = format!(
-            "{seen}\n\n{each}, answer this question: {question} {answer}\n\nIn between, the screen shows one even color while your \
-             eyes recover."
+            "You will see {seen}. Each time, answer this question: {question} {answer}\n\nIn between, the screen shows one even color while your eyes recover."
         );
     }
 

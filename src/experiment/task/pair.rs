@@ -74,24 +74,9 @@ impl Kind for Pair {
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
         let with_levels = !given.adapted.is_empty();
-        let is_unused = |pairs: Pairs| with_levels || self.pairs != pairs;
-        let has_pairs = self.pairs != Pairs::All && with_levels;
-        for (key, is_unused, message) in [
-            ("pairs", has_pairs, "[adaptive] compares each condition with the reference; expected no pairs"),
-            (
-                "along",
-                self.along.is_some() && is_unused(Pairs::Chain),
-                "along applies to pairs = \"chain\" only; expected none",
-            ),
-            (
-                "trials",
-                self.trials.is_some() && is_unused(Pairs::Adaptive),
-                "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials",
-            ),
-        ] {
-            if is_unused {
-                errors.add(format!("task.{key}"), message);
-            }
+        if self.trials.is_some() && (with_levels || self.pairs != Pairs::Adaptive) {
+            let message = "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials";
+            errors.add("task.trials", message);
         }
         if with_levels {
             given.check_reference(&self.reference, errors);
@@ -133,8 +118,8 @@ impl Kind for Pair {
         self.with_reference().then_some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        vec![0, 1]
+    fn places(&self) -> u32 {
+        2
     }
 
     fn pairs(&self, conditions: &[Condition], factors: &[Factor]) -> Option<Vec<[usize; 2]>> {
@@ -162,16 +147,13 @@ impl Kind for Pair {
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {
-        let target = turn.target();
         let Some(other) = turn.other else {
-            let reference = self.reference.apply(&target).unwrap_or_else(|_| target.clone());
-            let mut stimuli = vec![target, reference];
+            let mut stimuli = turn.compared(&self.reference).to_vec();
             stimuli.rotate_right(turn.place as usize);
-            let level = turn.level.map(|(_, level)| level);
-            return Presentation { stimuli, target: Some(turn.place + 1), level, start: None };
+            return turn.shows(stimuli, turn.place + 1);
         };
-        let stimuli = vec![target, other.stimulus.clone()];
-        Presentation { stimuli, target: None, level: None, start: None }
+        let stimuli = vec![turn.target(), other.stimulus.clone()];
+        Presentation { stimuli, ..Presentation::default() }
     }
 
     fn outcome(&self, shown: &Presentation, answer: &Answer) -> bool {

@@ -91,9 +91,6 @@ impl QuestPlus {
             for (i, value) in values.iter().enumerate() {
                 let path = format!("adaptive.{key}.{i}");
                 errors.check_range(&path, *value, least, most, "a number in this range");
-                if values[..i].contains(value) {
-                    errors.add(path, format!("{value} appears twice; expected each value once"));
-                }
             }
         }
         if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
@@ -109,39 +106,13 @@ impl QuestPlus {
             );
             errors.add("adaptive.lapse", message);
         }
-        let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
-        if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
-            let message = format!("no threshold lies within the levels; expected values from {low} to {high}");
-            errors.add("adaptive.threshold", message);
-        }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
-            let mut thresholds = self.grid(common, guess).thresholds;
-            thresholds.sort_by(f64::total_cmp);
-            let at = |share: f64| thresholds[((share * thresholds.len() as f64).ceil() as usize).saturating_sub(1)];
-            let before = if thresholds.is_empty() { 0.0 } else { at((1.0 + SHARE) / 2.0) - at((1.0 - SHARE) / 2.0) };
-            if width >= before {
-                let unit = if common.log { " (base-10 logarithms)" } else { "" };
-                let message = format!(
-                    "stop_width {width} is reached before the first trial; expected less than {before:.3}{unit}, the width of the \
-                     interval of the possible thresholds"
-                );
-                errors.add("adaptive.stop_width", message);
-            }
         }
         if let Some(second) = &self.second
             && (second.levels.len() < 2 || second.gradient.is_empty())
         {
             errors.add("adaptive.second", "second has too few values; expected at least two levels and one gradient");
-        } else if self.second.is_some() && gradients.iter().all(|gradient| *gradient == 0.0) {
-            let message =
-                "the threshold cannot change with the second parameter; expected other gradients than 0, or no second";
-            errors.add("adaptive.second.gradient", message);
-        }
-        if self.grid(common, guess).len() == 1 {
-            let message =
-                "every parameter has one possible value, so nothing is left to learn; expected several thresholds";
-            errors.add("adaptive.threshold", message);
         }
         let second = self.second.as_ref().map_or(1, |second| second.levels.len());
         let cells = self.grid(common, guess).len().saturating_mul(self.levels.len()).saturating_mul(second);

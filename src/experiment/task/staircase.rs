@@ -47,26 +47,8 @@ impl Staircase {
             errors.add("adaptive.steps", "steps is empty; expected at least one size");
         }
         let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
-        let span = common.scaled(self.high) - common.scaled(self.low);
-        for (i, step) in self.steps.iter().enumerate() {
-            let message = if !(*step > 0.0 && step.is_finite()) {
-                format!("step {step} is not above 0; expected a size in {unit}")
-            } else if span > 0.0 && *step >= span {
-                format!("step {step} goes from one end to the other; expected less than {span:.3}, in {unit}")
-            } else {
-                continue;
-            };
-            errors.add(format!("adaptive.steps.{i}"), message);
-        }
-        // At best, steps in both directions take turns.
-        let (round, rest) = (self.down.saturating_add(self.up).max(1), self.down.min(self.up));
-        let most = (2 * (common.trials / round) + u32::from(common.trials % round >= rest)).saturating_sub(1);
-        if let Some(reversals) = self.reversals.filter(|reversals| *reversals > most) {
-            let message = format!(
-                "{reversals} reversals cannot occur in {} trials; expected at most {most}, or more trials",
-                common.trials
-            );
-            errors.add("adaptive.reversals", message);
+        for (i, step) in self.steps.iter().enumerate().filter(|(_, step)| !(**step > 0.0 && step.is_finite())) {
+            errors.add(format!("adaptive.steps.{i}"), format!("step {step} is not above 0; expected a size in {unit}"));
         }
     }
 }

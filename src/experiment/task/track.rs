@@ -5,22 +5,12 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     adaptive::{Adaptive, Method},
     common::Common,
+    kind::Pick,
     quest::{Quest, QuestPlus},
     ranking::Ranking,
     staircase::{Staircase, Stairs},
 };
 use crate::statistics::shuffle;
-
-/// What a method chose for a trial.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pick {
-    /// What the schedule plans.
-    Planned,
-    /// A level of the adapted parameter, and one of the second.
-    Level(f64, Option<f64>),
-    /// A pair of conditions.
-    Pair([usize; 2]),
-}
 
 /// A method at some trial.
 #[derive(Clone, Debug)]

@@ -37,8 +37,8 @@ impl Kind for YesNo {
         Some(&self.reference)
     }
 
-    fn places(&self) -> Vec<u32> {
-        vec![0, 1]
+    fn places(&self) -> u32 {
+        2
     }
 
     fn round(&self, done: usize, all: usize) -> Vec<u32> {
@@ -52,11 +52,8 @@ impl Kind for YesNo {
     }
 
     fn present(&self, turn: &Turn<'_>) -> Presentation {
-        let target = turn.target();
-        let is_catch = turn.place == 0;
-        let level = turn.level.map(|(_, level)| level);
-        let reference = is_catch.then(|| self.reference.apply(&target).ok()).flatten();
-        Presentation { stimuli: vec![reference.unwrap_or(target)], target: Some(turn.place), level, start: None }
+        let [target, reference] = turn.compared(&self.reference);
+        turn.shows(vec![if turn.place == 0 { reference } else { target }], turn.place)
     }
 
     fn judge(&self, shown: &Presentation, answer: &Answer) -> Option<bool> {

@@ -74,7 +74,7 @@ impl Asked {
 }
 
 /// Names a method that chooses levels in a sentence.
-pub(crate) fn method(method: &Method) -> &'static str {
+fn method(method: &Method) -> &'static str {
     match method {
         Method::Staircase(_) => "a staircase",
         Method::QuestPlus(_) => "QUEST+",

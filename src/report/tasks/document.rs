@@ -337,17 +337,17 @@ fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
 }
 
 /// How the answers of all people are modeled.
-pub const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, drawn from a normal distribution; all share the width, the lapse rate and the guess rate. This is \
+const MODEL_OVER_PEOPLE: &str = "Each participant has a threshold of their own, drawn from a normal distribution; all share the width, the lapse rate and the guess rate. This is \
      a mixed model whose likelihood is integrated numerically about the peak of each participant. The interval of the mean is the t \
      interval of what each participant contributes to it (Liang & Zeger 1986, Biometrika 73, 13), weighted by how informative the \
      participant’s trials are (Hartung & Knapp 2001, Stat. Med. 20, 3875).";
 
 /// How the thresholds of two conditions are compared.
-pub const MODEL_OF_DIFFERENCES: &str =
+const MODEL_OF_DIFFERENCES: &str =
     "Conditions are compared by the differences between the contributions of the participants who have both.";
 
 /// Says how the answers of one person in one condition are modeled.
-pub fn model_of_a_person(model: &Model) -> String {
+fn model_of_a_person(model: &Model) -> String {
     let curve = match model.curve {
         Curve::Weibull => "Weibull",
         Curve::Logistic => "logistic",

@@ -9,8 +9,8 @@ mod study;
 mod tables;
 
 pub use asked::{Asked, Levels};
-pub(crate) use asked::{answers, method, task};
-pub use document::{MODEL_OF_DIFFERENCES, MODEL_OVER_PEOPLE, document, model_of_a_person};
+pub(crate) use asked::{answers, task};
+pub use document::document;
 pub use figures::figures;
 pub use results::{Beyond, Comparisons, Detected, OfPerson, PersonFunction, TaskResults};
 pub use study::{TaskAnswered, TaskStudy, TaskTrial};

@@ -228,7 +228,7 @@ pub(super) fn replay(
         errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
         replayed.push(found);
     }
-    Replays { course: replay.into_course(), replayed, errors }
+    Replays { course: replay.course, replayed, errors }
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.
