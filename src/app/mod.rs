@@ -35,7 +35,7 @@ use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
 
-pub use display::timing;
+pub use display::TimingReport;
 pub use session::Request;
 pub use ui::{Monitor, logo::icon, platform::is_resampled};
 pub use window::{Input, InputReport, Pressed, Stamps, WindowError};
@@ -58,14 +58,6 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
     window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
 }
 
-/// Opens a window that measures its frame times; returns when it is closed.
-///
-/// # Errors
-/// [`WindowError`] if there is no display or no graphics, if one of them is lost, or if a signal ends the program.
-pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
-    window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
-}
-
 /// What the window shows.
 #[derive(Default)]
 enum View {
@@ -73,7 +65,6 @@ enum View {
     #[default]
     Places,
     Session(Box<Runner>),
-    Timing(Box<timing::TimingPage>),
 }
 
 /// The program's window.
@@ -106,26 +97,15 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
-        Self { direct, memory: Memory::open(launch.settings), ..Self::at(cc, view) }
-    }
-
-    /// Creates the window of `machband timing`, which only measures frames.
-    pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
-        let view = View::Timing(Box::new(timing::TimingPage::new(request)));
-        Self { direct: true, ..Self::at(cc, view) }
-    }
-
-    fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
         ui::blit::install(cc);
-        Self { view, ..Self::default() }
+        Self { view, direct, memory: Memory::open(launch.settings), ..Self::default() }
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let monitor = Monitor::current(ui.ctx(), frame);
         let step = match &mut self.view {
             View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
-            View::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
             View::Places => return self.draw_places(ui, frame, &monitor),
         };
         match step {
@@ -357,7 +337,6 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.view {
             View::Session(session) => Some(session.ground()),
-            View::Timing(timing) => Some(timing.ground()),
             View::Places if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
             View::Places => None,
         };

@@ -19,8 +19,6 @@ mod run;
 mod shade;
 mod simulate;
 mod stimulus;
-#[cfg(feature = "window")]
-mod timing;
 
 use std::{borrow::Cow, ffi::OsString, io::Write as _, path::Path, process::ExitCode};
 
@@ -77,8 +75,6 @@ enum Command {
     Shade(shade::Arguments),
     Stimulus(stimulus::StimulusArguments),
     Stimuli(stimulus::StimuliArguments),
-    #[cfg(feature = "window")]
-    Timing(timing::Arguments),
     Verify(work::verify::Verify),
 }
 
@@ -155,8 +151,6 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),
-        #[cfg(feature = "window")]
-        Some(Command::Timing(arguments)) => timing::run(&arguments, writer),
         Some(Command::Verify(arguments)) => check::verify(&arguments),
     };
     done.map(|()| true)

@@ -1,14 +1,11 @@
 //! Tests display profiles, from the file to the screen, and the tools that measure the screen, without a display.
 
-use std::{fs, path::Path, sync::mpsc};
+use std::{fs, path::Path};
 
 use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    app::{
-        App, Launch, Request,
-        timing::{Patch, Scene, TimingPlan, TimingRequest},
-    },
+    app::{App, Launch, Request},
     display::{
         DisplayProfile, LuminanceRange, Measurement,
         steps::{csv, steps},
@@ -351,24 +348,6 @@ fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     window.key_press(Key::Escape);
     window.run_steps(3);
     assert!(says(&window, "Measure") && !says(&window, "median"));
-}
-
-#[test]
-fn the_command_receives_the_report_and_the_window_closes() {
-    for scene in [Scene::Patch, Scene::Trial] {
-        let (report, measured) = mpsc::channel();
-        let plan = TimingPlan { scene, frames: 50, patch: Patch::default() };
-        let request = TimingRequest { plan, fullscreen: false, report };
-        let mut window: Window = builder([1000.0, 900.0], 1.0 / 60.0).build_eframe(|cc| App::timing(cc, request));
-        window.run_steps(40);
-        assert!(measured.try_recv().is_err(), "no report before the end");
-        window.run_steps(250);
-        let report = measured.try_recv().expect("a report");
-        assert_eq!(report.intervals_us().len(), 50, "{scene:?}");
-        assert_eq!(report.csv().lines().count(), 51);
-        let rows = report.rows();
-        assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
-    }
 }
 
 #[test]
