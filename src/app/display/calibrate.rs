@@ -64,14 +64,6 @@ pub trait Run {
 
     /// Returns the number of measured items and the number of all items.
     fn progress(&self) -> (usize, usize);
-
-    /// Returns the items that must be measured again before a profile can be made.
-    fn items_to_repeat(&self) -> Vec<usize> {
-        Vec::new()
-    }
-
-    /// Queues some items to be measured again.
-    fn repeat(&mut self, _: &[usize]) {}
 }
 
 /// What a method finds from its measurements.
@@ -121,7 +113,7 @@ pub struct Calibrate<M: Method> {
     error: Option<String>,
     /// The file of a paused run, the number of measured items, and the number of all items.
     paused: Option<(PathBuf, usize, usize)>,
-    /// The current run, or the run that led to the findings and may be repeated in part.
+    /// The current run.
     run: Option<M::Run>,
     /// The findings, once there are measurements.
     found: Option<Found<M>>,
@@ -242,7 +234,7 @@ impl<M: Method> Calibrate<M> {
             Some(Step::Next(())) => {
                 self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
-                self.run.take_if(|run| run.items_to_repeat().is_empty());
+                self.run = None;
                 let source = PathBuf::from(self.path.trim());
                 self.found = Some((source.clone(), self.findings(&source)));
                 full_screen(ui.ctx(), false);
@@ -258,7 +250,7 @@ impl<M: Method> Calibrate<M> {
 
     fn show_findings(&mut self, ui: &mut Ui) -> Step<PathBuf> {
         let Some((source, result)) = &mut self.found else { return Step::Stay };
-        let (mut saved, mut again) = (None, Vec::new());
+        let mut saved = None;
         let back = tool_page(ui, "Result", |ui| {
             paragraph(ui, secondary(source.display().to_string()));
             match result {
@@ -276,19 +268,12 @@ impl<M: Method> Calibrate<M> {
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
                     text::errors(ui, errors);
-                    let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
-                    let patches = if items.len() == 1 { "patch" } else { "patches" };
-                    if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {
-                        again = items;
-                    }
+                    hint(ui, "To measure a patch again, delete its line in the file and resume.");
                 }
             }
         });
-        if let Some(mut run) = self.run.take_if(|_| !again.is_empty()) {
-            run.repeat(&again);
-            self.start(ui, run);
-        } else if back || saved.is_some() {
-            (self.run, self.found) = (None, None);
+        if back || saved.is_some() {
+            self.found = None;
             ui.ctx().request_repaint();
         }
         saved.map_or(Step::Stay, Step::Next)
@@ -314,11 +299,11 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 
     fn ground(&self) -> Option<Color32> {
-        (self.run.is_some() && self.found.is_none() && self.check.is_none()).then_some(M::GROUND)
+        self.run.is_some().then_some(M::GROUND)
     }
 
     fn pause(&mut self, ctx: &Context) {
-        if let Some(run) = self.run.take_if(|_| self.found.is_none()) {
+        if let Some(run) = self.run.take() {
             let (done, all) = run.progress();
             self.paused = Some((self.path.trim().into(), done, all));
             full_screen(ctx, false);

@@ -13,7 +13,7 @@ use crate::{
         display::calibrate::Run,
         ui::{Step, describe, number, paragraph, theme::ink},
     },
-    display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
+    display::photometer::{Patch, Reading, is_same_level},
     store::{FileErrors, StoreError, Writer, readings},
     system::found,
 };
@@ -238,25 +238,6 @@ impl Run for PatchRun {
 
     fn progress(&self) -> (usize, usize) {
         (self.readings.iter().flatten().count(), self.readings.len())
-    }
-
-    /// Returns the patches with implausible readings, according to the errors in the readings.
-    fn items_to_repeat(&self) -> Vec<usize> {
-        let errors = Readings::new(self.taken_readings()).err().unwrap_or_default();
-        let is_named = |patch: &Patch| {
-            errors.iter().any(|error| match error.location {
-                ErrorLocation::Levels(channel, levels) => {
-                    patch.channel == channel && levels.iter().any(|level| is_same_level(patch.level, *level))
-                }
-                _ => false,
-            })
-        };
-        (0..self.patches.len()).filter(|at| is_named(&self.patches[*at])).collect()
-    }
-
-    fn repeat(&mut self, patches: &[usize]) {
-        self.queue = patches.to_vec();
-        self.prepare_line(None);
     }
 }
 

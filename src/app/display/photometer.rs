@@ -11,7 +11,7 @@ use super::{
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, figure::FigureView, note, number, show_error},
+        ui::{Field, figure::FigureView, note, number},
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
@@ -131,7 +131,6 @@ impl Findings for PhotometerFindings {
             ));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
-        calibration.refusal(self.family).iter().for_each(|message| show_error(ui, message));
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
         let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
@@ -151,9 +150,6 @@ impl Findings for PhotometerFindings {
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
-        if self.calibration.refusal(self.family).is_some() {
-            return None;
-        }
         let made = self.calibration.profile(self.family(), "", Measurement::default());
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    checks::{RAISE, Sum, additivity, drift_percent},
+    checks::{Sum, additivity, drift_percent},
     fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
     readings::Readings,
     table::tables,
@@ -25,8 +25,6 @@ const UNSTEADY: f64 = 0.03;
 const ADDITIVE_PERCENT: f64 = 5.0;
 /// The change of white, in percent, above which a longer warm-up is advised.
 const DRIFT_PERCENT: f64 = 2.0;
-/// The relative difference of black between channels that noise does not explain.
-const BLACK_DIFFERS: f64 = 0.1;
 /// The expected squared error of a table at a level that was left out, relative to the noise: 1 from the reading
 /// itself, and 0.5 from the mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
@@ -137,14 +135,6 @@ impl Calibration {
     pub fn model(&self, family: Family) -> &FittedModel {
         // `models` has one model of each family, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
-    }
-
-    /// Returns why there is no profile unless a table was asked for: the light hardly rises at the top. That may be how the
-    /// screen is, or a fault.
-    pub fn refusal(&self, asked: Option<Family>) -> Option<String> {
-        let hardly = self.readings.hardly_rising().join("; ");
-        let is_refused = asked != Some(Family::Table) && !hardly.is_empty();
-        is_refused.then(|| format!("{hardly}; expected more ({RAISE}), or the model table, if the screen is like that"))
     }
 
     /// Returns black and white according to a model, in cd/m².
@@ -276,7 +266,7 @@ fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Op
 }
 
 fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = calibration.readings.hardly_rising();
+    let mut notes = Vec::new();
     let read = calibration.readings.channels();
     let unread: Vec<&str> =
         Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();
@@ -288,16 +278,6 @@ fn notes(calibration: &Calibration) -> Vec<String> {
         notes.push(format!(
             "channels not additive: white differs from red + green + blue by {percent:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)"
         ));
-    }
-    let blacks = (read.iter()).filter_map(|channel| calibration.readings.means(*channel).first().copied());
-    let blacks: Vec<f64> = blacks.filter(|mean| mean.level == 0.0).map(|mean| mean.luminance_cd_m2).collect();
-    let [least, most] = [f64::min, f64::max].map(|of| blacks.iter().copied().reduce(of).unwrap_or(0.0));
-    if most - least > BLACK_DIFFERS * most + 3.0 * calibration.readings.resolution_cd_m2() {
-        notes.push(
-            "black differs between channels although level 0 is the same patch in all channels: the screen, the room, \
-                or the photometer changed"
-                .to_owned(),
-        );
     }
     if let Some(percent) = calibration.drift_percent.filter(|percent| percent.abs() > DRIFT_PERCENT) {
         notes.push(format!(
