@@ -37,10 +37,6 @@ const MAX_SHOWN: usize = 3;
 #[derive(Default)]
 pub struct DefinitionForm {
     draft: Draft,
-    /// The drafts with other kinds of stimuli, as they were left, by the kind.
-    kinds: BTreeMap<String, Draft>,
-    /// The draft when a task whose levels can adapt was last left.
-    pub adaptive: Option<Draft>,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
@@ -171,17 +167,6 @@ impl DefinitionForm {
     pub fn rebuild(&mut self, change: impl FnOnce(&mut Draft)) {
         self.typed.clear();
         self.edit(change);
-    }
-
-    /// Changes the kind of the stimulus. A kind that it had before comes back as it was.
-    pub fn set_kind(&mut self, kind: &str) {
-        self.adaptive = None;
-        self.kinds.insert(self.value("stimulus.kind", ""), self.draft.clone());
-        let former = self.kinds.remove(kind);
-        self.rebuild(|draft| {
-            draft.set_kind(kind);
-            former.iter().for_each(|former| draft.restore_kind(former));
-        });
     }
 
     fn check(&mut self) {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, Response, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, TextEdit, Ui, Vec2};
 
 use super::{
     form::{DefinitionForm, LABELS},
@@ -61,7 +61,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     };
     let kinds = KINDS.iter().copied().chain([Picture::KIND]);
     if let Some(kind) = form.choice(ui, ["Kind", "stimulus.kind", "", "What participants see."], kinds, title) {
-        form.set_kind(&kind);
+        form.rebuild(|draft| draft.set_kind(&kind));
     }
     let kind = form.value("stimulus.kind", "");
     if kind == Picture::KIND {
@@ -140,9 +140,7 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
-    for (i, name) in names.iter().enumerate() {
-        factor(form, ui, name, [i, names.len()]);
-    }
+    names.iter().for_each(|name| factor(form, ui, name));
     // Pictures bring their factors.
     let free = form.free_parameters().filter(|_| !has_pictures);
     let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
@@ -150,7 +148,10 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
         for parameter in free {
             let choice = ui::entry(ui, false, parameter.label());
             if choice.on_hover_text(parameter.description).clicked() {
-                let levels = with_level(parameter.levels_hint, "");
+                let quoted = |level: &&str| {
+                    if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() }
+                };
+                let levels = parameter.levels_hint.iter().map(quoted).collect::<Vec<_>>().join(", ");
                 form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
             }
         }
@@ -158,8 +159,7 @@ fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::text::name(ui, &list.response, "Add a factor");
 }
 
-/// Draws a factor. `place` is its index and the number of factors.
-fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str, place: [usize; 2]) {
+fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
     let key = format!("factors.{name}");
     let parameter = form.parameters().iter().find(|parameter| parameter.name == name);
     let mut levels = form.value(&key, "");
@@ -167,7 +167,7 @@ fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str, place: [usize; 2])
     let words = names::factor(Some(form.parameters()), name);
     let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
     let line = |ui: &mut Ui| {
-        let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
+        let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
         // A long list wraps.
         let field = TextEdit::multiline(&mut levels)
             .id_salt(("levels", name))
@@ -176,42 +176,18 @@ fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str, place: [usize; 2])
             .return_key(None);
         let field = ui.add(field).on_hover_text(about);
         ui::text::name(ui, &field, &format!("Levels of {words}"));
-        let mut changed = field.changed();
-        let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
-            for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
-                if ui::entry(ui, false, *hint).clicked() {
-                    levels = with_level(&[hint], &levels);
-                    changed = true;
-                }
-            }
-        });
-        ui::text::name(ui, &list.response, &format!("Suggested levels of {words}"));
-        list.response.on_hover_text("Adds a suggested level.");
-        let up = button(ui, "Up", place[0] > 0, &format!("Move {words} up")).clicked();
-        let down = button(ui, "Down", place[0] + 1 < place[1], &format!("Move {words} down")).clicked();
-        let remove = button(ui, "Remove", true, &format!("Remove {words}")).clicked();
-        (changed, up, down, remove)
+        let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {words}")).clicked();
+        (field.changed(), remove)
     };
     let field = Field::new(&label).column(LABELS).slot().error(&error);
-    let (changed, up, down, remove) =
+    let (changed, remove) =
         field.show(ui, |ui, _| ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), line).inner);
     if changed {
         form.type_value(&key, &levels, Typed::Values);
     }
-    if up || down {
-        form.edit(|draft| draft.exchange_factors(if up { place[0] - 1 } else { place[0] }));
-    }
     if remove {
         form.rebuild(|draft| draft.remove(&key));
     }
-}
-
-/// Appends levels to a typed list.
-fn with_level(new: &[&str], levels: &str) -> String {
-    let quoted = |level: &&str| if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() };
-    let before = levels.trim().trim_end_matches(',');
-    let before = (!before.is_empty()).then(|| before.to_owned());
-    before.into_iter().chain(new.iter().map(quoted)).collect::<Vec<_>>().join(", ")
 }
 
 fn design(form: &mut DefinitionForm, ui: &mut Ui) {
@@ -426,11 +402,4 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
             form.lines(ui, &label, &key, default, about.trim());
         }
     });
-}
-
-/// Draws a button that screen readers call `name`.
-fn button(ui: &mut Ui, text: &str, enabled: bool, name: &str) -> Response {
-    let button = ui.add_enabled(enabled, eframe::egui::Button::new(text));
-    button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
-    button.on_hover_text(name)
 }

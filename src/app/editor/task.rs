@@ -9,12 +9,11 @@ use crate::{
         theme::{self, Icon},
     },
     experiment::{
-        CATEGORIES, Condition, Protocol, ResponseScale, default_key,
+        CATEGORIES, ResponseScale, default_key,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    light::{Bits, Quantizer, Transfer},
     report::names::{self, capitalized},
-    stimulus::{Parameter, ParameterValue, Stimulus},
+    stimulus::{Parameter, Stimulus},
     store::draft::{Draft, Typed},
 };
 
@@ -23,8 +22,6 @@ const CARD: Vec2 = vec2(112.0, 104.0);
 const PICTOGRAM: f32 = 28.0;
 /// What a list shows if there is no value.
 const NONE: &str = "none";
-/// Side of a picture that shows whether a parameter changes anything, pixels.
-const TRIED_PX: u32 = 32;
 /// The options of a task that apply only to images that follow each other.
 const OF_INTERVALS: [&str; 2] = ["duration_s", "gap_s"];
 /// Trials at each level of the method of constant stimuli, to begin with.
@@ -68,20 +65,14 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     });
     if let Some(name) = chosen.filter(|name| *name != kind) {
         let found = varied(form);
-        let adapts = |kind| Task::read(kind, &mut Defaults).is_some_and(|task| task.adapts());
-        if adapts(kind) {
-            form.adaptive = Some(form.draft().clone());
-        }
-        let former = form.adaptive.clone();
         form.rebuild(|draft| {
-            former.iter().for_each(|former| draft.restore_task(former));
             draft.set_task(name);
             let is_adjusted = Task::options(name).iter().any(|option| option.value == OptionValue::Parameter(false));
             if let Some((parameter, levels)) = found.filter(|_| is_adjusted) {
                 draft.set("task.parameter", parameter, Typed::Text);
                 set_ends(draft, "task", &levels);
             }
-            if !adapts(name) {
+            if !Task::read(name, &mut Defaults).is_some_and(|task| task.adapts()) {
                 draft.set_method(None);
             }
         });
@@ -168,27 +159,9 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
         numbers
     };
     let found: Vec<_> = form.free_parameters().map(|parameter| (parameter.name, numbers(parameter))).collect();
-    let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
-    let with =
-        |least: usize| found.iter().find(|(name, numbers)| numbers.len() >= least && is_seen(name, numbers)).cloned();
+    let with = |least: usize| found.iter().find(|(_, numbers)| numbers.len() >= least).cloned();
     with(3).or_else(|| with(2))
-}
-
-/// Returns whether both ends of a range are possible in every condition, and give different pictures.
-fn changes(protocol: &Protocol, parameter: &str, range: &[f64]) -> bool {
-    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-    let picture = |condition: &Condition, number: Option<&f64>| {
-        let mut stimulus = condition.stimulus.clone();
-        stimulus.set(parameter, &ParameterValue::Number(*number?)).ok()?;
-        stimulus.validate().ok()?;
-        Some(stimulus.codes(TRIED_PX, &quantizer))
-    };
-    let differs = |condition: &Condition| {
-        let ends = [range.first(), range.last()].map(|end| picture(condition, end));
-        ends[0] != ends[1] && ends.iter().all(Option::is_some)
-    };
-    protocol.conditions().iter().all(differs)
 }
 
 /// Gives a method levels to begin with.
