@@ -2,11 +2,7 @@
 
 use std::{path::PathBuf, time::SystemTime};
 
-use crate::{
-    store::{StoreError, ratings::with_files},
-    system::found,
-    work::Analyze,
-};
+use crate::{store::ratings::with_files, system::found, work::Analyze};
 
 /// Files that were read, and how.
 pub struct Files {
@@ -26,17 +22,6 @@ impl Files {
     /// Returns whether the files are now others, or have changed.
     pub fn have_changed(&self) -> bool {
         self.seen != seen(&self.asked)
-    }
-
-    /// Returns an error that says so.
-    pub fn changed(&self) -> StoreError {
-        let now = seen(&self.asked);
-        let (before, now) = (self.seen.iter().flatten(), now.iter().flatten());
-        let differing = before.zip(now).find(|(before, now)| before != now);
-        let named = self.asked.ratings.paths.first();
-        let path = differing.map(|((before, _), (now, _))| before.min(now)).or(named).cloned().unwrap_or_default();
-        let what = "has changed since it was read, so it is read again; look at the new results, then export them";
-        StoreError::Protected { path, what: what.to_owned() }
     }
 }
 

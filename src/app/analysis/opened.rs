@@ -3,7 +3,7 @@
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use crate::{
-    app::ui::{Field, folded, heading, paragraph, pinned, theme},
+    app::ui::{Field, folded, heading, paragraph, pinned, text, theme},
     report::document::numbers::whole,
     store::FileError,
     work::Analyze,
@@ -45,8 +45,8 @@ pub trait Opened {
     fn document(&mut self, ui: &mut egui::Ui);
 }
 
-/// Draws the data; returns whether the user leaves them.
-pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
+/// Draws the data, and the `error` in reading them in another way; returns whether the user leaves them.
+pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T, error: &str) -> bool {
     let narrow = ui.available_width() < NARROW;
     let mut back = false;
     if !narrow {
@@ -57,6 +57,7 @@ pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 back = heading(ui, "Analyze");
                 opened.controls(ui);
+                text::errors(ui, error);
             });
         };
         let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
@@ -89,6 +90,7 @@ pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
         if *opened.section() == DATA.0 {
             ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
                 opened.controls(ui);
+                text::errors(ui, error);
                 opened.export(ui);
             });
         } else {
