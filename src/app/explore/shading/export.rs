@@ -59,7 +59,6 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
     all["view"] = match settings.layer {
         Layer::Split => json!({"show": "split", "right_from_column": column}),
         Layer::Difference => json!({"show": "difference of codes", "factor": settings.factor}),
-        Layer::Creases => json!({"show": "creases", "right_from_column": column}),
         Layer::Visible => json!({
             "show": "visible difference from the smooth surface",
             "right_from_column": column,

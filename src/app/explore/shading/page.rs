@@ -6,12 +6,11 @@ use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, 
 use toml::{Table, Value};
 
 use super::{
-    canvas::{self, DragTarget, Layer, ViewSettings, ZOOMS},
+    canvas::{self, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, presets, title},
     controls,
     export::{self, Export},
-    key,
-    measures::{self, Measurement, SHORTER_SIDE_DEG, Scan},
+    measures::{Measured, Measurement, SHORTER_SIDE_DEG, Scan},
     pictures::{Difference, Picture, Pictures, divided},
 };
 use crate::{
@@ -50,7 +49,6 @@ pub struct ShadingPage {
     /// Textures for the left and the right picture.
     canvases: [Canvas; 2],
     pictures: Option<Pictures>,
-    creases: Measurement,
     visible: Measurement,
     scan: Option<Scan>,
     difference: Option<Difference>,
@@ -194,7 +192,7 @@ impl ShadingPage {
         self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
         self.update(ui.ctx(), size);
         self.draw(ui, rect, size);
-        canvas::draw_marks(ui, rect, &self.compared, &self.settings);
+        canvas::draw_marks(ui, rect, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
         if self.settings.scan {
@@ -209,7 +207,7 @@ impl ShadingPage {
 
     /// Says first what the comparison shows. The sentence has the same room before it is known.
     fn lead(&self, ui: &mut egui::Ui) {
-        let text = self.pictures.as_ref().map_or_else(String::new, |pictures| self.sentence(pictures));
+        let text = self.pictures.as_ref().map_or_else(String::new, |_| self.sentence());
         let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), LEAD), egui::Sense::hover());
         // Its size never changes that of the picture, for which it would have to be computed again.
         let size = if rect.width() < theme::COLUMN { BODY } else { SECTION };
@@ -223,23 +221,10 @@ impl ShadingPage {
         let group = |ui: &mut egui::Ui, text: &str| ui.add(Label::new(secondary(text)).extend());
         ui.horizontal_wrapped(|ui| {
             group(ui, "Show");
-            for (layer, name) in [
-                (Layer::Split, "Split"),
-                (Layer::Difference, "Difference"),
-                (Layer::Creases, "Creases"),
-                (Layer::Visible, "Visibility"),
-            ] {
+            for (layer, name) in
+                [(Layer::Split, "Split"), (Layer::Difference, "Difference"), (Layer::Visible, "Visibility")]
+            {
                 ui.selectable_value(&mut settings.layer, layer, name);
-            }
-            group(ui, "Drag moves");
-            for (target, name) in [
-                (DragTarget::Mesh, "the mesh"),
-                (DragTarget::Light, "the light"),
-                (DragTarget::ScanLine, "a scan line"),
-            ] {
-                if ui.selectable_value(&mut settings.target, target, name).clicked() {
-                    settings.scan |= target == DragTarget::ScanLine;
-                }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
             // What belongs to the zoom stays on one line.
@@ -260,31 +245,24 @@ impl ShadingPage {
             ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
             let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
             settings.zoom = less.or(more).unwrap_or(settings.zoom);
-            if !settings.scan && settings.target == DragTarget::ScanLine {
-                settings.target = DragTarget::Mesh;
-            }
         });
     }
 
     /// Says what the colors of the layer mean or, above the images themselves, what dragging does. The line has the same
     /// height for every layer, so that the picture keeps its size.
     fn explain(&self, ui: &mut egui::Ui) {
-        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
-        let drag = match self.settings.target {
-            DragTarget::Mesh => {
-                "Drag or press the arrow keys to rotate the mesh. The right button moves the light, the middle button \
-                    the enlarged picture; the wheel zooms."
-            }
-            DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
-            DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
+        let drag = if self.settings.scan {
+            "Drag across the picture to draw the scan line; the arrow keys move it."
+        } else {
+            "Drag or press the arrow keys to rotate the mesh. The right button moves the light, the middle button the \
+                enlarged picture; the wheel zooms."
         };
         ui.horizontal(|ui| {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => key::difference(ui, self.settings.factor),
-                Layer::Creases => key::creases(ui, self.creases.get(edition).map(|creases| creases.full_scale)),
-                Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
+                Layer::Difference => canvas::key_to_difference(ui, self.settings.factor),
+                Layer::Visible => canvas::key_to_visible(ui, self.measured().ok().map(|measured| measured.full_scale)),
             }
         });
     }
@@ -328,8 +306,7 @@ impl ShadingPage {
         let Some((_, surface)) = &self.surface else { return };
         let pictures = Pictures::updated(ctx, self.pictures.take(), &mut self.canvases, surface, &self.compared, size);
         if !self.dragging {
-            self.creases.want(ctx, &pictures, measures::creases);
-            self.visible.want(ctx, &pictures, measures::visible);
+            self.visible.want(ctx, &pictures);
         }
         if self.settings.scan {
             self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
@@ -340,32 +317,29 @@ impl ShadingPage {
         self.pictures = Some(pictures);
     }
 
-    /// Returns the measurement with the maps to show; `None` if no maps are shown.
-    fn mapped(&self) -> Option<&Measurement> {
-        match self.settings.layer {
-            Layer::Split | Layer::Difference => None,
-            Layer::Creases => Some(&self.creases),
-            Layer::Visible => Some(&self.visible),
+    /// Returns how visible the differences are, or why that is not known.
+    fn measured(&self) -> Result<&Measured, String> {
+        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
+        match self.visible.get(edition) {
+            None => Err("Computing…".to_owned()),
+            Some(Err(error)) => Err(format!("Not available: {error}.")),
+            Some(Ok(measured)) => Ok(measured),
         }
     }
 
     fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
         let Some(pictures) = &self.pictures else { return };
-        let maps = self.mapped().and_then(|measurement| measurement.textures(pictures.edition));
-        let textures = match (self.settings.layer, &self.difference, maps) {
+        let textures = match (self.settings.layer, &self.difference, self.visible.textures(pictures.edition)) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
-            (_, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
+            (Layer::Visible, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
             // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, size, &self.settings);
-        if let Some(status) = self.mapped().and_then(|measurement| measurement.status(pictures.edition)) {
-            canvas::draw_note(ui, rect, &status);
-        }
     }
 
-    /// Draws the table of creases and visible differences, and the drawing times.
+    /// Draws the table of visible differences, and the drawing times.
     fn numbers(&mut self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
@@ -382,16 +356,20 @@ impl ShadingPage {
                 ui.label(RichText::new(side).small().color(color));
             }
             ui.end_row();
-            for (name, measurement, place) in [
-                ("creases, rms, light per pixel", &self.creases, 0),
-                ("creases, p95, light per pixel", &self.creases, 1),
-                ("creases, rms relative to Gouraud", &self.creases, 2),
-                ("visible difference, times the threshold", &self.visible, 0),
-                ("visible difference relative to Gouraud", &self.visible, 1),
+            let known = self.visible.get(pictures.edition);
+            let cell = |number: &dyn Fn(&Measured) -> Option<String>| match known {
+                None => "…".to_owned(),
+                Some(found) => found.as_ref().ok().and_then(number).unwrap_or_else(|| "—".to_owned()),
+            };
+            let largest = |which: usize| cell(&|found| Some(format!("{:.1}", found.largest[which])));
+            let relative = |which: usize| cell(&|found| Some(format!("{:.2}", found.over_gouraud[which]?)));
+            for (name, cells) in [
+                ("visible difference, times the threshold", [0, 1].map(largest)),
+                ("visible difference relative to Gouraud", [0, 1].map(relative)),
             ] {
                 ui.label(secondary(name));
-                for which in 0..2 {
-                    measurement.cell(ui, which, place, pictures.edition);
+                for (cell, color) in cells.into_iter().zip(ink(ui).sides()) {
+                    ui.label(RichText::new(cell).small().color(color));
                 }
                 ui.end_row();
             }
@@ -407,16 +385,13 @@ impl ShadingPage {
     }
 
     /// Says how visible the differences from the smooth surface are.
-    fn sentence(&self, pictures: &Pictures) -> String {
-        let Some(visible) = self.visible.get(pictures.edition) else {
-            let status = self.visible.status(pictures.edition).unwrap_or_default();
-            return format!("Difference from the smooth surface: {status}");
+    fn sentence(&self) -> String {
+        let visible = match self.measured() {
+            Ok(measured) => measured,
+            Err(status) => return format!("Difference from the smooth surface: {status}"),
         };
-        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.cells.each_ref());
-        format!(
-            "{a} differs from the smooth surface by {} times what people can just see; {b} by {}.",
-            left[0], right[0]
-        )
+        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
+        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
@@ -425,9 +400,9 @@ impl ShadingPage {
         if self.settings.layer == Layer::Difference {
             return Some(self.difference.as_ref()?.codes.clone());
         }
-        let [left, right] = match self.mapped() {
-            Some(measurement) => measurement.get(pictures.edition)?.maps.clone(),
-            None => pictures.sides.each_ref().map(Picture::codes),
+        let [left, right] = match self.settings.layer {
+            Layer::Visible => self.measured().ok()?.maps.clone(),
+            _ => pictures.sides.each_ref().map(Picture::codes),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }
@@ -438,7 +413,7 @@ impl ShadingPage {
             let compared = &pictures.compared;
             export.show(ui, compared, || {
                 let image = self.pixels()?;
-                let full_scale = self.visible.get(pictures.edition).map(|visible| visible.full_scale);
+                let full_scale = self.measured().ok().map(|measured| measured.full_scale);
                 let size = [image.width, image.height];
                 let parameters = export::parameters(compared, &self.settings, size, full_scale);
                 Some((image, parameters))
