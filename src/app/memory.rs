@@ -5,8 +5,6 @@ use std::path::PathBuf;
 
 use eframe::egui::{Context, Panel, ThemePreference, Ui};
 
-use toml::{Table, Value};
-
 use crate::{
     app::ui::{note, theme},
     report::terminal::message,
@@ -45,16 +43,6 @@ impl Memory {
                 Self { problem: Some(problem), ..Self::default() }
             }
         }
-    }
-
-    /// Returns the remembered settings of a page; empty if there are none.
-    pub fn page(&self, name: &str) -> Table {
-        self.settings.pages.get(name).and_then(Value::as_table).cloned().unwrap_or_default()
-    }
-
-    /// Remembers the settings of a page.
-    pub fn set_page(&mut self, name: &str, settings: Table) {
-        self.settings.pages.insert(name.to_owned(), Value::Table(settings));
     }
 
     /// Says at the top of the page why the settings are not remembered, until the user hides it.

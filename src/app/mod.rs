@@ -164,28 +164,13 @@ impl App {
                 let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();
                 let profile = self.studies.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
-                let gallery = self.gallery.get_or_insert_with(|| {
-                    let mut gallery = Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm));
-                    gallery.recall(&self.memory.page("stimuli"));
-                    gallery
-                });
+                let gallery = self
+                    .gallery
+                    .get_or_insert_with(|| Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm)));
                 gallery.set_screen(profile, distance_cm);
-                let left = gallery.show(ui);
-                self.memory.set_page("stimuli", gallery.remembered());
-                Step::back_if(left)
+                Step::back_if(gallery.show(ui))
             }
-            Place::Shading => {
-                let shading = self.shading.get_or_insert_with(|| {
-                    let mut shading = Box::<explore::shading::ShadingPage>::default();
-                    shading.recall(&self.memory.page("shading"));
-                    shading
-                });
-                let left = shading.show(ui);
-                if !ui.input(|input| input.pointer.any_down()) {
-                    self.memory.set_page("shading", shading.remembered());
-                }
-                Step::back_if(left)
-            }
+            Place::Shading => Step::back_if(self.shading.get_or_insert_default().show(ui)),
             Place::Display => {
                 let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);

@@ -47,8 +47,6 @@ pub struct Settings {
     pub study: String,
     pub screen: ScreenSettings,
     pub recent: Recent,
-    /// The settings of each page, by its name.
-    pub pages: ::toml::Table,
 }
 
 /// The remembered screen.
@@ -86,7 +84,6 @@ impl Default for Settings {
             study: String::new(),
             screen: ScreenSettings::default(),
             recent: Recent::default(),
-            pages: ::toml::Table::new(),
         }
     }
 }

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
-use toml::{Table, Value};
 
 use super::{
     canvas::{self, Layer, ViewSettings, ZOOMS},
-    comparison::{Comparison, MeshChoice, presets, title},
+    comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
     measures::{Measured, Measurement, SHORTER_SIDE_DEG, Scan},
@@ -68,22 +67,6 @@ struct FileField {
 }
 
 impl ShadingPage {
-    /// Applies the remembered preset; an unknown one is ignored.
-    pub fn recall(&mut self, remembered: &Table) {
-        let name = remembered.get("preset").and_then(Value::as_str);
-        if let Some((_, preset)) = presets().into_iter().find(|(preset, _)| Some(*preset) == name) {
-            self.history = History::new(preset.clone());
-            self.compared = preset;
-        }
-    }
-
-    /// Returns the preset to remember; empty if the comparison is not a preset.
-    pub fn remembered(&self) -> Table {
-        let is_shown = |preset: &Comparison| preset.clone().on_display(&self.compared.transfer) == self.compared;
-        let found = presets().into_iter().find(|(_, preset)| is_shown(preset));
-        found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
-    }
-
     /// Draws the page; returns whether the user left it.
     pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
         let escaped = escaped(ui);
