@@ -60,8 +60,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of high", "0.2, 0.75");
     window.get_by_label_contains("high 0.2 is below low, which is 0.25");
     type_into(&mut window, "Levels of high", "0.75");
-    choose(&mut window, "Order", "Latin: blocks counterbalanced across participants");
-    choose(&mut window, "Blocks by", "Depth");
+    choose(&mut window, "Order", "Blocks by depth, Latin square");
     type_into(&mut window, "Label of rating 1", "Broad, weak band");
     type_into(&mut window, "Key for rating 3", "s");
     window.get_by_label_contains("key 's' cannot be an answer");

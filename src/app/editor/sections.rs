@@ -204,29 +204,21 @@ fn design(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn order(form: &mut DefinitionForm, ui: &mut Ui) {
-    const KINDS: [(&str, &str); 3] = [
-        ("random", "Random: all trials shuffled together"),
-        ("blocked", "Blocked: one block for each level, in random order"),
-        ("latin", "Latin: blocks counterbalanced across participants"),
-    ];
-    let order = form.value("design.order", &Design::default().order.to_string());
-    let (mut kind, mut factor) = order.split_once(':').unwrap_or((&order, ""));
-    let names = form.draft().factors();
-    let error = form.error("design.order");
-    let title = |kind: &&str| KINDS.iter().find(|(name, _)| name == kind).map_or(*kind, |(_, title)| title).to_owned();
-    let field = Field::new("Order").column(LABELS).width(360.0).error(&error);
-    field.choice(ui, &mut kind, &KINDS.map(|(name, _)| name), title);
-    if kind != "random" && KINDS.iter().any(|(name, _)| *name == kind) {
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        if factor.is_empty() {
-            factor = names.first().copied().unwrap_or_default();
-        }
-        let field = Field::new("Blocks by").column(LABELS).width(200.0);
-        field.choice(ui, &mut factor, &names, |name| form.factor(name));
-    }
-    let new = if kind == "random" || factor.is_empty() { kind.to_owned() } else { format!("{kind}:{factor}") };
-    if new != order {
-        form.type_value("design.order", &new, Typed::Text);
+    let known = Some(form.parameters());
+    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
+    let orders: Vec<String> =
+        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
+    let title = |order: &str| match order.split_once(':') {
+        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
+        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
+        _ => capitalized(order),
+    };
+    let about = "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a \
+        Latin square, counterbalanced across participants.";
+    let default = Design::default().order.to_string();
+    let field = ["Order", "design.order", &default, about];
+    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
+        form.type_value("design.order", &chosen, Typed::Text);
     }
 }
 
