@@ -6,10 +6,7 @@ use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
-    display::{
-        DisplayProfile, LuminanceRange, Measurement,
-        steps::{csv, steps},
-    },
+    display::{DisplayProfile, LuminanceRange, Measurement, steps::steps},
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
@@ -177,7 +174,9 @@ fn every_tool_fits_the_smallest_window() {
         let wide: Vec<String> = (harness.root().children_recursive())
             .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
             // The table of steps has its own scroll area.
-            .filter(|(label, right)| *right > 520.0 - 12.0 && label != "nearest j")
+            .filter(|(label, right)| {
+                *right > 520.0 - 12.0 && !label.starts_with("Sort by ") && label.parse::<f64>().is_err()
+            })
             .map(|(label, right)| format!("{label:?} up to {right}"))
             .collect();
         assert!(wide.is_empty(), "{tool}: {wide:#?}");
@@ -248,7 +247,6 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     }
     assert!(steps(&profile, i0, 200).unwrap().iter().any(|step| step.nearest != step.level));
     assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
-    assert_eq!(csv(&made).lines().nth(9), Some("8,1.00000000,250.000000,255,255,255,1.00000000,8"));
 }
 
 /// Opens the timing tool from Home.
@@ -327,7 +325,6 @@ fn timing_measures_reports_and_exports() {
     assert_eq!(intervals.len(), 600);
     assert!(intervals.iter().all(|us| (16_666..=16_667).contains(us)));
     assert!(csv.lines().skip(1).all(|line| line.ends_with(",0")));
-    assert!(fs::read_to_string(out.with_extension("svg")).unwrap().starts_with("<svg"));
     // Escape leads back.
     window.key_press(Key::Escape);
     window.run_steps(2);

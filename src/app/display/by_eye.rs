@@ -96,20 +96,17 @@ impl Method for ByEye {
 
 /// Says at what distance rows with this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
-    let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
-    let Some(viewing) = viewing else {
-        return format!("Sit far enough away that the rows, which repeat every {period_px} pixels, blend. {otherwise}");
-    };
-    let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
-    let needed_cm = viewing.distance_cm() * BLEND_PER_DEG / per_deg;
-    let counted = format!(
-        "The rows repeat every {period_px} pixels; at {:.0} cm, that is {per_deg:.0} periods per degree",
-        viewing.distance_cm()
+    let distance = viewing.map_or_else(
+        || "far enough away".to_owned(),
+        |viewing| {
+            let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
+            format!("at least {:.0} cm away", viewing.distance_cm * BLEND_PER_DEG / per_deg)
+        },
     );
-    if per_deg >= BLEND_PER_DEG {
-        return format!("{counted}. They blend at this distance.");
-    }
-    format!("{counted}. You may be able to see them; they blend at {needed_cm:.0} cm or more. {otherwise}")
+    format!(
+        "Sit {distance}, so that the rows, which repeat every {period_px} pixels, blend. If you sit closer, squint or take \
+            off your glasses until you cannot see the rows."
+    )
 }
 
 /// The estimate of γ for each channel.

@@ -50,7 +50,7 @@ impl GeometryPage {
 
     fn sentences(&self, ui: &mut egui::Ui, viewing: &Viewing) {
         let screen = viewing.screen();
-        let [width, height] = [screen.width_px(), screen.height_px()].map(|side| viewing.deg_from_px(side.into()));
+        let [width, height] = [screen.width_px, screen.height_px].map(|side| viewing.deg_from_px(side.into()));
         ui.label(format!(
             "One degree is {:.1} pixels, or {:.2} cm. One pixel is {:.2} arc minutes.",
             viewing.px_per_degree(),
@@ -59,7 +59,7 @@ impl GeometryPage {
         ));
         ui.label(format!(
             "The screen is {:.1} × {:.1} cm and fills {width:.1}° × {height:.1}°.",
-            screen.width_cm(),
+            screen.width_cm,
             screen.height_cm(),
         ));
         let Some(planned) = number(&self.window_deg).filter(|deg| *deg > 0.0 && *deg < 170.0) else {
@@ -67,7 +67,7 @@ impl GeometryPage {
             return;
         };
         let wanted = viewing.px_from_deg(planned);
-        let least = f64::from(screen.width_px().min(screen.height_px()));
+        let least = f64::from(screen.width_px.min(screen.height_px));
         if wanted <= least {
             ui.label(format!(
                 "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and spans {:.0} % of the \
@@ -81,7 +81,7 @@ impl GeometryPage {
                     "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
                         fits at a viewing distance of {:.0} cm or less.",
                     100.0 * least / wanted,
-                    distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()
+                    distance_cm(planned, screen.width_cm.min(screen.height_cm())).floor()
                 ),
             );
         }

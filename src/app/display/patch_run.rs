@@ -42,8 +42,8 @@ pub struct PatchView {
 pub struct PatchRun {
     patches: Vec<Patch>,
     readings: Vec<Option<f64>>,
-    /// Indices of the patches that remain to be shown; the first is on the screen.
-    queue: Vec<usize>,
+    /// The index of the patch on the screen; the number of patches once all are read.
+    at: usize,
     path: PathBuf,
     view: PatchView,
     entry: String,
@@ -79,11 +79,10 @@ impl PatchRun {
                 readings[free] = Some(one.luminance_cd_m2);
             }
         }
-        let queue = (0..readings.len()).filter(|at| readings[*at].is_none()).collect();
         let run = Self {
             patches,
+            at: first_unread(&readings),
             readings,
-            queue,
             path: path.to_owned(),
             view,
             entry: String::new(),
@@ -141,12 +140,12 @@ impl PatchRun {
         if accept {
             self.accept(at, remaining_s);
         } else if previous && at > 0 {
-            self.queue.insert(0, at - 1);
+            self.at = at - 1;
             self.prepare_line(self.readings[at - 1]);
         }
         match () {
             () if pause => Step::Back,
-            () if self.queue.is_empty() => Step::Next(()),
+            () if self.at == self.patches.len() => Step::Next(()),
             () => Step::Stay,
         }
     }
@@ -180,9 +179,8 @@ impl PatchRun {
             self.readings[at] = before;
             return Some(error.to_string());
         }
-        self.queue.retain(|queued| *queued != at);
-        let next = self.queue.first().and_then(|next| self.readings[*next]);
-        self.prepare_line(next);
+        self.at = first_unread(&self.readings);
+        self.prepare_line(None);
         None
     }
 
@@ -216,7 +214,10 @@ impl PatchRun {
 
 impl Run for PatchRun {
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
-        let Some(&at) = self.queue.first() else { return Step::Next(()) };
+        let at = self.at;
+        if at == self.patches.len() {
+            return Step::Next(());
+        }
         let now = ui.input(|input| input.time);
         let remaining_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
         if remaining_s > 0.0 {
@@ -239,6 +240,11 @@ impl Run for PatchRun {
     fn progress(&self) -> (usize, usize) {
         (self.readings.iter().flatten().count(), self.readings.len())
     }
+}
+
+/// Returns the index of the first patch without a reading; the number of patches if there is none.
+fn first_unread(readings: &[Option<f64>]) -> usize {
+    readings.iter().position(Option::is_none).unwrap_or(readings.len())
 }
 
 /// Returns the ID of the line, which is the same for all patches.

@@ -25,7 +25,7 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::figures,
     stimulus::{MachBand, Stimulus},
-    store::{StoreError, Writer},
+    store::Writer,
 };
 
 /// The choices for the number of frames.
@@ -304,9 +304,8 @@ impl TimingTool {
         Field::new("Export to").show(ui, |ui, label| {
             ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
             let path = Path::new(self.out.trim());
-            if let Some(writer) = self.saving.button(ui, "Export", true, path, &[]) {
-                self.saving.finish(path, export(&writer, report, path));
-            }
+            let write = |writer: &Writer, _: &str| writer.write(path, report.csv().as_bytes());
+            self.saving.export(ui, "Export", path, &["csv"], write);
         });
         self.saving.show(ui);
     }
@@ -349,12 +348,4 @@ impl Tool for TimingTool {
     fn ground(&self) -> Option<Color32> {
         self.run.as_ref().map(TimingRun::ground)
     }
-}
-
-/// Writes the intervals as CSV and their plot as SVG; returns a message for the user.
-fn export(writer: &Writer, report: &TimingReport, path: &Path) -> Result<String, StoreError> {
-    let plot = path.with_extension("svg");
-    let svg = figures::intervals(report.intervals_us(), report.refresh).svg;
-    writer.write_all(&[(path.to_owned(), report.csv().into_bytes()), (plot.clone(), svg.into_bytes())])?;
-    Ok(format!("Wrote {} and {}.", path.display(), plot.display()))
 }
