@@ -179,8 +179,7 @@ impl App {
                 Step::back_if(display.show(ui, monitor, fields, window_deg))
             }
             Place::Analyze => {
-                let results = self.studies.results();
-                let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
+                let analysis = self.analysis.get_or_insert_default();
                 let left = analysis.show(ui, &self.memory.settings.recent.analyses);
                 if let Some(path) = analysis.opened() {
                     remember(&mut self.memory.settings.recent.analyses, &path.display().to_string());
@@ -256,9 +255,8 @@ impl App {
         match place {
             Place::Studies => self.studies.refresh(completed, &self.memory.settings),
             Place::Analyze => {
-                let results = self.studies.results();
                 if let Some(analysis) = &mut self.analysis {
-                    analysis.offer(&results);
+                    analysis.look_again();
                 }
             }
             _ => {}

@@ -1,9 +1,6 @@
 //! The page that reads and shows the data.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui::{self, Key};
 
@@ -20,7 +17,6 @@ use crate::{
         work::{BackgroundTask, Lost},
     },
     report::Study,
-    system::{entries, unless_missing},
     work::{Analyze, Ratings},
 };
 
@@ -28,10 +24,6 @@ use crate::{
 pub struct Analysis {
     /// The path as typed.
     typed: String,
-    /// The experiments in the results folder that have data.
-    found: Vec<PathBuf>,
-    /// Why the results folder cannot be read.
-    unlisted: Option<String>,
     dialog: Dialog,
     /// The files being read, if any.
     reading: Option<Pending>,
@@ -83,26 +75,14 @@ struct Pending {
 }
 
 impl Analysis {
-    /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
-    pub fn new(results: &Path) -> Self {
-        let mut page = Self::default();
-        page.offer(results);
-        page
-    }
-
-    /// Offers the experiments that are in a results folder when the user returns to the page.
-    pub fn offer(&mut self, results: &Path) {
-        (self.found, self.unlisted) = match unless_missing(entries(results)) {
-            Ok(found) => (found.unwrap_or_default(), None),
-            Err(error) => (Vec::new(), Some(format!("{} cannot be read: {error}.", results.display()))),
-        };
-        self.found.retain(|path| has_data(path));
+    /// Looks whether the open files have changed, because the user returns to the page.
+    pub fn look_again(&mut self) {
         self.returns = true;
     }
 
     /// Creates the page that opens a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
-        let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
+        let mut page = Self::default();
         page.read_new(ctx, vec![data_set]);
         page
     }
@@ -301,24 +281,12 @@ impl Analysis {
                 }
             }
         });
-        if !self.found.is_empty() || self.unlisted.is_some() {
-            section(ui, "In the results folder");
-        }
-        self.unlisted.iter().for_each(|error| show_error(ui, error));
-        for path in &self.found {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if ui.button(format!("Analyze {name}")).on_hover_text(path.display().to_string()).clicked() {
-                chosen = Some(path.clone());
-            }
-        }
-        let is_found = |path: &Path| self.found.iter().any(|found| std::path::absolute(found).is_ok_and(|f| f == path));
-        let others: Vec<&Path> = recent.iter().map(Path::new).filter(|path| !is_found(path)).collect();
-        if !others.is_empty() {
+        if !recent.is_empty() {
             section(ui, "Opened recently");
         }
-        for path in others {
-            if ui.button(path.display().to_string()).clicked() {
-                chosen = Some(path.to_owned());
+        for path in recent {
+            if ui.button(path).clicked() {
+                chosen = Some(path.into());
             }
         }
         ui.add_space(6.0);
@@ -332,14 +300,6 @@ impl Analysis {
         });
         chosen
     }
-}
-
-/// Returns whether a folder is an experiment's data set with at least one session in it. One that cannot be read may be;
-/// opening it says what is wrong.
-fn has_data(path: &Path) -> bool {
-    let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
-    let files = unless_missing(entries(&path.join("data")));
-    files.map_or(true, |files| files.is_some_and(|files| files.iter().any(is_session)))
 }
 
 /// Requests an analysis of these ratings.

@@ -99,9 +99,7 @@ pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
-    /// Name of the screen.
-    name: String,
-    /// Path for the new measurements; it follows the name of the screen until the user types another path.
+    /// Path for the new measurements.
     path: String,
     /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
@@ -123,11 +121,10 @@ pub struct Calibrate<M: Method> {
 impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
-        let path = suggested(&name, M::ITEMS);
+        let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
         let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, name, path, channels, file, file_error, dialog, error, paused, run, found, check }
+        Self { known, method, path, channels, file, file_error, dialog, error, paused, run, found, check }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -136,9 +133,6 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            if Field::new("Name of the screen").column(LABELS).width(260.0).text(ui, &mut self.name).changed() {
-                self.path = suggested(&self.name, M::ITEMS);
-            }
             Field::new("Save the measurements in").column(LABELS).width(380.0).text(ui, &mut self.path);
             if M::HAS_CHANNELS {
                 Field::new("Channels").column(LABELS).show(ui, |ui, _| {
@@ -244,7 +238,7 @@ impl<M: Method> Calibrate<M> {
 
     fn findings(&self, source: &Path) -> Result<(M::Findings, ProfileForm), String> {
         let found = M::Findings::read(source)?;
-        let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
+        let form = ProfileForm::new(&self.known, found.instrument());
         Ok((found, form))
     }
 
@@ -326,10 +320,11 @@ struct ProfileForm {
 }
 
 impl ProfileForm {
-    fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
+    fn new(known: &DisplayProfile, with: String) -> Self {
+        let name = screen_name(known);
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = format!("calibration/{}.toml", file_name(name));
-        Self { name: name.to_owned(), by, with, path, saving: Saving::default() }
+        let path = format!("calibration/{}.toml", file_name(&name));
+        Self { name, by, with, path, saving: Saving::default() }
     }
 
     /// Draws the fields and the button; returns the path of the profile once it is written.
@@ -377,9 +372,9 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
     profile::write(writer, path, profile)
 }
 
-/// Returns the default file for the measurements of a screen.
-fn suggested(name: &str, items: &str) -> String {
-    format!("calibration/{}_{items}.csv", file_name(name))
+/// Returns the name of a measured screen, or a name to begin with.
+fn screen_name(known: &DisplayProfile) -> String {
+    if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() }
 }
 
 /// Converts the name of a screen to a part of a file name.

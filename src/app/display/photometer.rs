@@ -15,7 +15,7 @@ use crate::{
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Family, Patch, PatchSettings, Sum, largest, patches},
+        photometer::{Calibration, Patch, PatchSettings, Sum, largest, patches},
     },
     report::{calibration::tables, figures},
     store::readings,
@@ -91,17 +91,9 @@ impl Method for Photometer {
 /// The models fitted to the readings.
 pub struct PhotometerFindings {
     calibration: Calibration,
-    /// The model that the user chose; `None` for the model that cross-validation prefers.
-    family: Option<Family>,
-    /// The readings and the curves of that model.
+    /// The readings and the curves of the chosen model.
     figure: FigureView,
     tables: [TableView; 2],
-}
-
-impl PhotometerFindings {
-    fn family(&self) -> Family {
-        self.family.unwrap_or(self.calibration.chosen)
-    }
 }
 
 impl Findings for PhotometerFindings {
@@ -110,12 +102,12 @@ impl Findings for PhotometerFindings {
         let calibration = Calibration::new(&readings);
         let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
         let tables = tables(&calibration).map(TableView::new);
-        Ok(Self { calibration, family: None, figure, tables })
+        Ok(Self { calibration, figure, tables })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
         let calibration = &self.calibration;
-        let light = calibration.luminance_of(self.family());
+        let light = calibration.luminance_of(calibration.chosen);
         ui.label(format!(
             "Black {:.3} cd/m², white {:.1} cd/m². Readings differ from the chosen model by {:.2} %.",
             light.black_cd_m2,
@@ -133,15 +125,6 @@ impl Findings for PhotometerFindings {
         calibration.notes.iter().for_each(|text| note(ui, text));
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
-        let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
-        let before = self.family();
-        Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
-            None => format!("automatic ({chosen})"),
-            Some(family) => family.to_string(),
-        });
-        if self.family() != before {
-            self.figure = FigureView::new(figures::calibration(&self.calibration, self.family()));
-        }
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
@@ -150,7 +133,7 @@ impl Findings for PhotometerFindings {
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
-        let made = self.calibration.profile(self.family(), "", Measurement::default());
+        let made = self.calibration.profile(self.calibration.chosen, "", Measurement::default());
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
     }

@@ -16,7 +16,6 @@ use crate::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
     },
-    system::found,
 };
 
 /// Width of the column of labels, points.
@@ -59,7 +58,7 @@ pub struct DefinitionForm {
 }
 
 impl DefinitionForm {
-    /// Opens a definition; with a folder, a copy whose name no file in the folder has.
+    /// Opens a definition; with a folder, a copy of it for that folder.
     ///
     /// # Errors
     /// The definition cannot be read, or is not TOML. Any other error is shown next to its field.
@@ -68,15 +67,10 @@ impl DefinitionForm {
         if let Some(folder) = folder {
             folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
-            let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
-            // Saving never replaces a file, whatever is said here.
-            let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
-            let number = (1..).find(|number| is_free(&copy(*number))).unwrap_or(1);
             draft.remove_opening_comment();
-            draft.set("name", &copy(number), Typed::Text);
+            draft.set("name", &format!("{name}-copy"), Typed::Text);
             if let Some(title) = draft.get("title") {
-                let copy = if number == 1 { "copy".to_owned() } else { format!("copy {number}") };
-                draft.set("title", &format!("{title} ({copy})"), Typed::Text);
+                draft.set("title", &format!("{title} (copy)"), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.

@@ -14,7 +14,7 @@ use crate::{
         theme::{focus_ring, ink},
     },
     light::{Depth, Transfer},
-    shading::{Correction, Gradients, Highlight, Scene, Shader, shapes::Shape},
+    shading::{Correction, Highlight, Scene, Shader, shapes::Shape},
     stimulus::Renderer,
 };
 
@@ -53,16 +53,6 @@ pub fn side(ui: &mut egui::Ui, which: usize, side: &mut Renderer) {
     let name = |control: &str| format!("{place} {control}");
     let shade = &mut side.shade;
     field("Shader", &name("shader")).choice(ui, &mut shade.shader, Shader::ALL, |shader| shader_title(*shader));
-    if shade.has_gradients() {
-        let title = |gradients: &Gradients| match gradients {
-            Gradients::Curvature => "mesh curvature".to_owned(),
-            Gradients::Ring => "plane through neighbors".to_owned(),
-            Gradients::Quadric => "quadric through neighbors".to_owned(),
-        };
-        field("Slopes from", &name("slopes"))
-            .choice(ui, &mut shade.gradients, Gradients::ALL, title)
-            .on_hover_text("How the slope of the light at a vertex is estimated.");
-    }
     if shade.has_strip() {
         let depths: Vec<Depth> = (1..=Depth::MAX_FINITE).map(Depth::Finite).chain([Depth::Infinite]).collect();
         field("Depth n", &name("depth n"))
