@@ -9,25 +9,14 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
     let channels = models.clone().flat_map(|model| model.channels.iter().map(|channel| cells(model.family, channel)));
     let fits = TextTable {
         caption: "fitted models".to_owned(),
-        header: ["model", "channel", "gamma", "gain", "offset", "R²", "largest codes", "cd/m²"]
-            .map(str::to_owned)
-            .into(),
+        header: ["model", "channel", "gamma", "gain", "offset", "R²", "largest codes"].map(str::to_owned).into(),
         texts: 2,
         rows: channels.collect(),
     };
-    let validated = models.map(|model| {
-        let found = &model.validation;
-        vec![
-            model.family.name().into(),
-            decimals(found.rms_codes, 2),
-            decimals(found.rms_cd_m2, 3),
-            decimals(found.largest_codes, 2),
-            known(found.score, &|score| format!("{:.2}", score.sqrt())),
-        ]
-    });
+    let validated = models.map(|model| vec![model.family.name().into(), decimals(model.validation.rms_codes, 2)]);
     let validation = TextTable {
         caption: "leave-one-level-out error".to_owned(),
-        header: ["model", "rms codes", "rms cd/m²", "largest codes", "relative to misfit"].map(str::to_owned).into(),
+        header: ["model", "rms codes"].map(str::to_owned).into(),
         texts: 1,
         rows: validated.collect(),
     };
@@ -56,6 +45,5 @@ fn cells(family: Family, channel: &FittedChannel) -> Vec<Shown> {
         known(offset, &|offset| format!("{:+.4}", (1e4 * offset).round() / 1e4 + 0.0)),
         decimals(channel.r_squared, 6),
         decimals(channel.largest_codes, 2),
-        decimals(channel.largest_cd_m2, 3),
     ]
 }

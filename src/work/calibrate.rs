@@ -10,7 +10,7 @@ use super::{named, request::paths, today};
 use crate::{
     display::{
         DisplayProfile, Measurement,
-        photometer::{Calibration, Family, FittedChannel, Sum, largest},
+        photometer::{Calibration, Family, FittedChannel, largest_percent},
     },
     store::readings,
 };
@@ -85,21 +85,6 @@ impl Calibrated {
             })
         });
         let sums = &calibration.additivity;
-        let additivity = (!sums.is_empty()).then(|| {
-            let levels = sums.iter().map(|sum| {
-                json!({
-                    "level": sum.level,
-                    "gray_cd_m2": sum.gray_cd_m2,
-                    "sum_cd_m2": sum.sum_cd_m2,
-                    "deviation_percent": sum.deviation_percent(),
-                })
-            });
-            json!({
-                "largest_percent": largest(sums, Sum::deviation_percent),
-                "largest_cd_m2": largest(sums, Sum::deviation_cd_m2),
-                "levels": levels.collect::<Value>(),
-            })
-        });
         json!({
             "readings": calibration.readings.all().len(),
             "misfit": { "relative": calibration.misfit },
@@ -107,7 +92,7 @@ impl Calibrated {
             "models": models.collect::<Value>(),
             "chosen": family.name(),
             "better_by_cross_validation": calibration.chosen.name(),
-            "additivity": additivity,
+            "additivity_percent": (!sums.is_empty()).then(|| largest_percent(sums)),
             "drift_percent": calibration.drift_percent,
             "notes": calibration.notes,
         })
@@ -126,6 +111,5 @@ fn channel_json(channel: &FittedChannel) -> Value {
         "range_cd_m2": channel.curve.range_cd_m2,
         "r_squared": channel.r_squared,
         "largest_error_codes": channel.largest_codes,
-        "largest_error_cd_m2": channel.largest_cd_m2,
     })
 }

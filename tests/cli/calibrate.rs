@@ -38,7 +38,7 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "gamma  green    2.2000",
         "chosen: gamma",
         "best by cross-validation: gamma",
-        "gamma       0.00      0.000           0.00                   —\n",
+        "gamma       0.00\n",
         "additivity",
         "white 115.30",
         "wrote left.svg\n",
@@ -70,7 +70,6 @@ fn calibrate_writes_a_profile_a_plot_and_a_report() {
         "2: --on 2026-02-30 => is not a date; expected one such as 2026-01-31
          2: --name '' => is empty; expected a name",
     );
-    assert!(report["models"][0]["cross_validation"]["score"].is_null(), "there is no noise to compare it with");
     // Request the table model and a chart as PNG.
     let output = succeeds(folder.path(), &split("calibrate r.csv --out left.toml --model table --plot t.png --force"));
     assert!(output.contains("replaced left.toml: left"), "{output}");

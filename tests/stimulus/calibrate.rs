@@ -6,8 +6,8 @@ use machband::{
     display::{
         Channel,
         photometer::{
-            Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, Sum, additivity,
-            drift_percent, largest, patches,
+            Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, additivity, drift_percent,
+            largest_percent, patches,
         },
     },
     light::Transfer,
@@ -236,8 +236,6 @@ fn cross_validation_gives_the_error_of_new_levels() {
     let validation = &calibration.model(Family::Gamma).validation;
     let expected = 255.0 * 0.01 / 2.2 * (1.0f64 / 3.0).sqrt();
     assert!((validation.rms_codes / expected - 1.0).abs() < 0.3, "{} against {expected}", validation.rms_codes);
-    let score = validation.score.unwrap();
-    assert!((0.7..1.5).contains(&score), "{score}");
     assert!((calibration.misfit - 0.01).abs() < 0.002, "{:?}", calibration.misfit);
 }
 
@@ -246,14 +244,13 @@ fn additivity_is_measured() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
     let mut readings = display.read(9, 0.0, 1);
     let exact = additivity(&Readings::new(readings.clone()).unwrap());
-    assert!(exact.len() == 8 && largest(&exact, Sum::deviation_percent).abs() < 1e-9);
+    assert!(exact.len() == 8 && largest_percent(&exact).abs() < 1e-9);
     for one in readings.iter_mut().filter(|one| one.channel == Channel::Gray && one.level == 1.0) {
         one.luminance_cd_m2 *= 1.1;
     }
     let readings = Readings::new(readings).unwrap();
     let sums = additivity(&readings);
-    assert!((largest(&sums, Sum::deviation_percent) - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
-    assert!((largest(&sums, Sum::deviation_cd_m2) - 11.53).abs() < 1e-9);
+    assert!((largest_percent(&sums) - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
     let notes = Calibration::new(&readings).notes;
     assert!(notes.iter().any(|note| note.contains("channels not additive")), "{notes:?}");
 }

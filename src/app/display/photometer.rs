@@ -15,7 +15,7 @@ use crate::{
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Patch, PatchSettings, Sum, largest, patches},
+        photometer::{Calibration, Patch, PatchSettings, largest_percent, patches},
     },
     report::{calibration::tables, figures},
     store::readings,
@@ -115,12 +115,8 @@ impl Findings for PhotometerFindings {
             100.0 * calibration.misfit
         ));
         if !calibration.additivity.is_empty() {
-            let most = |deviation| largest(&calibration.additivity, deviation).abs();
-            ui.label(format!(
-                "Gray differs from the sum of the three channels by at most {:.1} % and {:.2} cd/m².",
-                most(Sum::deviation_percent),
-                most(Sum::deviation_cd_m2)
-            ));
+            let percent = largest_percent(&calibration.additivity).abs();
+            ui.label(format!("Gray differs from the sum of the three channels by at most {percent:.1} %."));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
         let chosen = calibration.chosen;

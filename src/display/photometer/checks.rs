@@ -172,14 +172,9 @@ pub struct Sum {
 }
 
 impl Sum {
-    /// Gray minus the sum, cd/m².
-    pub fn deviation_cd_m2(&self) -> f64 {
-        self.gray_cd_m2 - self.sum_cd_m2
-    }
-
     /// Gray minus the sum, in percent of gray.
     pub fn deviation_percent(&self) -> f64 {
-        100.0 * self.deviation_cd_m2() / self.gray_cd_m2
+        100.0 * (self.gray_cd_m2 - self.sum_cd_m2) / self.gray_cd_m2
     }
 }
 
@@ -197,9 +192,9 @@ pub fn additivity(readings: &Readings) -> Vec<Sum> {
     gray.iter().filter(|gray| gray.level > 0.0 && gray.luminance_cd_m2 > 0.0).filter_map(sum).collect()
 }
 
-/// Returns the deviation farthest from 0; 0 if `sums` is empty.
-pub fn largest(sums: &[Sum], deviation: fn(&Sum) -> f64) -> f64 {
-    sums.iter().map(deviation).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+/// Returns the deviation farthest from 0, in percent of gray; 0 if `sums` is empty.
+pub fn largest_percent(sums: &[Sum]) -> f64 {
+    sums.iter().map(Sum::deviation_percent).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
 }
 
 /// Returns the change of white over the measurement in percent of its mean, from a straight line fitted to all readings
