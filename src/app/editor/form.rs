@@ -5,12 +5,12 @@ use std::{
     path::Path,
 };
 
-use eframe::egui::{Response, TextEdit, Ui};
+use eframe::egui::{Align, ComboBox, Layout, Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::{Dialog, Field, parameter},
+    app::ui::{self, Dialog, Field, parameter, theme::Icon},
     experiment::Protocol,
-    report::names::capitalized,
+    report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus, picture::Picture},
     store::{
         FileError, FileErrors, definition,
@@ -288,6 +288,39 @@ impl DefinitionForm {
         }
     }
 
+    /// Draws a row for each value of a table of parameters, with its errors and a button that removes it; returns the name
+    /// of the one to remove. `field` and `removed` precede the parameter in the names of the field and of the button.
+    pub fn rows(&mut self, ui: &mut Ui, table: &str, [field, removed]: [&str; 2], typed: Typed) -> Option<String> {
+        let mut to_remove = None;
+        for name in self.draft.keys(table) {
+            let key = format!("{table}.{name}");
+            let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
+            let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
+            let words = names::factor(Some(self.parameters()), &name);
+            let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
+            let (mut text, error) = (self.value(&key, ""), self.error(&key));
+            let line = |ui: &mut Ui| {
+                let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
+                // A long list wraps.
+                let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
+                let edit = ui.add(edit.return_key(None)).on_hover_text(about);
+                ui::text::name(ui, &edit, &format!("{field}{words}"));
+                let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {removed}{words}"));
+                (edit.changed(), remove.clicked())
+            };
+            let layout = Layout::left_to_right(Align::TOP).with_main_wrap(true);
+            let row = Field::new(&label).column(LABELS).slot().error(&error);
+            let (changed, remove) = row.show(ui, |ui, _| ui.with_layout(layout, line).inner);
+            if changed {
+                self.type_value(&key, &text, typed);
+            }
+            if remove {
+                to_remove = Some(name);
+            }
+        }
+        to_remove
+    }
+
     fn field(
         &mut self,
         label: &str,
@@ -304,6 +337,17 @@ impl DefinitionForm {
             self.type_value(key, &text, typed);
         }
     }
+}
+
+/// Draws a list from which something is added, which `title` says; returns what was chosen.
+pub fn add<T>(ui: &mut Ui, title: &str, entries: impl IntoIterator<Item = (T, String)>) -> Option<T> {
+    let list = ComboBox::from_id_salt(title).selected_text(format!("{title}…")).width(200.0).height(400.0);
+    let list = list.show_ui(ui, |ui| {
+        let chosen = entries.into_iter().filter_map(|(one, text)| ui::entry(ui, false, text).clicked().then_some(one));
+        chosen.last()
+    });
+    ui::text::name(ui, &list.response, title);
+    list.inner.flatten()
 }
 
 /// Returns the message of an error beside its field, without the names and the limits of the file.

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, TextEdit, Ui, Vec2};
+use eframe::egui::{Align, CollapsingHeader, Rect, TextEdit, Ui, Vec2};
 
 use super::{
-    form::{DefinitionForm, LABELS},
+    form::{DefinitionForm, LABELS, add},
     task,
 };
 use crate::{
@@ -132,61 +132,22 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
-    let names = form.draft().factors();
     let has_pictures = form.value("stimulus.kind", "") == Picture::KIND;
-    if has_pictures && names.is_empty() {
+    if has_pictures && form.draft().factors().is_empty() {
         return;
     }
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
-    names.iter().for_each(|name| factor(form, ui, name));
-    // Pictures bring their factors.
-    let free = form.free_parameters().filter(|_| !has_pictures);
-    let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
-    let list = list.show_ui(ui, |ui| {
-        for parameter in free {
-            let choice = ui::entry(ui, false, parameter.label());
-            if choice.on_hover_text(parameter.description).clicked() {
-                let quoted = |level: &&str| {
-                    if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() }
-                };
-                let levels = parameter.levels_hint.iter().map(quoted).collect::<Vec<_>>().join(", ");
-                form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
-            }
-        }
-    });
-    ui::text::name(ui, &list.response, "Add a factor");
-}
-
-fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str) {
-    let key = format!("factors.{name}");
-    let parameter = form.parameters().iter().find(|parameter| parameter.name == name);
-    let mut levels = form.value(&key, "");
-    let (error, label) = (form.error(&key), form.factor(name));
-    let words = names::factor(Some(form.parameters()), name);
-    let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
-    let line = |ui: &mut Ui| {
-        let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
-        // A long list wraps.
-        let field = TextEdit::multiline(&mut levels)
-            .id_salt(("levels", name))
-            .desired_rows(1)
-            .desired_width(width)
-            .return_key(None);
-        let field = ui.add(field).on_hover_text(about);
-        ui::text::name(ui, &field, &format!("Levels of {words}"));
-        let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {words}")).clicked();
-        (field.changed(), remove)
-    };
-    let field = Field::new(&label).column(LABELS).slot().error(&error);
-    let (changed, remove) =
-        field.show(ui, |ui, _| ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), line).inner);
-    if changed {
-        form.type_value(&key, &levels, Typed::Values);
+    if let Some(name) = form.rows(ui, "factors", ["Levels of ", ""], Typed::Values) {
+        form.rebuild(|draft| draft.remove(&format!("factors.{name}")));
     }
-    if remove {
-        form.rebuild(|draft| draft.remove(&key));
+    // Pictures bring their factors.
+    let free = form.free_parameters().filter(|_| !has_pictures).map(|parameter| (parameter, parameter.label()));
+    if let Some(parameter) = add(ui, "Add a factor", free) {
+        let quoted = |level: &&str| if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() };
+        let levels = parameter.levels_hint.iter().map(quoted).collect::<Vec<_>>().join(", ");
+        form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
     }
 }
 
@@ -255,21 +216,15 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     let own = (names.len() + 1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
     let own = own.map(|name| (name, "A question of your own".to_owned()));
     let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
-    let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
-    let list = list.show_ui(ui, |ui| {
-        for (name, text) in known.chain(own) {
-            if ui::entry(ui, false, text).clicked() {
-                form.rebuild(|draft| {
-                    draft.add_table(&format!("participant.{name}"));
-                    if name == "consent" {
-                        let text = "You can stop at any time, without giving a reason.";
-                        draft.set("participant.consent.text", text, Typed::Text);
-                    }
-                });
+    if let Some(name) = add(ui, "Add a question", known.chain(own)) {
+        form.rebuild(|draft| {
+            draft.add_table(&format!("participant.{name}"));
+            if name == "consent" {
+                let text = "You can stop at any time, without giving a reason.";
+                draft.set("participant.consent.text", text, Typed::Text);
             }
-        }
-    });
-    ui::text::name(ui, &list.response, "Add a question");
+        });
+    }
 }
 
 /// The kinds of questions of one's own.

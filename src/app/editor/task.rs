@@ -2,7 +2,7 @@
 
 use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
 
-use super::form::{DefinitionForm, LABELS, LIST};
+use super::form::{DefinitionForm, LABELS, add};
 use crate::{
     app::ui::{
         self, Field, parameter,
@@ -12,7 +12,7 @@ use crate::{
         CATEGORIES, ResponseScale, default_key,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    report::names::{self, capitalized},
+    report::names::capitalized,
     stimulus::{Parameter, Stimulus},
     store::draft::{Draft, Typed},
 };
@@ -253,54 +253,35 @@ fn control(
 
 /// Draws parameters of the stimulus with their values.
 fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
+    let prefix = format!("{} ", option.label);
+    let removed = form.rows(ui, key, [&prefix, &prefix], Typed::Value);
     let names = form.draft().keys(key);
-    for (i, name) in names.iter().enumerate() {
-        let words = names::factor(Some(form.parameters()), name);
-        let (inner, title) = (format!("{key}.{name}"), format!("{} {words}", option.label));
-        let (before, error) = (form.value(&inner, ""), form.error(&inner));
-        let mut text = before.clone();
-        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).slot().error(&error);
-        let removed = field.show(ui, |ui, _| {
-            ui.horizontal(|ui| {
-                ui.label(form.factor(name));
-                let edit = ui.add(TextEdit::singleline(&mut text).id_salt(("setting", &inner)).desired_width(120.0));
-                ui::text::name(ui, &edit, &title);
-                edit.on_hover_text(option.about);
-                ui::quiet(ui, Icon::Close, "", &format!("Remove {title}")).clicked()
-            })
-            .inner
-        });
-        if removed {
-            let last = names.len() == 1;
-            form.rebuild(|draft| draft.remove(if last { key } else { &inner }));
-        } else if text != before {
-            form.type_value(&inner, &text, Typed::Value);
-        }
+    if let Some(name) = removed {
+        let gone = if names.len() == 1 { key.to_owned() } else { format!("{key}.{name}") };
+        form.rebuild(|draft| draft.remove(&gone));
     }
-    let free = form.parameters().iter().map(|parameter| parameter.name.to_owned());
-    let free: Vec<String> = free.filter(|name| !names.contains(name)).collect();
-    let (mut chosen, mut error) = (String::new(), form.own_error(key));
+    let parameters = form.parameters().iter().filter(|parameter| !names.iter().any(|name| name == parameter.name));
+    let mut error = form.own_error(key);
     if names.is_empty() && !error.is_empty() {
         error = "Choose a parameter in which it differs from the target.".to_owned();
     }
     let title = format!("Add to {}", option.label.to_lowercase());
-    let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);
-    let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { form.factor(name) };
-    field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
-    if !chosen.is_empty() {
-        let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(&chosen));
-        let now = form.value(&format!("stimulus.{chosen}"), &default.map_or(String::new(), |value| value.to_string()));
-        let levels = form.draft().texts(&format!("factors.{chosen}")).unwrap_or_default();
-        let hint = form.parameters().iter().find(|parameter| parameter.name == chosen);
+    let entries = parameters.map(|parameter| (parameter, parameter.label()));
+    let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).error(&error);
+    let chosen = field.show(ui, |ui, _| add(ui, &title, entries));
+    if let Some(parameter) = chosen {
+        let name = parameter.name;
+        let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(name));
+        let now = form.value(&format!("stimulus.{name}"), &default.map_or(String::new(), |value| value.to_string()));
+        let levels = form.draft().texts(&format!("factors.{name}")).unwrap_or_default();
         // A value that differs from those of the target.
         let differs = |level: &&&str| **level != now && !levels.iter().any(|own| own == **level);
-        let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(differs));
-        let value = other.map_or(now.as_str(), |level| level);
+        let value = parameter.levels_hint.iter().rev().find(differs).map_or(now.as_str(), |level| level);
         form.edit(|draft| {
             if names.is_empty() {
                 draft.add_table(key);
             }
-            draft.set(&format!("{key}.{chosen}"), value, Typed::Value);
+            draft.set(&format!("{key}.{name}"), value, Typed::Value);
         });
     }
 }
