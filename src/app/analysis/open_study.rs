@@ -7,8 +7,7 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    files::Files,
-    opened::{Opened, Request, problems, show_opened},
+    opened::{Files, Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
 use crate::{
@@ -171,7 +170,7 @@ impl OpenStudy {
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
         let ratings = self.files.asked.ratings.clone().excluding(self.filters.0.clone());
-        let request = Analyze { ratings, ..self.model.request() };
+        let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
             (self.error, self.draft, self.predicting) = (None, None, None);

@@ -5,9 +5,8 @@ use std::{path::PathBuf, sync::Arc};
 use eframe::egui::{self, Key};
 
 use super::{
-    files::Files,
     open_study::OpenStudy,
-    opened::Request,
+    opened::{Files, Request},
     questions::{CategoryOrder, Columns},
     task::{OpenTask, TaskRead},
 };

@@ -13,7 +13,7 @@ use crate::{
     },
     app::ui::{Field, folded, show_error, text::name},
     report::names,
-    work::{Analyze, Model},
+    work::Analyze,
 };
 
 /// Width of the column of labels, points.
@@ -141,23 +141,15 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
 pub struct ModelControls {
-    /// What is requested, except the ratings and the terms.
-    request: Analyze,
+    /// What is requested, except the ratings; the terms are the last valid ones, or `None` for all factors.
+    pub request: Analyze,
     /// The terms as they are being typed.
     typed: String,
     /// When they were last changed, seconds.
     changed_s: f64,
-    /// The last valid terms, which are used; `None` for all factors.
-    terms: Option<Terms>,
 }
 
 impl ModelControls {
-    /// Returns the requested analysis, without the ratings.
-    pub fn request(&self) -> Analyze {
-        let model = Model { terms: self.terms.clone(), ..self.request.model.clone() };
-        Analyze { model, ..self.request.clone() }
-    }
-
     /// Draws the controls.
     pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
         self.terms_field(ui, counts, filters);
@@ -203,8 +195,8 @@ impl ModelControls {
         let left = self.changed_s + PAUSE_S - now;
         let entered = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
         match self.parsed(counts, filters) {
-            Ok(terms) if terms == self.terms => {}
-            Ok(terms) if left <= 0.0 || entered => self.terms = terms,
+            Ok(terms) if terms == self.request.model.terms => {}
+            Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
             Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
             Err(error) => show_error(ui, error),
         }

@@ -22,13 +22,11 @@ const COUNTS: [&str; 3] = ["count", "freq", "frequency"];
 /// The form for one file.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    paths: Vec<PathBuf>,
+    /// What is chosen, except the factors.
+    ratings: Ratings,
     file: PathBuf,
     /// The names that occur once.
     header: Vec<String>,
-    subject: Option<String>,
-    response: Option<String>,
-    count: Option<String>,
     factors: Vec<bool>,
 }
 
@@ -53,15 +51,15 @@ impl Columns {
         };
         let count = header.iter().find(|column| COUNTS.contains(&column.to_lowercase().as_str())).cloned();
         let chosen = ratings.factors.clone().unwrap_or_default().0;
-        Some(Self {
+        let ratings = Ratings {
+            paths: ratings.paths.clone(),
             subject: known(&ratings.subject).or_else(|| like(&SUBJECTS)),
             response: known(&ratings.response).or_else(|| like(&RESPONSES)),
             count: known(&ratings.count).or(count),
-            factors: header.iter().map(|name| chosen.contains(name)).collect(),
-            paths: ratings.paths.clone(),
-            file,
-            header,
-        })
+            ..Ratings::default()
+        };
+        let factors = header.iter().map(|name| chosen.contains(name)).collect();
+        Some(Self { ratings, file, header, factors })
     }
 
     /// Draws the form; returns how to read the file once the user confirms.
@@ -74,40 +72,34 @@ impl Columns {
             let text = |name: &Option<String>| name.clone().unwrap_or_else(|| none.to_owned());
             Field::new(label).column(150.0).width(300.0).choice(ui, chosen, all, text);
         };
-        choice("Participant", &mut self.subject, &columns[1..], "choose…");
-        choice("Rating", &mut self.response, &columns[1..], "choose…");
-        choice("Number of trials", &mut self.count, &columns, "one per row");
+        let Ratings { subject, response, count, .. } = &mut self.ratings;
+        choice("Participant", subject, &columns[1..], "choose…");
+        choice("Rating", response, &columns[1..], "choose…");
+        choice("Number of trials", count, &columns, "one per row");
+        let Ratings { subject, response, count, .. } = &self.ratings;
+        // A column with another meaning is not a factor.
+        let is_factor = |name: &&String| ![subject, response, count].into_iter().flatten().any(|other| other == *name);
         ui.label("Factors");
         hint(ui, "Select the columns that define the conditions.");
         ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                for (name, checked) in self.header.iter().zip(&mut self.factors) {
-                    // A column with another meaning is not a factor.
-                    if ![&self.subject, &self.response, &self.count].contains(&&Some(name.clone())) {
-                        let response = ui.checkbox(checked, name);
-                        label(ui, &response, &format!("Factor {name}"));
-                    }
+                for (name, checked) in self.header.iter().zip(&mut self.factors).filter(|(name, _)| is_factor(name)) {
+                    let response = ui.checkbox(checked, name);
+                    label(ui, &response, &format!("Factor {name}"));
                 }
             });
         });
         ui.add_space(4.0);
-        let same = self.subject.is_some() && [&self.response, &self.count].contains(&&self.subject)
-            || self.response.is_some() && self.response == self.count;
+        let same = subject.is_some() && [response, count].contains(&subject) || response.is_some() && response == count;
         if same {
             show_error(ui, "One column is used twice. Choose a different column for each.");
         }
-        let ready = self.subject.is_some() && self.response.is_some() && !same;
+        let ready = subject.is_some() && response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };
-        primary(ui, "Read these columns", ready, hint).then(|| self.ratings())
-    }
-
-    fn ratings(&self) -> Ratings {
-        let (subject, response, count) = (self.subject.clone(), self.response.clone(), self.count.clone());
-        let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
-        let is_factor =
-            |name: &&String| ![&subject, &response, &count].into_iter().flatten().any(|other| other == *name);
-        let factors = Some(List(checked.filter(is_factor).cloned().collect()));
-        Ratings { paths: self.paths.clone(), subject, response, count, factors, ..Ratings::default() }
+        primary(ui, "Read these columns", ready, hint).then(|| {
+            let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
+            Ratings { factors: Some(List(checked.filter(is_factor).cloned().collect())), ..self.ratings.clone() }
+        })
     }
 }
 

@@ -7,8 +7,7 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    files::Files,
-    opened::{Opened, Request, problems, show_opened},
+    opened::{Files, Opened, Request, problems, show_opened},
     query,
 };
 use crate::{

@@ -25,7 +25,7 @@ const NUMBER: f32 = 90.0;
 /// Width of a field for a number that can be absent, points.
 const OPTIONAL: f32 = 140.0;
 /// Width of a list of values to choose from, points.
-pub const LIST: f32 = 240.0;
+const LIST: f32 = 240.0;
 /// The whole numbers that cannot be 0.
 const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
 /// What is said of an answer without a label.

@@ -17,6 +17,9 @@ const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 /// The enlargements of the picture; at 1, each of its pixels is one of the screen.
 pub const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
+/// Factor by which the difference between two images is amplified.
+pub const FACTOR: u8 = 16;
+
 /// Radius of the knob that moves the divider, points.
 const KNOB: f32 = 9.0;
 
@@ -38,8 +41,6 @@ pub struct ViewSettings {
     pub layer: Layer,
     /// Position of the divider, as a share of the image's width.
     pub divider: f64,
-    /// Factor by which the difference is amplified.
-    pub factor: u8,
     /// Whether the scan line and its plots are shown; a drag then draws the line, and otherwise rotates the mesh.
     pub scan: bool,
     /// The ends of the scan line, as shares of the image's width and height.
@@ -55,7 +56,6 @@ impl Default for ViewSettings {
         Self {
             layer: Layer::default(),
             divider: 0.5,
-            factor: 16,
             scan: false,
             line: [Pos2::new(0.2, 0.45), Pos2::new(0.8, 0.45)],
             zoom: ZOOMS[0],
@@ -273,9 +273,9 @@ fn share(rect: Rect, at: Pos2) -> Pos2 {
 const SCALE: Vec2 = Vec2::new(120.0, 12.0);
 const STEPS: usize = 40;
 
-/// Draws the key to the differences between codes, which are amplified by `factor`.
-pub fn key_to_difference(ui: &mut egui::Ui, factor: u8) {
-    let most = 255_u8.div_ceil(factor.max(1));
+/// Draws the key to the differences between codes.
+pub fn key_to_difference(ui: &mut egui::Ui) {
+    let most = 255_u8.div_ceil(FACTOR);
     key(ui, "the same code", gray, &format!("{most} codes apart or more"));
 }
 

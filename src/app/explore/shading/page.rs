@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
 
 use super::{
-    canvas::{self, Layer, ViewSettings, ZOOMS},
+    canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
@@ -244,7 +244,7 @@ impl ShadingPage {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => canvas::key_to_difference(ui, self.settings.factor),
+                Layer::Difference => canvas::key_to_difference(ui),
                 Layer::Visible => canvas::key_to_visible(ui, self.measured().ok().map(|measured| measured.full_scale)),
             }
         });
@@ -261,13 +261,7 @@ impl ShadingPage {
                 ui.label(text(0));
                 ui.label("minus");
                 ui.label(text(1));
-                let factor = &mut self.settings.factor;
-                Field::new("in codes, amplified ×").width(52.0).choice(
-                    ui,
-                    factor,
-                    &[1, 2, 4, 8, 16, 32, 64],
-                    u8::to_string,
-                );
+                ui.label(format!("in codes, amplified × {FACTOR}"));
                 return;
             }
             let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
@@ -295,7 +289,7 @@ impl ShadingPage {
             self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
         }
         if self.settings.layer == Layer::Difference {
-            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor));
+            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures));
         }
         self.pictures = Some(pictures);
     }

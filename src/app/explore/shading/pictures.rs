@@ -4,7 +4,7 @@ use std::{sync::Arc, time::Instant};
 
 use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
 
-use super::comparison::Comparison;
+use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
     app::ui::pixels::{self, Canvas},
     light::{CodeImage, Samples},
@@ -93,23 +93,22 @@ impl Pictures {
 /// The difference between two images, and the version of the images that it was computed from.
 pub struct Difference {
     edition: u64,
-    factor: u8,
     pub codes: CodeImage,
     /// The difference as a texture.
     pub texture: TextureHandle,
 }
 
 impl Difference {
-    /// Returns the difference of `pictures` times `factor`, or `before` if it is up to date.
-    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Difference {
-        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
+    /// Returns the amplified difference of `pictures`, or `before` if it is up to date.
+    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures) -> Difference {
+        if let Some(before) = before.filter(|before| before.edition == pictures.edition) {
             return before;
         }
         let [left, right] = &pictures.sides;
         let codes =
-            combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(factor));
+            combined(&left.codes(), &right.codes(), |_, left, right| left.abs_diff(right).saturating_mul(FACTOR));
         let texture = pixels::texture(ctx, "difference", &codes);
-        Difference { edition: pictures.edition, factor, codes, texture }
+        Difference { edition: pictures.edition, codes, texture }
     }
 }
 
