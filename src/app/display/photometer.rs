@@ -11,7 +11,7 @@ use super::{
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, figure::FigureView, note, number},
+        ui::{Field, figure::FigureView, note},
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
@@ -23,25 +23,21 @@ use crate::{
 
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
+/// How long a patch may settle, seconds.
+pub const SETTLING_S: std::ops::RangeInclusive<f64> = 0.0..=30.0;
 
 /// The settings of the method.
 pub struct Photometer {
     patches: PatchSettings,
-    settle_s: String,
+    settle_s: f64,
     percent: u32,
     gray_around: bool,
 }
 
 impl Default for Photometer {
     fn default() -> Self {
-        Self { patches: PatchSettings::default(), settle_s: "1".to_owned(), percent: 40, gray_around: false }
+        Self { patches: PatchSettings::default(), settle_s: 1.0, percent: 40, gray_around: false }
     }
-}
-
-/// Reads a typed settling time.
-pub fn settling_s(typed: &str) -> Result<f64, String> {
-    let seconds = number(typed).filter(|seconds| (0.0..=60.0).contains(seconds));
-    seconds.ok_or_else(|| format!("{typed:?} is not a settling time; expected seconds, 0 to 60."))
 }
 
 impl Photometer {
@@ -65,7 +61,12 @@ impl Method for Photometer {
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
         Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
-        Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
+        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
+            ui,
+            &mut self.settle_s,
+            SETTLING_S,
+            0.5,
+        );
         let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
         height.slider(ui, &mut self.percent, 10..=80, 1.0);
         Field::new("").column(LABELS).show(ui, |ui, _| {
@@ -75,15 +76,11 @@ impl Method for Photometer {
 
     fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let patches = self.patches(channels)?.len();
-        Ok((patches, patches as f64 * (settling_s(&self.settle_s)? + READING_S)))
+        Ok((patches, patches as f64 * (self.settle_s + READING_S)))
     }
 
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView {
-            settle_s: settling_s(&self.settle_s)?,
-            percents: vec![self.percent],
-            gray_around: self.gray_around,
-        };
+        let view = PatchView { settle_s: self.settle_s, percents: vec![self.percent], gray_around: self.gray_around };
         PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
     }
 }

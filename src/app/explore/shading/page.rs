@@ -316,7 +316,7 @@ impl ShadingPage {
         canvas::draw(ui, rect, textures, size, &self.settings);
     }
 
-    /// Draws the table of visible differences, and the drawing times.
+    /// Draws the table of visible differences.
     fn numbers(&mut self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
@@ -351,14 +351,8 @@ impl ShadingPage {
                 ui.end_row();
             }
         });
-        let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
-        let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
-        hint(
-            ui,
-            format!(
-                "Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms. The shorter side counts as {SHORTER_SIDE_DEG}°."
-            ),
-        );
+        let triangles = pictures.frame.triangles.len();
+        hint(ui, format!("Triangles facing the viewer: {triangles}. The shorter side counts as {SHORTER_SIDE_DEG}°."));
     }
 
     /// Says how visible the differences from the smooth surface are.

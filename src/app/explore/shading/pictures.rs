@@ -1,6 +1,6 @@
 //! Draws the two images of a comparison. Redraws them only if something has changed.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
 use eframe::egui::{self, Color32, ColorImage, TextureHandle, TextureId};
 
@@ -16,22 +16,18 @@ use crate::{
 pub struct Picture {
     pixels: Arc<ColorImage>,
     texture: TextureHandle,
-    /// Drawing time, ms.
-    pub ms: f64,
 }
 
 impl Picture {
     fn draw(ctx: &egui::Context, canvas: &mut Canvas, shot: &Shot<'_>) -> Picture {
-        let started = Instant::now();
         let mut pixels =
             ColorImage::filled([shot.frame.width, shot.frame.height].map(|side| side as usize), Color32::BLACK);
         let encoder = Encoder::new(&shot.transfers.channels()[0]);
         let prepared = Prepared::new(&shot.frame, &shot.shade);
         prepared.codes(&encoder, bytemuck::cast_slice_mut(&mut pixels.pixels));
-        let ms = ms_since(started);
         let pixels = Arc::new(pixels);
         let texture = canvas.put(ctx, "shading", pixels.clone());
-        Picture { pixels, texture, ms }
+        Picture { pixels, texture }
     }
 
     /// Returns the picture's texture in egui.
@@ -57,8 +53,6 @@ pub struct Pictures {
     pub edition: u64,
     /// The surface on the screen, in linear light.
     pub frame: Frame,
-    /// Time to transform and light the vertices, ms.
-    pub frame_ms: f64,
     /// The left and the right picture.
     pub sides: [Picture; 2],
 }
@@ -80,13 +74,11 @@ impl Pictures {
         if let Some(before) = before.filter(is_right) {
             return before;
         }
-        let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let frame_ms = ms_since(started);
         let draw =
             |which: usize| Picture::draw(ctx, &mut canvases[which], &compared.shot(&compared.sides[which], &frame));
         let sides = [0, 1].map(draw);
-        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
+        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, sides }
     }
 }
 
@@ -122,8 +114,4 @@ fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u
     let row = left.width.max(1) as usize * 3;
     let codes = a.iter().zip(b).enumerate().map(|(i, (a, b))| code((i % row / 3) as u32, *a, *b)).collect();
     CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
-}
-
-fn ms_since(started: Instant) -> f64 {
-    started.elapsed().as_secs_f64() * 1e3
 }
