@@ -137,10 +137,10 @@ fn patches_are_read_and_become_a_profile() {
     press_and_step(&mut window, Key::Enter);
     // After leaving and returning, the same settings resume the run.
     click(&mut window, "Pause");
-    window.get_by_label_contains("Paused after 2 of");
+    window.get_by_label_contains("This file exists already.");
     click(&mut window, "Back");
     click(&mut window, "Photometer");
-    window.get_by_label_contains("Paused after 2 of");
+    window.get_by_label_contains("This file exists already.");
     click(&mut window, "Resume");
     let mut n = 2;
     while let Some((channel, code)) = patch(&window) {
@@ -259,7 +259,7 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
             assert_eq!(next_match(&mut window).unwrap().channel, now.channel);
             press(&mut window, Key::Escape);
             window.run_steps(2);
-            window.get_by_label_contains("Paused after 2 of 6");
+            window.get_by_label_contains("This file exists already.");
             click(&mut window, "Back");
             click(&mut window, "Gamma by eye");
             click(&mut window, "Resume");

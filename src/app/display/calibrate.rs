@@ -61,9 +61,6 @@ pub trait Method {
 pub trait Run {
     /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured.
     fn show(&mut self, ui: &mut Ui) -> Step<()>;
-
-    /// Returns the number of measured items and the number of all items.
-    fn progress(&self) -> (usize, usize);
 }
 
 /// What a method finds from its measurements.
@@ -109,8 +106,6 @@ pub struct Calibrate<M: Method> {
     file_error: String,
     dialog: Dialog,
     error: Option<String>,
-    /// The file of a paused run, the number of measured items, and the number of all items.
-    paused: Option<(PathBuf, usize, usize)>,
     /// The current run.
     run: Option<M::Run>,
     /// The findings, once there are measurements.
@@ -123,8 +118,8 @@ impl<M: Method> Calibrate<M> {
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
         let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
-        let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, path, channels, file, file_error, dialog, error, paused, run, found, check }
+        let (run, found, check) = (None, None, None);
+        Self { known, method, path, channels, file, file_error, dialog, error, run, found, check }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -154,7 +149,7 @@ impl<M: Method> Calibrate<M> {
                 Err(message) => show_error(ui, message),
             }
             let note = self.resume_note();
-            note.iter().for_each(|sentence| hint(ui, sentence));
+            note.iter().for_each(|sentence| hint(ui, *sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             self.error.iter().for_each(|message| show_error(ui, message));
@@ -182,20 +177,11 @@ impl<M: Method> Calibrate<M> {
         Channel::ALL.into_iter().filter(wanted).collect()
     }
 
-    /// Returns a note that the file already contains measurements; `None` for a new file.
-    fn resume_note(&self) -> Option<String> {
-        let path = Path::new(self.path.trim());
-        match &self.paused {
-            Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}. Everything so far is saved. To resume, keep the settings."))
-            }
-            _ => found(path).is_ok_and(|found| found.is_some_and(|found| found.is_file())).then(|| {
-                format!(
-                    "This file already contains {}. To resume, keep the settings. To start over, enter another file.",
-                    M::ITEMS
-                )
-            }),
-        }
+    /// Returns a note that the file exists already; `None` for a new file.
+    fn resume_note(&self) -> Option<&'static str> {
+        let is_there = found(Path::new(self.path.trim())).is_ok_and(|found| found.is_some_and(|found| found.is_file()));
+        let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
+        is_there.then_some(note)
     }
 
     fn file_field(&mut self, ui: &mut Ui) -> bool {
@@ -226,7 +212,6 @@ impl<M: Method> Calibrate<M> {
             None | Some(Step::Stay) => {}
             Some(Step::Back) => self.pause(ui.ctx()),
             Some(Step::Next(())) => {
-                self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
                 self.run = None;
                 let source = PathBuf::from(self.path.trim());
@@ -297,9 +282,8 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 
     fn pause(&mut self, ctx: &Context) {
-        if let Some(run) = self.run.take() {
-            let (done, all) = run.progress();
-            self.paused = Some((self.path.trim().into(), done, all));
+        // Everything so far is in the file.
+        if self.run.take().is_some() {
             full_screen(ctx, false);
         }
     }

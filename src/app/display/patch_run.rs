@@ -120,7 +120,7 @@ impl PatchRun {
             accept |= ui.button("Next").clicked();
             previous |= ui.add_enabled(at > 0, egui::Button::new("Previous")).clicked();
             pause |= ui.button("Pause").clicked();
-            let (done, all) = self.progress();
+            let (done, all) = (self.readings.iter().flatten().count(), self.readings.len());
             let settling = if remaining_s > 0.0 { format!(" · settling, {remaining_s:.1} s") } else { String::new() };
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
@@ -223,10 +223,6 @@ impl Run for PatchRun {
                 ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| self.line(ui, at, remaining_s)).inner
             })
             .inner
-    }
-
-    fn progress(&self) -> (usize, usize) {
-        (self.readings.iter().flatten().count(), self.readings.len())
     }
 }
 
