@@ -26,7 +26,7 @@
 //! | 5 | [`report`] | tables, figures and study reports |
 //! | 6 | [`work`] | what machband can do: one file per operation; a request in, a typed outcome out |
 //! | 7–12 | [`app`] | the window, whose own modules have these floors |
-//! | 12 | [`cli`] | the commands, of which `run` and `timing` use the window |
+//! | 12 | [`cli`] | the commands, of which `run` uses the window |
 //!
 //! Sources: Bangay, *Methods of Reducing the Visibility of Mach Bands during Gouraud Shading*; Shoaff,
 //! *Color, Illumination Models, and Shading*.

@@ -42,7 +42,7 @@ fn keys_of(place: Place) -> &'static [(&'static str, &'static str)] {
         ],
         Place::Stimuli => &[("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"), ("Arrow keys", "Move the slider with the focus")],
         Place::Shading => &[
-            ("Arrow keys", "Rotate the mesh, or move the light or the scan line; Shift for small steps"),
+            ("Arrow keys", "Rotate the mesh, or move the scan line; Shift for small steps"),
             ("Drag", "The same with the mouse; with the right button, move the light"),
             ("Ctrl+Z, Ctrl+Shift+Z", "Undo, redo"),
         ],

@@ -4,7 +4,6 @@
 use std::path::PathBuf;
 
 use eframe::egui::{Context, ThemePreference};
-use toml::{Table, Value};
 
 use crate::{
     app::ui::complain,
@@ -43,16 +42,6 @@ impl Memory {
                 Self { problem: Some(problem), ..Self::default() }
             }
         }
-    }
-
-    /// Returns the remembered settings of a page; empty if there are none.
-    pub fn page(&self, name: &str) -> Table {
-        self.settings.pages.get(name).and_then(Value::as_table).cloned().unwrap_or_default()
-    }
-
-    /// Remembers the settings of a page.
-    pub fn set_page(&mut self, name: &str, settings: Table) {
-        self.settings.pages.insert(name.to_owned(), Value::Table(settings));
     }
 
     /// Applies the theme and the zoom to the window; the zoom may also have been changed with its keys. Sessions are

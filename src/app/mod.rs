@@ -35,7 +35,7 @@ use window::Program;
 
 use crate::{display::DisplayProfile, store::settings::remember};
 
-pub use display::timing;
+pub use display::TimingReport;
 pub use session::Request;
 pub use ui::{Monitor, logo::icon, platform::is_resampled};
 pub use window::{Input, Pressed, Stamps, WindowError};
@@ -58,14 +58,6 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
     window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
 }
 
-/// Opens a window that measures its frame times; returns when it is closed.
-///
-/// # Errors
-/// [`WindowError`] if there is no display or no graphics, if one of them is lost, or if a signal ends the program.
-pub fn time(request: timing::TimingRequest) -> Result<(), WindowError> {
-    window::open(request.fullscreen, |cc, input| App { input, ..App::timing(cc, request) })
-}
-
 /// What the window shows.
 #[derive(Default)]
 enum View {
@@ -73,7 +65,6 @@ enum View {
     #[default]
     Places,
     Session(Box<Runner>),
-    Timing(Box<timing::TimingPage>),
 }
 
 /// The program's window.
@@ -103,25 +94,14 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
         let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
-        Self { direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::at(cc, view) }
-    }
-
-    /// Creates the window of `machband timing`, which only measures frames.
-    pub fn timing(cc: &eframe::CreationContext<'_>, request: timing::TimingRequest) -> Self {
-        let view = View::Timing(Box::new(timing::TimingPage::new(request)));
-        Self { direct: true, ..Self::at(cc, view) }
-    }
-
-    fn at(cc: &eframe::CreationContext<'_>, view: View) -> Self {
         ui::theme::apply(&cc.egui_ctx);
-        Self { view, ..Self::default() }
+        Self { view, direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::default() }
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let monitor = Monitor::current(ui.ctx(), frame);
         let step = match &mut self.view {
             View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
-            View::Timing(timing) => Step::back_if(timing.show(ui, &monitor)),
             View::Places => return self.draw_places(ui, &monitor),
         };
         match step {
@@ -172,28 +152,13 @@ impl App {
                 let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();
                 let profile = self.studies.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
-                let gallery = self.gallery.get_or_insert_with(|| {
-                    let mut gallery = Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm));
-                    gallery.recall(&self.memory.page("stimuli"));
-                    gallery
-                });
+                let gallery = self
+                    .gallery
+                    .get_or_insert_with(|| Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm)));
                 gallery.set_screen(profile, distance_cm);
-                let left = gallery.show(ui);
-                self.memory.set_page("stimuli", gallery.remembered());
-                Step::back_if(left)
+                Step::back_if(gallery.show(ui))
             }
-            Place::Shading => {
-                let shading = self.shading.get_or_insert_with(|| {
-                    let mut shading = Box::<explore::shading::ShadingPage>::default();
-                    shading.recall(&self.memory.page("shading"));
-                    shading
-                });
-                let left = shading.show(ui);
-                if !ui.input(|input| input.pointer.any_down()) {
-                    self.memory.set_page("shading", shading.remembered());
-                }
-                Step::back_if(left)
-            }
+            Place::Shading => Step::back_if(self.shading.get_or_insert_default().show(ui)),
             Place::Display => {
                 let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
@@ -202,8 +167,7 @@ impl App {
                 Step::back_if(display.show(ui, monitor, fields, window_deg))
             }
             Place::Analyze => {
-                let results = self.studies.results();
-                let analysis = self.analysis.get_or_insert_with(|| Box::new(analysis::Analysis::new(&results)));
+                let analysis = self.analysis.get_or_insert_default();
                 let left = analysis.show(ui, &self.memory.settings.recent.analyses);
                 if let Some(path) = analysis.opened() {
                     remember(&mut self.memory.settings.recent.analyses, &path.display().to_string());
@@ -271,9 +235,8 @@ impl App {
         match place {
             Place::Studies => self.studies.refresh(completed, &self.memory.settings),
             Place::Analyze => {
-                let results = self.studies.results();
                 if let Some(analysis) = &mut self.analysis {
-                    analysis.offer(&results);
+                    analysis.look_again();
                 }
             }
             _ => {}
@@ -337,7 +300,6 @@ impl eframe::App for App {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let ground = match &self.view {
             View::Session(session) => Some(session.ground()),
-            View::Timing(timing) => Some(timing.ground()),
             View::Places if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
             View::Places => None,
         };

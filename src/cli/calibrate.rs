@@ -2,7 +2,7 @@
 
 use super::{OutPath, columns, message, print_line};
 use crate::{
-    display::photometer::{Sum, largest},
+    display::photometer::largest_percent,
     report::{calibration::tables, document::TextTable},
     store::{Writer, profile},
     system::found,
@@ -61,9 +61,8 @@ fn print(request: &Calibrate, made: &Calibrated) -> anyhow::Result<()> {
     let sums = &calibration.additivity;
     if !sums.is_empty() {
         print_line(&format!(
-            "additivity: gray differs from red + green + blue − 2 black by at most {:.2} % and {:.3} cd/m²",
-            largest(sums, Sum::deviation_percent).abs(),
-            largest(sums, Sum::deviation_cd_m2).abs(),
+            "additivity: gray differs from red + green + blue − 2 black by at most {:.2} %",
+            largest_percent(sums).abs(),
         ))?;
     }
     calibration.notes.iter().try_for_each(|note| print_line(&format!("note: {note}")))?;

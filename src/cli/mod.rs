@@ -17,8 +17,6 @@ mod run;
 mod sessions;
 mod shade;
 mod stimulus;
-#[cfg(feature = "window")]
-mod timing;
 
 use std::{borrow::Cow, ffi::OsString, io::Write as _, path::Path, process::ExitCode};
 
@@ -75,8 +73,6 @@ enum Command {
     Shade(shade::Arguments),
     Stimulus(stimulus::StimulusArguments),
     Stimuli(stimulus::StimuliArguments),
-    #[cfg(feature = "window")]
-    Timing(timing::Arguments),
     Verify(work::verify::Verify),
 }
 
@@ -157,8 +153,6 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),
         Some(Command::Stimulus(arguments)) => stimulus::stimulus(&arguments, writer),
         Some(Command::Stimuli(arguments)) => stimulus::stimuli(&arguments, writer),
-        #[cfg(feature = "window")]
-        Some(Command::Timing(arguments)) => timing::run(&arguments, writer),
         Some(Command::Verify(arguments)) => sessions::verify(&arguments),
     };
     done.map(|()| true)

@@ -18,16 +18,9 @@ const MIN_PX_PER_DEGREE: f64 = 10.0;
 const MIN_STIMULUS_PX: f64 = 64.0;
 
 /// A quantity outside its plausible range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{quantity} {} is outside {lowest}…{highest} {unit}; expected {expected}", short(*value))]
-pub struct GeometryError {
-    quantity: &'static str,
-    value: f64,
-    unit: &'static str,
-    lowest: f64,
-    highest: f64,
-    expected: &'static str,
-}
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct GeometryError(String);
 
 /// Writes a number without hundreds of digits.
 fn short(value: f64) -> String {
@@ -35,17 +28,17 @@ fn short(value: f64) -> String {
 }
 
 fn check(
-    quantity: &'static str,
+    quantity: &str,
     value: f64,
     range: &std::ops::RangeInclusive<f64>,
-    unit: &'static str,
-    expected: &'static str,
+    unit: &str,
+    expected: &str,
 ) -> Result<f64, GeometryError> {
     if range.contains(&value) {
         return Ok(value);
     }
-    let (lowest, highest) = (*range.start(), *range.end());
-    Err(GeometryError { quantity, value, unit, lowest, highest, expected })
+    let (value, lowest, highest) = (short(value), range.start(), range.end());
+    Err(GeometryError(format!("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")))
 }
 
 /// Returns the distance in cm from which `size_cm` subtends `deg` degrees.
@@ -56,9 +49,12 @@ pub fn distance_cm(deg: f64, size_cm: f64) -> f64 {
 /// A screen: its physical pixels, which are square, and the width of its lit part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screen {
-    width_px: u32,
-    height_px: u32,
-    width_cm: f64,
+    /// Physical pixels per row.
+    pub(crate) width_px: u32,
+    /// Rows of physical pixels.
+    pub(crate) height_px: u32,
+    /// Width of the lit part in centimeters.
+    pub(crate) width_cm: f64,
 }
 
 impl Screen {
@@ -76,21 +72,6 @@ impl Screen {
         Ok(Screen { width_px, height_px, width_cm })
     }
 
-    /// Physical pixels per row.
-    pub fn width_px(&self) -> u32 {
-        self.width_px
-    }
-
-    /// Rows of physical pixels.
-    pub fn height_px(&self) -> u32 {
-        self.height_px
-    }
-
-    /// Width of the lit part in centimeters.
-    pub fn width_cm(&self) -> f64 {
-        self.width_cm
-    }
-
     /// Height of the lit part in centimeters.
     pub fn height_cm(&self) -> f64 {
         f64::from(self.height_px) / self.px_per_cm()
@@ -106,7 +87,8 @@ impl Screen {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewing {
     screen: Screen,
-    distance_cm: f64,
+    /// Distance from the eye to the screen in centimeters.
+    pub(crate) distance_cm: f64,
 }
 
 impl Viewing {
@@ -121,11 +103,6 @@ impl Viewing {
 
     pub fn screen(&self) -> Screen {
         self.screen
-    }
-
-    /// Distance from the eye to the screen in centimeters.
-    pub fn distance_cm(&self) -> f64 {
-        self.distance_cm
     }
 
     /// Returns the size in centimeters on the screen, centered on the line of sight, that subtends `deg` degrees (0 ≤

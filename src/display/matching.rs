@@ -173,9 +173,6 @@ impl Matching {
     /// Returns an error if the settings cannot be run or if `done` comes from other settings.
     pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
         Channel::check_for_profile(&settings.channels)?;
-        if !(2..=50).contains(&settings.matches) {
-            return Err(SettingsError(format!("{} matches of each channel; expected 2 to 50", settings.matches)));
-        }
         let starts = starts(settings, &mut ChaCha8Rng::seed_from_u64(seed));
         let is_other = |at: usize, one: &Match| {
             starts.get(at).is_none_or(|start| (start.channel, start.rows) != (one.channel, one.rows))

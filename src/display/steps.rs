@@ -48,17 +48,3 @@ pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, T
     };
     Ok(equal_brightness_levels(i0, n)?.into_iter().enumerate().map(step).collect())
 }
-
-/// Returns the steps as CSV with a header.
-pub fn csv(steps: &[Step]) -> String {
-    let mut text = String::from("level,intensity,cd_m2,red_code,green_code,blue_code,emitted,nearest_level\n");
-    for step in steps {
-        let cd_m2 = step.cd_m2.map_or_else(String::new, |value| format!("{value:.6}"));
-        let [red, green, blue] = step.codes;
-        text += &format!(
-            "{},{:.8},{cd_m2},{red},{green},{blue},{:.8},{}\n",
-            step.level, step.intensity, step.emitted, step.nearest
-        );
-    }
-    text
-}

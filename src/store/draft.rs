@@ -38,8 +38,6 @@ pub enum Typed {
 impl Draft {
     /// The options of a task that decide how many images a trial shows, and where. Its texts say so.
     pub const ARRANGES: [&str; 2] = ["task.shown", "task.alternatives"];
-    /// The texts about one kind of stimulus.
-    const OF_KIND: [&str; 2] = ["instructions.task", "response.question"];
 
     /// Reads a definition; `file` is its path, or identifies it in messages. It may contain errors, which [`Draft::check`] reports.
     ///
@@ -164,22 +162,7 @@ impl Draft {
             // Pictures bring their factors.
             self.remove("factors");
         }
-        Self::OF_KIND.iter().for_each(|key| self.remove(key));
-    }
-
-    /// Gives the stimulus the parameters, factors and texts that it had in a former draft.
-    pub fn restore_kind(&mut self, former: &Self) {
-        for table in ["stimulus", "factors"] {
-            match former.document.get(table) {
-                Some(item) => drop(self.document.insert(table, item.clone())),
-                None => self.remove(table),
-            }
-        }
-        for key in Self::OF_KIND {
-            if let Some(text) = former.value(key).filter(|_| self.value(key).is_none()) {
-                self.put(key, text.clone());
-            }
-        }
+        ["instructions.task", "response.question"].iter().for_each(|key| self.remove(key));
     }
 
     /// Changes what participants do. Options that the new task does not have are removed, and so are the instructions,
@@ -189,22 +172,6 @@ impl Draft {
         let options = Task::options(kind);
         self.retain("task", |name| name == "kind" || options.iter().any(|option| option.key == name));
         self.remove_task_texts();
-    }
-
-    /// Adds the options of the task and of its method that a former draft had and this one does not have.
-    pub fn restore_task(&mut self, former: &Self) {
-        for key in former.keys("task") {
-            if !self.keys("task").contains(&key)
-                && let (Some(item), Some(table)) =
-                    (former.found("task").and_then(|table| table.get(&key)), self.table("task"))
-            {
-                table.insert(&key, item.clone());
-            }
-        }
-        if let Some(method) = former.document.get("adaptive").filter(|_| self.keys("adaptive").is_empty()) {
-            self.document.insert("adaptive", method.clone());
-            self.remove("design.repetitions");
-        }
     }
 
     fn remove_task_texts(&mut self) {
@@ -238,16 +205,6 @@ impl Draft {
     pub fn keys(&self, table: &str) -> Vec<String> {
         let table = self.found(table);
         table.map_or_else(Vec::new, |table| table.iter().map(|(key, _)| key.to_owned()).collect())
-    }
-
-    /// Exchanges two factors that follow each other; `first` is the index of the first one.
-    pub fn exchange_factors(&mut self, first: usize) {
-        let mut names = self.factors();
-        if first + 1 >= names.len() {
-            return;
-        }
-        names.swap(first, first + 1);
-        self.sort("factors", &names);
     }
 
     /// Puts what is in a table of the top level in this order.

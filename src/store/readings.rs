@@ -49,7 +49,7 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
             let (index, column) = match error.location {
                 ErrorLocation::Luminance(index) => (index, 2),
                 ErrorLocation::Level(index) => (index, 1),
-                ErrorLocation::Levels(..) | ErrorLocation::All => {
+                ErrorLocation::All => {
                     of_all.push(FileError::whole(file, message));
                     continue;
                 }

@@ -45,8 +45,6 @@ pub struct Settings {
     pub study: String,
     pub screen: ScreenFields,
     pub recent: Recent,
-    /// The settings of each page, by its name.
-    pub pages: ::toml::Table,
 }
 
 /// The screen, as typed.
@@ -83,7 +81,6 @@ impl Default for Settings {
             study: String::new(),
             screen: ScreenFields::default(),
             recent: Recent::default(),
-            pages: ::toml::Table::new(),
         }
     }
 }

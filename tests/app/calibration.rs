@@ -68,7 +68,7 @@ fn cd_m2(channel: &str, code: f64) -> f64 {
 
 /// Waits until the patch has settled, types into the field, which has keyboard focus, and presses Enter.
 fn answer(window: &mut Window, text: &str) {
-    window.run_steps(12);
+    window.run_steps(22);
     window.event(egui::Event::Text(text.to_owned()));
     window.run_steps(2);
     press_and_step(window, Key::Enter);
@@ -78,7 +78,6 @@ fn answer(window: &mut Window, text: &str) {
 fn show_patches(csv: &Path) -> Window {
     let mut window = tool("Photometer", 0.1);
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
-    type_into(&mut window, "Settling time, seconds", "0.5");
     click(&mut window, "red, green, blue");
     click(&mut window, "Show patches");
     window
@@ -91,7 +90,6 @@ fn a_screen_that_dims_large_areas_is_found() {
     let csv = folder.path().join("sizes.csv");
     let mut window = tool("Patch size", 0.1);
     type_into(&mut window, "Save the measurements in", csv.to_str().unwrap());
-    type_into(&mut window, "Settling time, seconds", "0.5");
     click(&mut window, "Show patches");
     let mut heights = Vec::new();
     for reading in ["250", "250", "240", "210", "180"] {
@@ -128,21 +126,21 @@ fn patches_are_read_and_become_a_profile() {
     // A reading above the reading for white must be confirmed. Here it is corrected, and the user goes back one patch.
     let label = line(&window);
     type_into(&mut window, &label, "900");
-    window.run_steps(8);
+    window.run_steps(12);
     press_and_step(&mut window, Key::Enter);
     window.get_by_label_contains("does not fit gray 255");
     type_into(&mut window, &label, &cd_m2("gray", second.1).to_string());
     press_and_step(&mut window, Key::Enter);
     click(&mut window, "Previous");
     assert_eq!(patch(&window).unwrap(), second);
-    window.run_steps(8);
+    window.run_steps(12);
     press_and_step(&mut window, Key::Enter);
     // After leaving and returning, the same settings resume the run.
     click(&mut window, "Pause");
-    window.get_by_label_contains("Paused after 2 of");
+    window.get_by_label_contains("This file exists already.");
     click(&mut window, "Back");
     click(&mut window, "Photometer");
-    window.get_by_label_contains("Paused after 2 of");
+    window.get_by_label_contains("This file exists already.");
     click(&mut window, "Resume");
     let mut n = 2;
     while let Some((channel, code)) = patch(&window) {
@@ -261,7 +259,7 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
             assert_eq!(next_match(&mut window).unwrap().channel, now.channel);
             press(&mut window, Key::Escape);
             window.run_steps(2);
-            window.get_by_label_contains("Paused after 2 of 6");
+            window.get_by_label_contains("This file exists already.");
             click(&mut window, "Back");
             click(&mut window, "Gamma by eye");
             click(&mut window, "Resume");

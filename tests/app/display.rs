@@ -1,18 +1,12 @@
 //! Tests display profiles, from the file to the screen, and the tools that measure the screen, without a display.
 
-use std::{fs, path::Path, sync::mpsc};
+use std::{fs, path::Path};
 
 use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
-    app::{
-        App, Launch, Request,
-        timing::{Patch, Scene, TimingPlan, TimingRequest},
-    },
-    display::{
-        DisplayProfile, LuminanceRange, Measurement,
-        steps::{csv, steps},
-    },
+    app::{App, Launch, Request},
+    display::{DisplayProfile, LuminanceRange, Measurement, steps::steps},
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
@@ -176,7 +170,9 @@ fn every_tool_fits_the_smallest_window() {
         let wide: Vec<String> = (harness.root().children_recursive())
             .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
             // The table of steps has its own scroll area.
-            .filter(|(label, right)| *right > 520.0 - 12.0 && label != "nearest j")
+            .filter(|(label, right)| {
+                *right > 520.0 - 12.0 && !label.starts_with("Sort by ") && label.parse::<f64>().is_err()
+            })
             .map(|(label, right)| format!("{label:?} up to {right}"))
             .collect();
         assert!(wide.is_empty(), "{tool}: {wide:#?}");
@@ -246,7 +242,6 @@ fn steps_have_one_ratio_and_the_codes_of_the_profile() {
     }
     assert!(steps(&profile, i0, 200).unwrap().iter().any(|step| step.nearest != step.level));
     assert!(steps(&profile, 1.0, 8).is_err() && steps(&profile, i0, 0).is_err());
-    assert_eq!(csv(&made).lines().nth(9), Some("8,1.00000000,250.000000,255,255,255,1.00000000,8"));
 }
 
 /// Opens the timing tool from Home.
@@ -325,7 +320,6 @@ fn timing_measures_reports_and_exports() {
     assert_eq!(intervals.len(), 600);
     assert!(intervals.iter().all(|us| (16_666..=16_667).contains(us)));
     assert!(csv.lines().skip(1).all(|line| line.ends_with(",0")));
-    assert!(fs::read_to_string(out.with_extension("svg")).unwrap().starts_with("<svg"));
     // Escape leads back.
     window.key_press(Key::Escape);
     window.run_steps(2);
@@ -346,22 +340,4 @@ fn two_warnings_precede_the_flicker_and_esc_stops_it() {
     window.key_press(Key::Escape);
     window.run_steps(3);
     assert!(says(&window, "Measure") && !says(&window, "median"));
-}
-
-#[test]
-fn the_command_receives_the_report_and_the_window_closes() {
-    for scene in [Scene::Patch, Scene::Trial] {
-        let (report, measured) = mpsc::channel();
-        let plan = TimingPlan { scene, frames: 50, patch: Patch::default() };
-        let request = TimingRequest { plan, fullscreen: false, report };
-        let mut window: Window = builder([1000.0, 900.0], 1.0 / 60.0).build_eframe(|cc| App::timing(cc, request));
-        window.run_steps(40);
-        assert!(measured.try_recv().is_err(), "no report before the end");
-        window.run_steps(250);
-        let report = measured.try_recv().expect("a report");
-        assert_eq!(report.intervals_us().len(), 50, "{scene:?}");
-        assert_eq!(report.csv().lines().count(), 51);
-        let rows = report.rows();
-        assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
-    }
 }

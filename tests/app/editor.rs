@@ -60,9 +60,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Levels of high", "0.2, 0.75");
     window.get_by_label_contains("high 0.2 is below low, which is 0.25");
     type_into(&mut window, "Levels of high", "0.75");
-    click(&mut window, "Move high up");
-    choose(&mut window, "Order", "Latin: blocks counterbalanced across participants");
-    choose(&mut window, "Blocks by", "Depth");
+    choose(&mut window, "Order", "Blocks by depth, Latin square");
     type_into(&mut window, "Label of rating 1", "Broad, weak band");
     type_into(&mut window, "Key for rating 3", "s");
     window.get_by_label_contains("key 's' cannot be an answer");
@@ -71,7 +69,7 @@ fn a_copy_is_edited_and_saved() {
     type_into(&mut window, "Welcome", "Willkommen");
     wait_for(&mut window, "4 practice and 18 trials");
     wait_for(&mut window, "9 conditions");
-    window.get_by_label("width 0.05; high 0.75; depth ∞");
+    window.get_by_label("width 0.05; depth ∞; high 0.75");
     type_into(&mut window, "Folder", folder.path().to_str().unwrap());
     // An existing file is never replaced: a study with sessions may need it.
     let path = folder.path().join("my-study.toml");
@@ -89,8 +87,8 @@ fn a_copy_is_edited_and_saved() {
     let expected = original[original.find("schema").unwrap()..]
         .replace("\"quick\"", "\"my-study\"")
         .replace("A first look at Mach bands", "A first look at Mach bands (copy)")
-        .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\nhigh = [0.75]\n")
-        .replace("orientation_deg = [0, 90]\n", "")
+        .replace("width = [0.02, 0.1, 0.4, 0.8]\n", "width = [0.05, 0.5, 1]\n")
+        .replace("orientation_deg = [0, 90]\n", "high = [0.75]\n")
         .replace("repetitions = 1", "repetitions = 2")
         .replace("\"random\"", "\"latin:depth\"")
         .replace("own_means = true", "own_means = false");
@@ -131,14 +129,13 @@ fn a_question_of_ones_own_is_named() {
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
 }
 
-/// A task that varies a level begins with a parameter that changes every picture. While there are errors, the preview says
-/// that it is older.
+/// A task that varies a level begins with a parameter that has a range. While there are errors, the preview says that it
+/// is older.
 #[test]
-fn a_task_begins_with_a_parameter_that_is_seen() {
+fn a_task_begins_with_a_parameter() {
     let mut window = duplicate("quick");
     click(&mut window, "Adjust");
     window.run_steps(3);
-    // Others, such as k, matter only at some depths.
     assert_eq!(
         ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
         ["Nulling", "0.05", "0.2"]
@@ -157,8 +154,7 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     window.get_by_label("Label of right end");
 }
 
-/// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
-/// stimulus comes back as it was.
+/// What participants read belongs to the task and the stimulus: when these change, the old texts leave.
 #[test]
 fn texts_leave_with_their_task() {
     let folder = tempfile::tempdir().unwrap();
@@ -176,15 +172,8 @@ fn texts_leave_with_their_task() {
         assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
         assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
     }
-    let mut window = duplicate("threshold-width");
-    choose(&mut window, "Kind", "Pictures of your own");
-    choose(&mut window, "Kind", "Mach band");
-    assert_eq!(value(&window, "Levels of orientation"), "0, 90");
     // The method decides the width.
-    window.get_by_label("varies; see Method");
-    // Nothing is left to save.
-    press(&mut window, Key::Escape);
-    is_left(&mut window, "threshold-width");
+    duplicate("threshold-width").get_by_label("varies; see Method");
 }
 
 /// While the observer answers, and while its former answers are shown, what is below them keeps its place.
@@ -272,9 +261,7 @@ fn a_task_and_its_method_are_chosen() {
         ("Pair", "Chain along"),
         ("Adjust", "Lowest value"),
         ("Rating", "Scale"),
-        // What the adjustment has no use for comes back.
-        ("Choice", "First level"),
-        ("Choice", "Reference depth"),
+        ("Choice", "Add to reference"),
         ("Pair", "Adaptive trials"),
         ("Rating", "Rating 3"),
     ] {

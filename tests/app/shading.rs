@@ -153,7 +153,7 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
     drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Secondary);
     assert_ne!(value(&window, "Light, degrees to the right"), light);
     check(&mut window, "moving the light");
-    window.get_by_label("a scan line").click();
+    window.get_by_label("Scan line").click();
     window.run_steps(2);
     window.get_by_label("Plot: light along the scan line");
     window.get_by_label("Plot: slope, light per pixel along the scan line");

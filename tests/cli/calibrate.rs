@@ -38,7 +38,7 @@ fn calibrate_writes_a_profile() {
         "gamma  green    2.2000",
         "chosen: gamma",
         "best by cross-validation: gamma",
-        "gamma       0.00      0.000           0.00                   —\n",
+        "gamma       0.00\n",
         "additivity",
         "white 115.30",
         "wrote left.toml: Left (γ 2.200",
@@ -81,19 +81,14 @@ fn bad_readings_are_errors_and_produce_no_profile() {
     let is_error = |line: &str| line.starts_with("error: bad.csv: ") && line.contains("not monotone");
     assert!(error.lines().all(is_error), "{error}");
     assert!(!folder.path().join("bad.toml").exists());
-    // Light that hardly rises at the top may be a fault, or how the screen is.
+    // Light that hardly rises at the top is how the screen is.
     for one in bad.iter_mut() {
         one.luminance_cd_m2 = 0.3 + RANGES[3] * one.level.powi(2) * (3.0 - 2.0 * one.level);
     }
     bad.retain(|one| one.channel == Channel::Gray);
     readings::write(&Writer::default(), &folder.path().join("curved.csv"), &bad).unwrap();
-    let error = fails(folder.path(), &split("calibrate curved.csv --out bad.toml"), 1);
-    assert!(
-        error.contains("curved.csv: gray: the light rises by only 4.5 % above level 0.875; expected more"),
-        "{error}"
-    );
-    let made = succeeds(folder.path(), &split("calibrate curved.csv --out curved.toml --model table"));
-    assert!(made.contains("note: gray: the light rises by only 4.5 % above level 0.875\n"), "{made}");
+    let made = succeeds(folder.path(), &split("calibrate curved.csv --out curved.toml"));
+    assert!(made.contains("note: no curve fits the readings within their noise, so the table is used\n"), "{made}");
     let table = profile::open(&folder.path().join("curved.toml")).unwrap().transfers;
     assert!((table.channels()[0].linear_from_encoded(0.75) - 0.84375).abs() < 1e-3);
 }

@@ -67,7 +67,6 @@ fn no_command_panics_if_a_standard_stream_is_full() {
         "verify first/twice",
         "counts first --out counts.csv",
         "plan quick --participants 2 --studies 5",
-        "timing --frames 2",
         "shade --size 16 --out shade.png",
         "no-such-command",
         "--help",

@@ -6,8 +6,8 @@ use machband::{
     display::{
         Channel,
         photometer::{
-            Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, Sum, additivity,
-            drift_percent, largest, patches,
+            Calibration, Family, Patch, PatchSettings, Reading, Readings, ReadingsError, additivity, drift_percent,
+            largest_percent, patches,
         },
     },
     light::Transfer,
@@ -236,8 +236,6 @@ fn cross_validation_gives_the_error_of_new_levels() {
     let validation = &calibration.model(Family::Gamma).validation;
     let expected = 255.0 * 0.01 / 2.2 * (1.0f64 / 3.0).sqrt();
     assert!((validation.rms_codes / expected - 1.0).abs() < 0.3, "{} against {expected}", validation.rms_codes);
-    let score = validation.score.unwrap();
-    assert!((0.7..1.5).contains(&score), "{score}");
     assert!((calibration.misfit - 0.01).abs() < 0.002, "{:?}", calibration.misfit);
 }
 
@@ -246,14 +244,13 @@ fn additivity_is_measured() {
     let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
     let mut readings = display.read(9, 0.0, 1);
     let exact = additivity(&Readings::new(readings.clone()).unwrap());
-    assert!(exact.len() == 8 && largest(&exact, Sum::deviation_percent).abs() < 1e-9);
+    assert!(exact.len() == 8 && largest_percent(&exact).abs() < 1e-9);
     for one in readings.iter_mut().filter(|one| one.channel == Channel::Gray && one.level == 1.0) {
         one.luminance_cd_m2 *= 1.1;
     }
     let readings = Readings::new(readings).unwrap();
     let sums = additivity(&readings);
-    assert!((largest(&sums, Sum::deviation_percent) - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
-    assert!((largest(&sums, Sum::deviation_cd_m2) - 11.53).abs() < 1e-9);
+    assert!((largest_percent(&sums) - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
     let notes = Calibration::new(&readings).notes;
     assert!(notes.iter().any(|note| note.contains("channels not additive")), "{notes:?}");
 }
@@ -289,40 +286,27 @@ fn every_kind_of_bad_readings_has_its_own_message() {
             one.channel = other.map_or(one.channel, |(_, to)| to);
         })
     };
-    let raised = |channel: Channel, least: f64, to: &dyn Fn(&Reading) -> f64, mut readings: Vec<Reading>| {
-        for one in readings.iter_mut().filter(|one| one.channel == channel && one.level > least) {
-            one.luminance_cd_m2 = to(one);
-        }
-        readings
-    };
     let dip = |one: &mut Reading| {
         if one.channel == Channel::Green && one.level == 0.5 {
             one.luminance_cd_m2 *= 0.4;
         }
     };
-    let stuck = display.cd_m2(1, 31.0 / 32.0);
     // The readings, what every message contains, and what at least one message contains.
-    let cases: [(Vec<Reading>, &str, &str); 12] = [
+    let cases: [(Vec<Reading>, &str, &str); 10] = [
         (changed(&|one| one.luminance_cd_m2 = f64::NAN), "is not that of a screen", ""),
         (changed(&|one| one.luminance_cd_m2 = 0.0), "every reading is below 0.001", ""),
-        (kept(&|one| one.channel == Channel::Red), "single channel", "only red"),
-        (kept(&|one| matches!(one.channel, Channel::Red | Channel::Blue)), "is missing", "channel green"),
+        (kept(&|one| one.channel == Channel::Red), "only these channels were read", ": red; expected"),
+        (
+            kept(&|one| matches!(one.channel, Channel::Red | Channel::Blue)),
+            "only these channels were read",
+            ": red, blue; expected",
+        ),
         (kept(&|one| [0.0, 0.5, 1.0].contains(&one.level)), "too few levels", ": 3"),
         (kept(&|one| one.level > 0.0), "level 0;", "no reading at level 0"),
         (kept(&|one| one.channel != Channel::Blue || one.level < 1.0), "no reading at level 1", "blue"),
         (changed(&dip), "not monotone", "green: not monotone: level 0.5"),
-        (
-            raised(Channel::Gray, 0.7, &|_| 61.0, good()),
-            "saturated",
-            "gray: saturated: the light stops rising at level 0.75",
-        ),
-        (
-            raised(Channel::Green, 0.95, &|_| stuck, display.read(33, 0.01, 7)),
-            "saturated",
-            "green: saturated: the light stops rising at level 0.96875",
-        ),
-        (exchanged(Channel::Red, Channel::Green), "swapped", "are green and red swapped?"),
-        (exchanged(Channel::Gray, Channel::Green), "swapped", "are gray and green swapped?"),
+        (exchanged(Channel::Red, Channel::Green), "swapped", ""),
+        (exchanged(Channel::Gray, Channel::Green), "swapped", ""),
     ];
     for (readings, kind, detail) in cases {
         let messages: Vec<String> = errors(readings).iter().map(ToString::to_string).collect();

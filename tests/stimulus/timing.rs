@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use machband::{
-    app::{Monitor, timing::TimingReport},
+    app::{Monitor, TimingReport},
     display::frames::{FrameTimes, Refresh},
     experiment::{
         Course, Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown,
@@ -165,7 +165,7 @@ fn frames_that_scatter_follow_no_refresh() {
     assert!(!refresh.is_followed_by(&run(&|_, _| 0.3)), "faster than the screen");
 }
 
-// What `machband timing` and its page say about frames.
+// What the page *Timing* says about frames.
 
 /// Returns intervals of frames that are not synchronized with a screen: a median of 8 ms, ranging from 4 to 20 ms.
 fn scattered() -> Vec<u32> {

@@ -71,7 +71,6 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     let mut draft = draft(COMMENTED);
     draft.set("factors.width", "0.1, .4, 0.9, 1", Typed::Values);
     draft.set("factors.depth", "1, inf", Typed::Values);
-    draft.exchange_factors(1);
     draft.set("design.repetitions", "2", Typed::Value);
     draft.set("design.order", "latin:depth", Typed::Text);
     draft.remove("design.max_run");
@@ -85,8 +84,8 @@ fn edits_keep_comments_and_give_the_expected_definition() {
             "[0.1, 0.4, 0.9, 1]",
         )
         .replace(
-            "# An infinite depth is smooth everywhere.\ndepth = [1, 2, \"inf\"] # not 3\norientation_deg = [0, 90]\n",
-            "orientation_deg = [0, 90]\n# An infinite depth is smooth everywhere.\ndepth = [1, \"inf\"] # not 3\n",
+            "depth = [1, 2, \"inf\"] # not 3\n",
+            "depth = [1, \"inf\"] # not 3\n",
         )
         .replace("repetitions = 4", "repetitions = 2")
         .replace("blocked:depth", "latin:depth")
@@ -102,7 +101,7 @@ fn edits_keep_comments_and_give_the_expected_definition() {
     let levels: Vec<_> = levels.collect();
     assert_eq!(
         levels,
-        [("width", "0.1 0.4 0.9 1".into()), ("orientation_deg", "0 90".into()), ("depth", "1 inf".to_owned())]
+        [("width", "0.1 0.4 0.9 1".into()), ("depth", "1 inf".into()), ("orientation_deg", "0 90".to_owned())]
     );
     assert_eq!((protocol.design.repetitions, protocol.design.order.to_string()), (2, "latin:depth".to_owned()));
     assert_eq!(protocol.presentation.map(|presentation| presentation.duration_s), Some(0.5));

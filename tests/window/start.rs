@@ -253,9 +253,8 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.harness.press("Return");
     desk.screen();
     let mut desk = Desk::of(desk.harness);
-    desk.go(2);
     let offered = desk.screen();
-    desk.click("Analyze own");
+    desk.click("Analyze this study");
     pane::wait_for(&mut desk.copy, "3 ratings by 1 participant.");
     desk.harness.until("the results", |harness| harness.screen() != offered);
     desk.harness.press("ctrl+q");

@@ -65,7 +65,7 @@ enum Tool {
         /// Where to write them.
         folder: PathBuf,
     },
-    /// Open a window that only clears itself, for benches/frames_peers.py.
+    /// Open a window that only clears itself, to compare frame times with.
     BareWindow {
         /// Frames to count.
         #[arg(default_value_t = 300)]

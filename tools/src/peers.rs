@@ -1,4 +1,4 @@
-//! A program that `benches/frames_peers.py` times for comparison: an empty window.
+//! A program for comparison of frame times: an empty window.
 
 use std::{
     error::Error,
@@ -98,8 +98,7 @@ impl ApplicationHandler for Bare {
 
 /// The cost of an empty frame: a window that only clears itself, without egui.
 ///
-/// `benches/frames_peers.py --bare` compares machband's frames with it. Prints `RESULT`, the time when the first frame
-/// was submitted (seconds since 1970), and every interval in seconds.
+/// Prints `RESULT`, the time when the first frame was submitted (seconds since 1970), and every interval in seconds.
 pub fn bare_window(frames: usize) -> Result<(), Box<dyn Error>> {
     let mut bare = Bare { open: None, frames, first: None, last: None, intervals: Vec::new() };
     EventLoop::new()?.run_app(&mut bare)?;

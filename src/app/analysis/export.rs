@@ -7,7 +7,6 @@ use std::{
 
 use eframe::egui;
 
-use super::files::Files;
 use crate::{
     app::ui::{
         Dialog, Field, FileKind, Saving, complain, full, open, say,
@@ -47,8 +46,6 @@ pub struct Exported<'a> {
     pub request: &'a Analyze,
     /// A phrase that describes the selected data; empty if nothing is excluded.
     pub filter: String,
-    /// The files from which they come.
-    pub files: &'a Files,
     pub write: Arc<Write>,
 }
 
@@ -61,9 +58,8 @@ impl Export {
         Self { folder, inputs: paths.iter().cloned().chain(files).collect(), ..Self::default() }
     }
 
-    /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for. Returns
-    /// true if nothing was exported because the files have changed since they were read.
-    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) -> bool {
+    /// Draws the controls. Nothing can be exported while no results are shown; `request` is what was asked for.
+    pub fn show(&mut self, ui: &mut egui::Ui, request: Option<&Analyze>, exported: Option<&Exported<'_>>) {
         self.take_outcome(ui.ctx());
         if let Some(Exported { request, .. }) = exported
             && self.of.as_ref() != Some(request)
@@ -73,18 +69,13 @@ impl Export {
         }
         let width = ui.available_width();
         let field = Field::new("Export to the folder").width(width).text(ui, &mut self.folder);
-        let (mut changed, mut is_outdated) = (field.changed(), false);
+        let mut changed = field.changed();
         ui.horizontal_wrapped(|ui| {
             let folder = PathBuf::from(self.folder.trim());
             let ready = exported.is_some() && self.work.is_none() && !folder.as_os_str().is_empty();
             let writer = self.saving.button(ui, "Export", ready, &folder, &self.inputs);
             if let Some((exported, writer)) = exported.zip(writer) {
-                is_outdated = exported.files.have_changed();
-                if is_outdated {
-                    self.saving.finish(&folder, Err(exported.files.changed()));
-                } else {
-                    self.start(ui.ctx(), folder, writer, exported);
-                }
+                self.start(ui.ctx(), folder, writer, exported);
             }
             changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
         });
@@ -110,7 +101,6 @@ impl Export {
             Some(filter) => format!("The export includes only the data shown: {filter}."),
         };
         two_lines(ui, &included, ink.dim, 2);
-        is_outdated
     }
 
     fn take_outcome(&mut self, ctx: &egui::Context) {

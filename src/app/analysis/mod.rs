@@ -1,12 +1,11 @@
 //! The analysis: reads files and shows the results document.
 //!
 //! [`page`] reads files and asks the [`questions`] that they leave open; [`open_study`] filters and models the ratings,
-//! [`task`] has the answers to another task, and [`opened`] lays out both. [`files`] knows whether they have changed.
-//! [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
+//! [`task`] has the answers to another task, and [`opened`] lays out both and
+//! knows whether their files have changed. [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
 mod document;
 mod export;
-mod files;
 mod open_study;
 mod opened;
 mod page;

@@ -1,14 +1,13 @@
 //! An open study: its filters and settings, and the resulting document.
 
-use std::{cell::OnceCell, collections::BTreeSet, sync::Arc};
+use std::sync::Arc;
 
 use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    files::Files,
-    opened::{Opened, Request, problems, show_opened},
+    opened::{Files, Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
 use crate::{
@@ -25,7 +24,7 @@ use crate::{
         study::{Parts, document},
         study_files, write_files,
     },
-    store::ratings::{Reason, SessionRead, Source, column_names},
+    store::ratings::{Reason, SessionRead},
     work::Analyze,
 };
 
@@ -36,40 +35,39 @@ const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 pub struct OpenStudy {
     study: Arc<Study>,
     /// The files of the study, and how they were read.
-    pub files: Arc<Files>,
+    files: Arc<Files>,
     filters: Filters,
     model: ModelControls,
     /// The last requested analysis, finished or not.
     last: Option<Analyze>,
-    /// The running analysis: first the description of the data without a model, then everything.
-    work: Option<(Stage, Analyzing)>,
-    /// The view of the description, while `work` is running.
+    /// How far that one is.
+    state: State,
+    /// The view of the description, until everything is there.
     draft: Option<DocumentView>,
-    /// The progress of the analysis in `work`.
+    /// The progress of the running analysis.
     simulated: Arc<Steps>,
     /// The last finished analysis and the view of its document.
     shown: Option<(Outcome, DocumentView)>,
     /// The running computation of the document with a prediction.
     predicting: Option<BackgroundTask<Document>>,
     error: Option<String>,
-    /// Why the files could not be read with other options.
-    not_reread: Option<String>,
     /// The address of the open section.
     section: &'static str,
     export: Export,
     request: Option<Request>,
-    /// Whether nothing is selected, so that the results are of what was selected before.
-    is_empty: bool,
-    /// Whether the user stopped the analysis, so that the results are of what was selected before.
-    is_stopped: bool,
-    /// Columns that are read only because the terms name them.
-    extra: Vec<String>,
-    /// The names of all columns of the files, once they are needed.
-    columns: OnceCell<BTreeSet<String>>,
 }
 
-/// A running analysis; its result is `None` if nothing is selected.
-type Analyzing = BackgroundTask<Option<(Outcome, Document)>>;
+/// How far an analysis is. While it is not done, the results are of what was selected before.
+enum State {
+    Done,
+    /// It is running: first the description of the data without a model, then everything. The result is `None` if nothing
+    /// is selected.
+    Running(Stage, BackgroundTask<Option<(Outcome, Document)>>),
+    /// The user stopped it.
+    Stopped,
+    /// Nothing is selected.
+    Empty,
+}
 
 /// What is computed of an analysis.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -95,25 +93,20 @@ impl OpenStudy {
     pub fn new(study: Study, files: Arc<Files>) -> Self {
         let paths = study.source.files.iter().map(|file| file.path.clone());
         Self {
-            is_empty: false,
-            is_stopped: false,
             filters: Filters::default(),
             model: ModelControls::default(),
             last: None,
-            work: None,
+            state: State::Done,
             draft: None,
             simulated: Arc::default(),
             shown: None,
             predicting: None,
             error: None,
-            not_reread: None,
             section: "summary",
             export: Export::new(&files.asked.ratings.paths, paths),
             study: Arc::new(study),
             files,
             request: None,
-            extra: Vec::new(),
-            columns: OnceCell::new(),
         }
     }
 
@@ -126,23 +119,18 @@ impl OpenStudy {
             model: before.model,
             section: before.section,
             export: before.export,
-            extra: before.extra,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
             ..Self::new(study, files)
         }
     }
 
-    /// Records why the files could not be read with other options. The current data stay.
-    pub fn keep(&mut self, error: String) {
-        self.not_reread = Some(error);
-    }
-
-    /// Draws the study. `Next` requests an action that only the page can perform.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Step<Request> {
+    /// Draws the study, and why it could not be read with other options. `Next` requests an action that only the page can
+    /// perform.
+    pub fn show(&mut self, ui: &mut egui::Ui, error: &str) -> Step<Request> {
         self.take_outcome(ui.ctx());
         self.analyze(ui.ctx());
-        let back = show_opened(ui, self);
+        let back = show_opened(ui, self, error);
         match self.request.take() {
             Some(request) => Step::Next(request),
             None => Step::back_if(back),
@@ -151,21 +139,24 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        match self.work.as_ref().and_then(|(stage, task)| Some((*stage, task.poll()?))) {
-            None => {}
-            Some((Stage::Draft, Ok(Some((_, document))))) => {
-                self.draft = Some(DocumentView::new(document, None));
-                self.start(ctx, Stage::Whole);
-            }
-            Some((_, Ok(None))) => (self.work, self.is_empty) = (None, true),
-            Some((Stage::Whole, Ok(Some((outcome, document))))) => {
-                let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                self.shown = Some((outcome, DocumentView::new(document, earlier)));
-                (self.work, self.predicting) = (None, None);
-            }
-            Some((_, Err(Lost))) => {
-                self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
-                self.work = None;
+        if let State::Running(stage, task) = &self.state
+            && let (stage, Some(result)) = (*stage, task.poll())
+        {
+            self.state = State::Done;
+            match result {
+                Ok(Some((_, document))) if stage == Stage::Draft => {
+                    self.draft = Some(DocumentView::new(document, None));
+                    self.start(ctx, Stage::Whole);
+                }
+                Ok(Some((outcome, document))) => {
+                    let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
+                    self.shown = Some((outcome, DocumentView::new(document, earlier)));
+                    self.predicting = None;
+                }
+                Ok(None) => self.state = State::Empty,
+                Err(Lost) => {
+                    self.error = Some("The analysis ended unexpectedly. Try other options or less data.".to_owned());
+                }
             }
         }
         if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
@@ -179,11 +170,10 @@ impl OpenStudy {
     /// Begins an analysis when another one is requested; one that is still running is stopped.
     fn analyze(&mut self, ctx: &egui::Context) {
         let ratings = self.files.asked.ratings.clone().excluding(self.filters.0.clone());
-        let request = Analyze { ratings, ..self.model.request() };
+        let request = Analyze { ratings, ..self.model.request.clone() };
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
             (self.error, self.draft, self.predicting) = (None, None, None);
-            (self.is_empty, self.is_stopped) = (false, false);
             self.start(ctx, Stage::Draft);
         }
     }
@@ -195,33 +185,20 @@ impl OpenStudy {
         self.simulated = Arc::default();
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
         let compute = move || Outcome::new(&study, request, filter, stage, &simulated);
-        self.work = Some((stage, BackgroundTask::stoppable(ctx, compute)));
+        self.state = State::Running(stage, BackgroundTask::stoppable(ctx, compute));
     }
 
     /// Returns whether the results are of what was selected before.
     fn is_stale(&self) -> bool {
-        self.work.is_some() || self.is_empty || self.is_stopped
+        !matches!(self.state, State::Done)
     }
 
     /// Ends what is being computed. It begins again when the study is shown.
     pub fn pause(&mut self) {
-        if self.work.take().is_some() {
-            self.last = None;
+        if matches!(self.state, State::Running(..)) {
+            (self.state, self.last) = (State::Done, None);
         }
         self.predicting = None;
-    }
-
-    /// Reads the files again if the terms name columns that were not read, or no longer name a column that was.
-    fn read_columns_of_terms(&mut self) {
-        let factors = self.study.measured.counts.factors.iter().map(|factor| factor.name.as_str());
-        let usual: Vec<&str> = factors.filter(|name| !self.extra.iter().any(|extra| extra == name)).collect();
-        let extra = self.model.missing(&usual);
-        if extra != self.extra && self.request.is_none() {
-            // Also if the files cannot be read, so that the same request is not repeated in every frame.
-            self.extra = extra;
-            let Analyze { ratings, .. } = self.files.asked.clone();
-            self.request = Some(Request::Read(Box::new(Analyze { ratings, ..self.model.request() })));
-        }
     }
 }
 
@@ -249,20 +226,24 @@ impl Opened for OpenStudy {
         let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(rect).layout(right));
         ui.set_clip_rect(rect);
         // How far it is has the right end of the line; the rest may be cut.
-        if let Some((stage, _)) = self.work {
-            self.simulated.show(ui, "Analyzing", "simulated studies");
-            if stage == Stage::Whole && ui.small_button("Stop").clicked() {
-                (self.work, self.is_stopped) = (None, true);
+        match self.state {
+            State::Done => {}
+            State::Running(stage, _) => {
+                self.simulated.show(ui, "Analyzing", "simulated studies");
+                if stage == Stage::Whole && ui.small_button("Stop").clicked() {
+                    self.state = State::Stopped;
+                }
             }
-        } else if self.is_stopped {
-            ui.label(secondary("Stopped."));
-            if ui.small_button("Continue").clicked() {
-                self.is_stopped = false;
-                self.start(ui.ctx(), Stage::Whole);
+            State::Stopped => {
+                ui.label(secondary("Stopped."));
+                if ui.small_button("Continue").clicked() {
+                    self.start(ui.ctx(), Stage::Whole);
+                }
             }
-        } else if self.is_empty {
-            ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
-                .on_hover_text("Select at least one participant and at least one level of every factor.");
+            State::Empty => {
+                ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))
+                    .on_hover_text("Select at least one participant and at least one level of every factor.");
+            }
         }
         if let Some((outcome, _)) = &self.shown {
             let counts = &outcome.results.measured.counts;
@@ -280,7 +261,7 @@ impl Opened for OpenStudy {
             show_error(ui, text);
         }
         if let Some(draft) = &mut self.draft
-            && (self.work.is_some() || self.is_stopped)
+            && matches!(self.state, State::Running(..) | State::Stopped)
         {
             let is_first = self.shown.is_none();
             if DRAFTED.contains(&self.section) {
@@ -301,7 +282,7 @@ impl Opened for OpenStudy {
             }
             view.show(ui, self.section)
         });
-        if !found.inner && !self.is_empty {
+        if !found.inner && !matches!(self.state, State::Empty) {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label("Predicting…");
@@ -326,9 +307,6 @@ impl Opened for OpenStudy {
                 self.request = Some(Request::Read(Box::new(asked)));
             }
         }
-        if let Some(text) = &self.not_reread {
-            show_error(ui, text);
-        }
         ui.horizontal_wrapped(|ui| {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
@@ -347,9 +325,7 @@ impl Opened for OpenStudy {
             self.filters = Filters::default();
         }
         ui.separator();
-        let is_column = |name: &str| self.columns.get_or_init(|| columns(&self.study.source)).contains(name);
-        self.model.show(ui, counts, &self.filters, &is_column);
-        self.read_columns_of_terms();
+        self.model.show(ui, counts, &self.filters);
     }
 
     fn export(&mut self, ui: &mut egui::Ui) {
@@ -360,7 +336,6 @@ impl Opened for OpenStudy {
             Exported {
                 request: &outcome.request,
                 filter: outcome.filter.clone(),
-                files: &self.files,
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
@@ -369,10 +344,8 @@ impl Opened for OpenStudy {
                 }),
             }
         });
-        let request = self.last.as_ref().filter(|_| !self.is_empty);
-        if self.export.show(ui, request, exported.as_ref()) {
-            self.request = Some(Request::Read(Box::new(self.files.asked.clone())));
-        }
+        let request = self.last.as_ref().filter(|_| !matches!(self.state, State::Empty));
+        self.export.show(ui, request, exported.as_ref());
     }
 }
 
@@ -393,11 +366,6 @@ fn about(ui: &mut egui::Ui, study: &Study) {
     hint(ui, format!("{}{sessions}, {}.", count(people, "participant"), count(ratings, "rating")));
     problems(ui, "Errors", &source.errors, theme::ink(ui).bad);
     problems(ui, "Warnings", &source.warnings, theme::ink(ui).warn);
-}
-
-/// Returns the names of all columns of the files.
-fn columns(source: &Source) -> BTreeSet<String> {
-    source.files.iter().filter_map(|file| column_names(&file.path).ok()).flatten().collect()
 }
 
 impl Outcome {

@@ -1,11 +1,15 @@
-//! What the results of ratings and of other tasks share: the column of controls with the export, beside the sections.
+//! What the results of ratings and of other tasks share: the column of controls with the export, beside the sections, and
+//! the files as they were when they were read.
+
+use std::{path::PathBuf, time::SystemTime};
 
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Frame, Panel, RichText, ScrollArea};
 
 use crate::{
-    app::ui::{Field, folded, heading, paragraph, pinned, theme},
+    app::ui::{Field, folded, heading, paragraph, pinned, text, theme},
     report::document::numbers::whole,
-    store::FileError,
+    store::{FileError, ratings::with_files},
+    system::found,
     work::Analyze,
 };
 
@@ -45,8 +49,8 @@ pub trait Opened {
     fn document(&mut self, ui: &mut egui::Ui);
 }
 
-/// Draws the data; returns whether the user leaves them.
-pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
+/// Draws the data, and the `error` in reading them in another way; returns whether the user leaves them.
+pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T, error: &str) -> bool {
     let narrow = ui.available_width() < NARROW;
     let mut back = false;
     if !narrow {
@@ -57,6 +61,7 @@ pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
                 back = heading(ui, "Analyze");
                 opened.controls(ui);
+                text::errors(ui, error);
             });
         };
         let width = (ui.available_width() * 0.3).clamp(290.0, 360.0);
@@ -89,6 +94,7 @@ pub fn show_opened<T: Opened>(ui: &mut egui::Ui, opened: &mut T) -> bool {
         if *opened.section() == DATA.0 {
             ScrollArea::vertical().id_salt("data").auto_shrink(false).show(ui, |ui| {
                 opened.controls(ui);
+                text::errors(ui, error);
                 opened.export(ui);
             });
         } else {
@@ -113,4 +119,36 @@ pub fn problems(ui: &mut egui::Ui, title: &str, problems: &[FileError], color: e
             }
         });
     });
+}
+
+/// Files that were read, and how.
+pub struct Files {
+    pub asked: Analyze,
+    seen: Seen,
+}
+
+/// The size of each file and when it was last changed, or why that is not known.
+type Seen = Result<Vec<(PathBuf, Option<(u64, Option<SystemTime>)>)>, String>;
+
+impl Files {
+    /// Looks at the files. Call this before they are read, so that no change is missed.
+    pub fn of(asked: Analyze) -> Self {
+        Self { seen: seen(&asked), asked }
+    }
+
+    /// Returns whether the files are now others, or have changed.
+    pub fn have_changed(&self) -> bool {
+        self.seen != seen(&self.asked)
+    }
+}
+
+fn seen(asked: &Analyze) -> Seen {
+    let files = with_files(asked.ratings.paths.clone()).map_err(|error| error.to_string())?;
+    let state = |path: PathBuf| {
+        let metadata = found(&path).map_err(|error| error.to_string())?;
+        // The time of a folder also changes when something else is written into it.
+        let file = metadata.filter(|metadata| !metadata.is_dir());
+        Ok((path, file.map(|file| (file.len(), file.modified().ok()))))
+    };
+    files.into_iter().map(state).collect()
 }

@@ -1,16 +1,12 @@
 //! The page that reads and shows the data.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{path::PathBuf, sync::Arc};
 
 use eframe::egui::{self, Key};
 
 use super::{
-    files::Files,
     open_study::OpenStudy,
-    opened::Request,
+    opened::{Files, Request},
     questions::{CategoryOrder, Columns},
     task::{OpenTask, TaskRead},
 };
@@ -20,7 +16,6 @@ use crate::{
         work::{BackgroundTask, Lost},
     },
     report::Study,
-    system::{entries, unless_missing},
     work::{Analyze, Ratings},
 };
 
@@ -28,10 +23,6 @@ use crate::{
 pub struct Analysis {
     /// The path as typed.
     typed: String,
-    /// The experiments in the results folder that have data.
-    found: Vec<PathBuf>,
-    /// Why the results folder cannot be read.
-    unlisted: Option<String>,
     dialog: Dialog,
     /// The files being read, if any.
     reading: Option<Pending>,
@@ -42,14 +33,18 @@ pub struct Analysis {
     order: Option<CategoryOrder>,
     /// The files and folders opened last, and how they are read.
     asked: Analyze,
-    open: Option<Box<OpenStudy>>,
-    /// The results of a task other than a rating.
-    task: Option<Box<OpenTask>>,
+    open: Option<Open>,
     /// The files of the open data, and whether to look if they have changed.
     files: Option<Arc<Files>>,
     returns: bool,
     /// Looks if they have changed.
     looking: Option<BackgroundTask<bool>>,
+}
+
+/// The data that are shown: ratings, or the answers to another task.
+enum Open {
+    Ratings(Box<OpenStudy>),
+    Task(Box<OpenTask>),
 }
 
 /// What was read.
@@ -79,34 +74,22 @@ struct Pending {
 }
 
 impl Analysis {
-    /// Creates the page without data. It offers the experiments in a results folder and lets the user open other files.
-    pub fn new(results: &Path) -> Self {
-        let mut page = Self::default();
-        page.offer(results);
-        page
-    }
-
-    /// Offers the experiments that are in a results folder when the user returns to the page.
-    pub fn offer(&mut self, results: &Path) {
-        (self.found, self.unlisted) = match unless_missing(entries(results)) {
-            Ok(found) => (found.unwrap_or_default(), None),
-            Err(error) => (Vec::new(), Some(format!("{} cannot be read: {error}.", results.display()))),
-        };
-        self.found.retain(|path| has_data(path));
+    /// Looks whether the open files have changed, because the user returns to the page.
+    pub fn look_again(&mut self) {
         self.returns = true;
     }
 
     /// Creates the page that opens a data set.
     pub fn of(ctx: &egui::Context, data_set: PathBuf) -> Self {
-        let mut page = Self::new(data_set.parent().unwrap_or(Path::new("")));
+        let mut page = Self::default();
         page.read_new(ctx, vec![data_set]);
         page
     }
 
     /// Ends the computation of what is not shown; it begins again when the page is shown.
     pub fn pause(&mut self) {
-        if let Some(open) = &mut self.open {
-            open.pause();
+        if let Some(Open::Ratings(study)) = &mut self.open {
+            study.pause();
         }
     }
 
@@ -127,7 +110,7 @@ impl Analysis {
     /// Returns the file or folder that is open; `None` if there is none, or if there are several.
     pub fn opened(&self) -> Option<PathBuf> {
         let [path] = self.asked.ratings.paths.as_slice() else { return None };
-        std::path::absolute(path).ok().filter(|_| self.open.is_some() || self.task.is_some())
+        std::path::absolute(path).ok().filter(|_| self.open.is_some())
     }
 
     /// Draws the page; returns whether the user left it. `recent` are the paths that were opened recently.
@@ -138,15 +121,17 @@ impl Analysis {
         self.look(ui.ctx());
         // While its files are read again, the study stays in view.
         let is_reading = self.reading.as_ref().is_some_and(|pending| !pending.again);
-        let task = self.task.as_mut().filter(|_| !is_reading);
         let open = self.open.as_mut().filter(|_| self.columns.is_none() && !is_reading);
-        let is_stale = self.reading.is_some();
-        let step = task.map(|task| task.show(ui, is_stale)).or_else(|| open.map(|open| open.show(ui)));
+        let error = self.error.as_deref().unwrap_or_default();
+        let step = match open {
+            None => Step::back_if(self.show_start(ui, recent)),
+            Some(Open::Ratings(study)) => study.show(ui, error),
+            Some(Open::Task(task)) => task.show(ui, self.reading.is_some(), error),
+        };
         let back = match step {
-            None => self.show_start(ui, recent),
-            Some(Step::Stay) => false,
-            Some(Step::Back) => true,
-            Some(Step::Next(request)) => {
+            Step::Stay => false,
+            Step::Back => true,
+            Step::Next(request) => {
                 self.follow(ui.ctx(), request);
                 false
             }
@@ -170,38 +155,33 @@ impl Analysis {
         let read =
             read.unwrap_or_else(|Lost| Err("The files could not be read: reading ended unexpectedly".to_owned()));
         let Some(Pending { asked, again, .. }) = self.reading.take() else { return };
+        let before = self.open.take();
         match read {
-            Ok((files, Read::Task(read))) => {
-                self.files = Some(files.clone());
-                (self.columns, self.open) = (None, None);
-                let before = self.task.take().filter(|_| again).map(|before| *before);
-                self.task = Some(Box::new(OpenTask::new(*read, files, before)));
+            Ok((files, read)) => {
+                (self.files, self.columns) = (Some(files.clone()), None);
+                self.open = match (read, before.filter(|_| again)) {
+                    (Read::Task(read), Some(Open::Task(before))) => {
+                        Some(Open::Task(Box::new(OpenTask::new(*read, files, Some(*before)))))
+                    }
+                    (Read::Task(read), _) => Some(Open::Task(Box::new(OpenTask::new(*read, files, None)))),
+                    (Read::Ratings(study), before) => {
+                        self.order = CategoryOrder::needed(&study, &asked.ratings);
+                        self.order.is_none().then(|| {
+                            Open::Ratings(Box::new(match before {
+                                Some(Open::Ratings(before)) => OpenStudy::reread(*study, files, *before),
+                                _ => OpenStudy::new(*study, files),
+                            }))
+                        })
+                    }
+                };
             }
-            Ok((files, Read::Ratings(study))) => {
-                self.files = Some(files.clone());
-                let study = *study;
-                (self.columns, self.task) = (None, None);
-                let before = self.open.take().filter(|_| again);
-                self.order = CategoryOrder::needed(&study, &asked.ratings);
-                if self.order.is_some() {
-                    return;
-                }
-                self.open = Some(Box::new(match before {
-                    Some(before) => OpenStudy::reread(study, files, *before),
-                    None => OpenStudy::new(study, files),
-                }));
+            Err(error) if again && before.is_some() => (self.open, self.error) = (before, Some(error)),
+            Err(error) => {
+                self.columns = Columns::needed(&asked.ratings);
+                // A missing selection is not an error before the user has seen the form.
+                let is_first = self.columns.is_some() && asked.ratings.subject.is_none();
+                self.error = (!is_first).then_some(error);
             }
-            Err(error) => match (self.open.as_mut().filter(|_| again), self.task.as_mut().filter(|_| again)) {
-                (Some(open), _) => open.keep(error),
-                (None, Some(task)) => task.keep(error),
-                (None, None) => {
-                    (self.open, self.task) = (None, None);
-                    self.columns = Columns::needed(&asked.ratings);
-                    // A missing selection is not an error before the user has seen the form.
-                    let is_first = self.columns.is_some() && asked.ratings.subject.is_none();
-                    self.error = (!is_first).then_some(error);
-                }
-            },
         }
     }
 
@@ -209,7 +189,7 @@ impl Analysis {
     fn look(&mut self, ctx: &egui::Context) {
         self.returns |= ctx.input(|input| input.events.contains(&egui::Event::WindowFocused(true)));
         // A form that is being filled in must stay.
-        let is_open = (self.open.is_some() || self.task.is_some()) && self.columns.is_none();
+        let is_open = self.open.is_some() && self.columns.is_none();
         let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
         if self.looking.is_none() && std::mem::take(&mut self.returns) {
             let files = files.clone();
@@ -225,9 +205,9 @@ impl Analysis {
     /// Performs an action requested by the controls of the study.
     fn follow(&mut self, ctx: &egui::Context, request: Request) {
         match request {
-            Request::OtherData => (self.open, self.task) = (None, None),
+            Request::OtherData => (self.open, self.error) = (None, None),
             Request::Columns => {
-                self.columns = self.open.as_ref().and_then(|open| Columns::of(&open.files.asked.ratings));
+                self.columns = self.files.as_ref().and_then(|files| Columns::of(&files.asked.ratings));
             }
             Request::Read(asked) => {
                 // The study requests the same again in every frame until it is read.
@@ -300,24 +280,12 @@ impl Analysis {
                 }
             }
         });
-        if !self.found.is_empty() || self.unlisted.is_some() {
-            section(ui, "In the results folder");
-        }
-        self.unlisted.iter().for_each(|error| show_error(ui, error));
-        for path in &self.found {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if ui.button(format!("Analyze {name}")).on_hover_text(path.display().to_string()).clicked() {
-                chosen = Some(path.clone());
-            }
-        }
-        let is_found = |path: &Path| self.found.iter().any(|found| std::path::absolute(found).is_ok_and(|f| f == path));
-        let others: Vec<&Path> = recent.iter().map(Path::new).filter(|path| !is_found(path)).collect();
-        if !others.is_empty() {
+        if !recent.is_empty() {
             section(ui, "Opened recently");
         }
-        for path in others {
-            if ui.button(path.display().to_string()).clicked() {
-                chosen = Some(path.to_owned());
+        for path in recent {
+            if ui.button(path).clicked() {
+                chosen = Some(path.into());
             }
         }
         ui.add_space(6.0);
@@ -331,14 +299,6 @@ impl Analysis {
         });
         chosen
     }
-}
-
-/// Returns whether a folder is an experiment's data set with at least one session in it. One that cannot be read may be;
-/// opening it says what is wrong.
-fn has_data(path: &Path) -> bool {
-    let is_session = |path: &PathBuf| path.to_string_lossy().ends_with("_data.csv");
-    let files = unless_missing(entries(&path.join("data")));
-    files.map_or(true, |files| files.is_some_and(|files| files.iter().any(is_session)))
 }
 
 /// Requests an analysis of these ratings.

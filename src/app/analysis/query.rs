@@ -13,7 +13,7 @@ use crate::{
     },
     app::ui::{Field, folded, show_error, text::name},
     report::names,
-    work::{Analyze, Model},
+    work::Analyze,
 };
 
 /// Width of the column of labels, points.
@@ -36,15 +36,10 @@ impl Filters {
         self.0.only.iter().find(|(name, _)| name == factor).map(|(_, kept)| &kept[..])
     }
 
-    /// Checks that the terms name factors, or columns that can become factors, and use as numbers only selected levels
-    /// that are numbers.
-    fn check(&self, terms: &Terms, counts: &Counts, is_column: &dyn Fn(&str) -> bool) -> Result<(), ModelError> {
+    /// Checks that the terms name factors, and use as numbers only selected levels that are numbers.
+    fn check(&self, terms: &Terms, counts: &Counts) -> Result<(), ModelError> {
         for variable in terms.iter().flat_map(|term| &term.variables) {
-            let (index, inverse) = match find_factor(counts, variable) {
-                Ok(found) => found,
-                Err(_) if is_column(variable.name()) => continue,
-                Err(error) => return Err(error),
-            };
+            let (index, inverse) = find_factor(counts, variable)?;
             let factor = &counts.factors[index];
             let kept = self.kept(&factor.name);
             let mut selected = factor.levels.iter().filter(|level| kept.is_none_or(|kept| kept.contains(level)));
@@ -146,26 +141,18 @@ fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
 /// The values of the controls.
 #[derive(Clone, Debug, Default)]
 pub struct ModelControls {
-    /// What is requested, except the ratings and the terms.
-    request: Analyze,
+    /// What is requested, except the ratings; the terms are the last valid ones, or `None` for all factors.
+    pub request: Analyze,
     /// The terms as they are being typed.
     typed: String,
     /// When they were last changed, seconds.
     changed_s: f64,
-    /// The last valid terms, which are used; `None` for all factors.
-    terms: Option<Terms>,
 }
 
 impl ModelControls {
-    /// Returns the requested analysis, without the ratings.
-    pub fn request(&self) -> Analyze {
-        let model = Model { terms: self.terms.clone(), ..self.request.model.clone() };
-        Analyze { model, ..self.request.clone() }
-    }
-
-    /// Draws the controls. `is_column` says whether the files have a column that is not a factor yet.
-    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
-        self.terms_field(ui, counts, filters, is_column);
+    /// Draws the controls.
+    pub fn show(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
+        self.terms_field(ui, counts, filters);
         let people = filters.people(counts);
         let request = &mut self.request;
         let field = |label| Field::new(label).column(LABELS).width(130.0);
@@ -192,7 +179,7 @@ impl ModelControls {
         request.items.take_if(|items| !random || counts.factor(items).is_none());
     }
 
-    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters, is_column: &dyn Fn(&str) -> bool) {
+    fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
         let field = Field::new("Terms").hint(&hint).width(ui.available_width()).text(ui, &mut self.typed);
@@ -207,44 +194,26 @@ impl ModelControls {
         // Every prefix of a list of terms would be analyzed without a pause.
         let left = self.changed_s + PAUSE_S - now;
         let entered = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        match self.parsed(counts, filters, is_column) {
-            Ok(terms) if terms == self.terms => {}
-            Ok(terms) if left <= 0.0 || entered => self.terms = terms,
+        match self.parsed(counts, filters) {
+            Ok(terms) if terms == self.request.model.terms => {}
+            Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
             Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
             Err(error) => show_error(ui, error),
         }
     }
 
     /// Returns the typed terms, or what is wrong with them.
-    fn parsed(
-        &self,
-        counts: &Counts,
-        filters: &Filters,
-        is_column: &dyn Fn(&str) -> bool,
-    ) -> Result<Option<Terms>, String> {
+    fn parsed(&self, counts: &Counts, filters: &Filters) -> Result<Option<Terms>, String> {
         if self.typed.trim().is_empty() {
             return Ok(None);
         }
         let terms = self.typed.parse::<Terms>().map_err(|error| error.to_string())?;
-        match filters.check(&terms, counts, is_column) {
+        match filters.check(&terms, counts) {
             Ok(()) => Ok(Some(terms)),
             Err(ModelError::UnknownFactor { name, known }) => {
                 Err(format!("There is no factor {name}. Enter some of {}.", known.join(", ")))
             }
             Err(error) => Err(error.to_string()),
         }
-    }
-
-    /// Returns the names in the terms that are not among these factors.
-    pub fn missing(&self, known: &[&str]) -> Vec<String> {
-        let Some(terms) = &self.terms else { return Vec::new() };
-        let mut names: Vec<String> = Vec::new();
-        for name in terms.iter().flat_map(|term| &term.variables).map(|variable| variable.name()) {
-            let from_depth = name == "inv_n" && known.contains(&"depth");
-            if !known.contains(&name) && !from_depth && !names.iter().any(|other| other == name) {
-                names.push(name.to_owned());
-            }
-        }
-        names
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Button, Frame, ScrollArea};
+use eframe::egui::{self, Button, ScrollArea};
 
 use crate::{
     app::ui::{Field, hint, paragraph, primary, section, show_error, text::name as label},
@@ -22,15 +22,11 @@ const COUNTS: [&str; 3] = ["count", "freq", "frequency"];
 /// The form for one file.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    paths: Vec<PathBuf>,
+    /// What is chosen, except the factors.
+    ratings: Ratings,
     file: PathBuf,
     /// The names that occur once.
     header: Vec<String>,
-    /// The names that occur more than once, which name no column.
-    repeated: Vec<String>,
-    subject: Option<String>,
-    response: Option<String>,
-    count: Option<String>,
     factors: Vec<bool>,
 }
 
@@ -48,23 +44,22 @@ impl Columns {
     /// Creates a form for the first CSV file among these paths, filled in with the previous choices.
     pub fn of(ratings: &Ratings) -> Option<Self> {
         let file = ratings.paths.iter().find_map(|path| first_csv(path))?;
-        let (header, repeated) = header(&file)?;
+        let header = header(&file)?;
         let known = |name: &Option<String>| name.clone().filter(|name| header.contains(name));
         let like = |names: &[&str]| {
             names.iter().find_map(|name| header.iter().find(|column| column.to_lowercase().contains(name))).cloned()
         };
         let count = header.iter().find(|column| COUNTS.contains(&column.to_lowercase().as_str())).cloned();
         let chosen = ratings.factors.clone().unwrap_or_default().0;
-        Some(Self {
+        let ratings = Ratings {
+            paths: ratings.paths.clone(),
             subject: known(&ratings.subject).or_else(|| like(&SUBJECTS)),
             response: known(&ratings.response).or_else(|| like(&RESPONSES)),
             count: known(&ratings.count).or(count),
-            factors: header.iter().map(|name| chosen.contains(name)).collect(),
-            paths: ratings.paths.clone(),
-            file,
-            header,
-            repeated,
-        })
+            ..Ratings::default()
+        };
+        let factors = header.iter().map(|name| chosen.contains(name)).collect();
+        Some(Self { ratings, file, header, factors })
     }
 
     /// Draws the form; returns how to read the file once the user confirms.
@@ -72,49 +67,39 @@ impl Columns {
         section(ui, "What do the columns mean?");
         let name = self.file.file_name().unwrap_or(self.file.as_os_str()).to_string_lossy().into_owned();
         hint(ui, format!("{name} was not written by machband. Identify its columns."));
-        if !self.repeated.is_empty() {
-            let names = self.repeated.join(", ");
-            show_error(ui, format!("{name}:1: Several columns are named {names}. Give each a different name."));
-        }
         let columns: Vec<Option<String>> = std::iter::once(None).chain(self.header.iter().cloned().map(Some)).collect();
         let mut choice = |label, chosen: &mut Option<String>, all: &[Option<String>], none: &str| {
             let text = |name: &Option<String>| name.clone().unwrap_or_else(|| none.to_owned());
             Field::new(label).column(150.0).width(300.0).choice(ui, chosen, all, text);
         };
-        choice("Participant", &mut self.subject, &columns[1..], "choose…");
-        choice("Rating", &mut self.response, &columns[1..], "choose…");
-        choice("Number of trials", &mut self.count, &columns, "one per row");
+        let Ratings { subject, response, count, .. } = &mut self.ratings;
+        choice("Participant", subject, &columns[1..], "choose…");
+        choice("Rating", response, &columns[1..], "choose…");
+        choice("Number of trials", count, &columns, "one per row");
+        let Ratings { subject, response, count, .. } = &self.ratings;
+        // A column with another meaning is not a factor.
+        let is_factor = |name: &&String| ![subject, response, count].into_iter().flatten().any(|other| other == *name);
         ui.label("Factors");
         hint(ui, "Select the columns that define the conditions.");
         ScrollArea::vertical().id_salt("factors").max_height(200.0).show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
-                for (name, checked) in self.header.iter().zip(&mut self.factors) {
-                    // A column with another meaning is not a factor.
-                    if ![&self.subject, &self.response, &self.count].contains(&&Some(name.clone())) {
-                        let response = ui.checkbox(checked, name);
-                        label(ui, &response, &format!("Factor {name}"));
-                    }
+                for (name, checked) in self.header.iter().zip(&mut self.factors).filter(|(name, _)| is_factor(name)) {
+                    let response = ui.checkbox(checked, name);
+                    label(ui, &response, &format!("Factor {name}"));
                 }
             });
         });
         ui.add_space(4.0);
-        let same = self.subject.is_some() && [&self.response, &self.count].contains(&&self.subject)
-            || self.response.is_some() && self.response == self.count;
+        let same = subject.is_some() && [response, count].contains(&subject) || response.is_some() && response == count;
         if same {
             show_error(ui, "One column is used twice. Choose a different column for each.");
         }
-        let ready = self.subject.is_some() && self.response.is_some() && !same;
+        let ready = subject.is_some() && response.is_some() && !same;
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };
-        primary(ui, "Read these columns", ready, hint).then(|| self.ratings())
-    }
-
-    fn ratings(&self) -> Ratings {
-        let (subject, response, count) = (self.subject.clone(), self.response.clone(), self.count.clone());
-        let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
-        let is_factor =
-            |name: &&String| ![&subject, &response, &count].into_iter().flatten().any(|other| other == *name);
-        let factors = Some(List(checked.filter(is_factor).cloned().collect()));
-        Ratings { paths: self.paths.clone(), subject, response, count, factors, ..Ratings::default() }
+        primary(ui, "Read these columns", ready, hint).then(|| {
+            let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
+            Ratings { factors: Some(List(checked.filter(is_factor).cloned().collect())), ..self.ratings.clone() }
+        })
     }
 }
 
@@ -132,16 +117,13 @@ fn first_csv(path: &Path) -> Option<PathBuf> {
     entries(path).ok()?.into_iter().find(|path| is_csv(path) && is_file(path))
 }
 
-/// Returns the names in a file's first row that occur once, and those that occur more than once; none if that row does
-/// not contain names. A column of row numbers has no name.
-fn header(file: &Path) -> Option<(Vec<String>, Vec<String>)> {
+/// Returns the names in a file's first row that occur once; none if that row does not contain names. A column of row
+/// numbers has no name.
+fn header(file: &Path) -> Option<Vec<String>> {
     let mut names = column_names(file).ok()?;
     names.retain(|name| !name.is_empty());
-    let is_single = |name: &String| names.iter().filter(|other| *other == name).count() == 1;
-    let (single, mut repeated): (Vec<String>, Vec<String>) = names.iter().cloned().partition(is_single);
-    repeated.sort();
-    repeated.dedup();
-    (names.len() > 1).then_some((single, repeated))
+    let is_single = |name: &&String| names.iter().filter(|other| other == name).count() == 1;
+    (names.len() > 1).then(|| names.iter().filter(is_single).cloned().collect())
 }
 
 /// The list of categories that the user puts in order.
@@ -170,8 +152,7 @@ impl CategoryOrder {
         hint(
             ui,
             format!(
-                "The ratings in the column {} are words, so their order is not known. Drag them into order, lowest first, \
-                 or move them with the buttons.",
+                "The ratings in the column {} are words, so their order is not known. Move them into order, lowest first.",
                 self.response
             ),
         );
@@ -180,33 +161,25 @@ impl CategoryOrder {
         for (at, category) in self.categories.iter().enumerate() {
             // The ID belongs to the category, so that a button keeps keyboard focus when its category moves.
             ui.push_id(category, |ui| {
-                let drag = ui.scope_id().with("drag");
-                let (_, dropped) = ui.dnd_drop_zone::<usize, _>(Frame::NONE.inner_margin(2.0), |ui| {
-                    ui.horizontal(|ui| {
-                        let ways = [("Up", at.checked_sub(1)), ("Down", (at < last).then_some(at + 1))];
-                        for (way, to) in ways {
-                            let button = ui.add_enabled(to.is_some(), Button::new(way));
-                            label(ui, &button, &format!("{way}: {category}"));
-                            if button.clicked() {
-                                moved = to.map(|to| (at, to));
-                            }
+                ui.horizontal(|ui| {
+                    for (way, to) in [("Up", at.checked_sub(1)), ("Down", (at < last).then_some(at + 1))] {
+                        let button = ui.add_enabled(to.is_some(), Button::new(way));
+                        label(ui, &button, &format!("{way}: {category}"));
+                        if button.clicked() {
+                            moved = to.map(|to| (at, to));
                         }
-                        let end = match at {
-                            0 => " (lowest)",
-                            _ if at == last => " (highest)",
-                            _ => "",
-                        };
-                        ui.dnd_drag_source(drag, at, |ui| paragraph(ui, format!("{}. {category}{end}", at + 1)));
-                    });
+                    }
+                    let end = match at {
+                        0 => " (lowest)",
+                        _ if at == last => " (highest)",
+                        _ => "",
+                    };
+                    paragraph(ui, format!("{}. {category}{end}", at + 1));
                 });
-                if let Some(from) = dropped {
-                    moved = Some((*from, at));
-                }
             });
         }
         if let Some((from, to)) = moved {
-            let category = self.categories.remove(from);
-            self.categories.insert(to, category);
+            self.categories.swap(from, to);
         }
         let categories = || Some(List(self.categories.clone()));
         let confirmed = primary(ui, "Analyze in this order", true, "");

@@ -12,9 +12,6 @@ use crate::{
 
 /// Padding of a column, points.
 const PADDING: f32 = 16.0;
-/// Maximum number of rows for which every text is measured to find the column widths; in longer tables, only the
-/// longest text of each column is measured.
-const MEASURED: usize = 2000;
 
 /// A table and the order of its rows.
 pub struct TableView {
@@ -121,11 +118,7 @@ impl TableView {
         (self.table.header.iter().enumerate())
             .map(|(column, name)| {
                 let texts = self.table.rows.iter().map(|row| &*row[column]);
-                let widest = if self.table.rows.len() > MEASURED {
-                    texts.max_by_key(|text| text.chars().count()).map(width).unwrap_or_default() + PADDING
-                } else {
-                    texts.map(width).fold(0.0, f32::max)
-                };
+                let widest = texts.map(width).fold(0.0, f32::max);
                 // Leaves room for the sort arrow.
                 widest.max(width(name) + PADDING) + PADDING
             })

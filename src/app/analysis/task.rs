@@ -7,12 +7,11 @@ use eframe::egui::{self, RichText};
 use super::{
     document::DocumentView,
     export::{Export, Exported},
-    files::Files,
-    opened::{Opened, Request, problems, show_opened},
+    opened::{Files, Opened, Request, problems, show_opened},
     query,
 };
 use crate::{
-    app::ui::{Step, hint, paragraph, show_error, theme},
+    app::ui::{Step, hint, paragraph, theme},
     report::{
         document::{Document, numbers::count},
         task_files,
@@ -51,8 +50,6 @@ pub struct OpenTask {
     view: DocumentView,
     section: &'static str,
     export: Export,
-    /// Why the data could not be read with another selection.
-    error: Option<String>,
     /// Whether the data are being read with another selection.
     is_stale: bool,
     request: Option<Request>,
@@ -75,19 +72,13 @@ impl OpenTask {
             }
         };
         let view = DocumentView::new(document, view);
-        let (error, is_stale, request) = Default::default();
-        Self { study, results, files, people, excluded, view, section, export, error, is_stale, request }
+        Self { study, results, files, people, excluded, view, section, export, is_stale: false, request: None }
     }
 
-    /// Says why the data could not be read with another selection. The current results stay.
-    pub fn keep(&mut self, error: String) {
-        self.error = Some(error);
-    }
-
-    /// Draws the page. `is_stale`: the data are being read with another selection.
-    pub fn show(&mut self, ui: &mut egui::Ui, is_stale: bool) -> Step<Request> {
+    /// Draws the page. `is_stale`: the data are being read with another selection; `error`: why they could not be.
+    pub fn show(&mut self, ui: &mut egui::Ui, is_stale: bool, error: &str) -> Step<Request> {
         self.is_stale = is_stale;
-        let back = show_opened(ui, self);
+        let back = show_opened(ui, self, error);
         self.request.take().map_or(Step::back_if(back), Step::Next)
     }
 }
@@ -124,9 +115,6 @@ impl Opened for OpenTask {
         if ui.add_enabled(!self.excluded.is_empty(), egui::Button::new("Select everything")).clicked() {
             self.excluded.clear();
         }
-        if let Some(error) = &self.error {
-            show_error(ui, error);
-        }
         if self.excluded != before {
             let mut asked = self.files.asked.clone();
             asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
@@ -143,14 +131,11 @@ impl Opened for OpenTask {
         let exported = Exported {
             request: &files.asked,
             filter,
-            files,
             write: Arc::new(move |writer, made, folder| {
                 let contents = task_files(&study, &results, made, folder, false)?;
                 Ok(write_files(writer, folder, contents)?.len())
             }),
         };
-        if self.export.show(ui, Some(&files.asked), Some(&exported).filter(|_| !*is_stale)) {
-            self.request = Some(Request::Read(Box::new(files.asked.clone())));
-        }
+        self.export.show(ui, Some(&files.asked), Some(&exported).filter(|_| !*is_stale));
     }
 }

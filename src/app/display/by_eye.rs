@@ -6,23 +6,18 @@ use std::{
 };
 
 use eframe::egui::{self, Color32};
-use egui_plot::{Corner, Legend, Line, MarkerShape, Points};
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
     match_run::MatchRun,
 };
 use crate::{
-    app::ui::{
-        Field, describe, note, paragraph, still_plot, table,
-        theme::{self, Ink, color},
-    },
+    app::ui::{Field, note, paragraph, table, theme},
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
     },
     experiment::session_seed,
-    report::figures::palette::{GREEN, VERMILION},
     store::matches::{self, MatchFile},
     system::found,
 };
@@ -99,33 +94,19 @@ impl Method for ByEye {
     }
 }
 
-/// Returns the color and marker of a channel in plots.
-fn series((ink, dark): (&Ink, bool), channel: Channel) -> (Color32, MarkerShape) {
-    match channel {
-        Channel::Red => (color(VERMILION), MarkerShape::Square),
-        Channel::Green => (color(GREEN), MarkerShape::Up),
-        // The second color is a blue in both themes.
-        Channel::Blue => (theme::series(dark, 1).0, MarkerShape::Diamond),
-        Channel::Gray => (ink.text, MarkerShape::Circle),
-    }
-}
-
 /// Says at what distance rows with this period blend.
 fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
-    let otherwise = "If you sit closer, squint or take off your glasses until you cannot see the rows.";
-    let Some(viewing) = viewing else {
-        return format!("Sit far enough away that the rows, which repeat every {period_px} pixels, blend. {otherwise}");
-    };
-    let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
-    let needed_cm = viewing.distance_cm() * BLEND_PER_DEG / per_deg;
-    let counted = format!(
-        "The rows repeat every {period_px} pixels; at {:.0} cm, that is {per_deg:.0} periods per degree",
-        viewing.distance_cm()
+    let distance = viewing.map_or_else(
+        || "far enough away".to_owned(),
+        |viewing| {
+            let per_deg = viewing.px_per_degree() / f64::from(period_px.max(1));
+            format!("at least {:.0} cm away", viewing.distance_cm * BLEND_PER_DEG / per_deg)
+        },
     );
-    if per_deg >= BLEND_PER_DEG {
-        return format!("{counted}. They blend at this distance.");
-    }
-    format!("{counted}. You may be able to see them; they blend at {needed_cm:.0} cm or more. {otherwise}")
+    format!(
+        "Sit {distance}, so that the rows, which repeat every {period_px} pixels, blend. If you sit closer, squint or take \
+            off your glasses until you cannot see the rows."
+    )
 }
 
 /// The estimate of γ for each channel.
@@ -161,19 +142,6 @@ impl Findings for MatchFindings {
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
-        let ink = (theme::ink(ui), ui.visuals().dark_mode);
-        let plot = still_plot(ui, "matching", ["code", "proportion of full light"]).height(260.0);
-        let shown = plot.legend(Legend::default().position(Corner::LeftTop)).show(ui, |plot| {
-            for found in self.found() {
-                let ((color, marker), name) = (series(ink, found.channel), found.channel.name());
-                let curve = (0..=255).map(f64::from).map(|code| [code, (code / 255.0).powf(found.gamma)]);
-                plot.line(Line::new(name, curve.collect::<Vec<_>>()).color(color).width(1.5));
-                plot.points(Points::new(name, vec![[found.code, found.share]]).shape(marker).radius(4.5).color(color));
-                let ends = [-1.0, 1.0].map(|side| [found.code + side * found.code_sd, found.share]);
-                plot.line(Line::new(name, ends.to_vec()).color(color).width(3.0));
-            }
-        });
-        describe(&shown.response, "Plot of the matches and gamma");
         let rows = self.found().map(|found| {
             let [code, sd] = [found.code, found.code_sd].map(|value| format!("{value:.1}"));
             [found.channel.to_string(), format!("{:.2}", found.share), code, sd, found.matches.to_string()]

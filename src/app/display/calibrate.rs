@@ -61,17 +61,6 @@ pub trait Method {
 pub trait Run {
     /// Draws a frame. Returns `Back` to pause, and `Next` when everything is measured.
     fn show(&mut self, ui: &mut Ui) -> Step<()>;
-
-    /// Returns the number of measured items and the number of all items.
-    fn progress(&self) -> (usize, usize);
-
-    /// Returns the items that must be measured again before a profile can be made.
-    fn items_to_repeat(&self) -> Vec<usize> {
-        Vec::new()
-    }
-
-    /// Queues some items to be measured again.
-    fn repeat(&mut self, _: &[usize]) {}
 }
 
 /// What a method finds from its measurements.
@@ -107,9 +96,7 @@ pub struct Calibrate<M: Method> {
     /// What is known about the screen apart from these measurements.
     known: DisplayProfile,
     method: M,
-    /// Name of the screen.
-    name: String,
-    /// Path for the new measurements; it follows the name of the screen until the user types another path.
+    /// Path for the new measurements.
     path: String,
     /// Whether to measure red, green and blue, and whether to measure gray.
     channels: [bool; 2],
@@ -119,9 +106,7 @@ pub struct Calibrate<M: Method> {
     file_error: String,
     dialog: Dialog,
     error: Option<String>,
-    /// The file of a paused run, the number of measured items, and the number of all items.
-    paused: Option<(PathBuf, usize, usize)>,
-    /// The current run, or the run that led to the findings and may be repeated in part.
+    /// The current run.
     run: Option<M::Run>,
     /// The findings, once there are measurements.
     found: Option<Found<M>>,
@@ -131,11 +116,10 @@ pub struct Calibrate<M: Method> {
 impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
-        let path = suggested(&name, M::ITEMS);
+        let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
-        let (paused, run, found, check) = (None, None, None, None);
-        Self { known, method, name, path, channels, file, file_error, dialog, error, paused, run, found, check }
+        let (run, found, check) = (None, None, None);
+        Self { known, method, path, channels, file, file_error, dialog, error, run, found, check }
     }
 
     /// Draws the settings. `viewing` is `None` if the viewing distance or the screen's width is unknown.
@@ -144,9 +128,6 @@ impl<M: Method> Calibrate<M> {
         let back = tool_page(ui, M::TITLE, |ui| {
             paragraph(ui, M::INTRODUCTION);
             ui.add_space(8.0);
-            if Field::new("Name of the screen").column(LABELS).width(260.0).text(ui, &mut self.name).changed() {
-                self.path = suggested(&self.name, M::ITEMS);
-            }
             Field::new("Save the measurements in").column(LABELS).width(380.0).text(ui, &mut self.path);
             if M::HAS_CHANNELS {
                 Field::new("Channels").column(LABELS).show(ui, |ui, _| {
@@ -168,7 +149,7 @@ impl<M: Method> Calibrate<M> {
                 Err(message) => show_error(ui, message),
             }
             let note = self.resume_note();
-            note.iter().for_each(|sentence| hint(ui, sentence));
+            note.iter().for_each(|sentence| hint(ui, *sentence));
             let text = if note.is_some() { "Resume" } else { M::BEGIN };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             self.error.iter().for_each(|message| show_error(ui, message));
@@ -196,20 +177,11 @@ impl<M: Method> Calibrate<M> {
         Channel::ALL.into_iter().filter(wanted).collect()
     }
 
-    /// Returns a note that the file already contains measurements; `None` for a new file.
-    fn resume_note(&self) -> Option<String> {
-        let path = Path::new(self.path.trim());
-        match &self.paused {
-            Some((left, done, all)) if left == path => {
-                Some(format!("Paused after {done} of {all}. Everything so far is saved. To resume, keep the settings."))
-            }
-            _ => found(path).is_ok_and(|found| found.is_some_and(|found| found.is_file())).then(|| {
-                format!(
-                    "This file already contains {}. To resume, keep the settings. To start over, enter another file.",
-                    M::ITEMS
-                )
-            }),
-        }
+    /// Returns a note that the file exists already; `None` for a new file.
+    fn resume_note(&self) -> Option<&'static str> {
+        let is_there = found(Path::new(self.path.trim())).is_ok_and(|found| found.is_some_and(|found| found.is_file()));
+        let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
+        is_there.then_some(note)
     }
 
     fn file_field(&mut self, ui: &mut Ui) -> bool {
@@ -240,9 +212,8 @@ impl<M: Method> Calibrate<M> {
             None | Some(Step::Stay) => {}
             Some(Step::Back) => self.pause(ui.ctx()),
             Some(Step::Next(())) => {
-                self.paused = None;
                 // Dropping a finished run closes its file before the file is read.
-                self.run.take_if(|run| run.items_to_repeat().is_empty());
+                self.run = None;
                 let source = PathBuf::from(self.path.trim());
                 self.found = Some((source.clone(), self.findings(&source)));
                 full_screen(ui.ctx(), false);
@@ -252,13 +223,13 @@ impl<M: Method> Calibrate<M> {
 
     fn findings(&self, source: &Path) -> Result<(M::Findings, ProfileForm), String> {
         let found = M::Findings::read(source)?;
-        let form = ProfileForm::new(self.name.trim(), &self.known, found.instrument());
+        let form = ProfileForm::new(&self.known, found.instrument());
         Ok((found, form))
     }
 
     fn show_findings(&mut self, ui: &mut Ui) -> Step<PathBuf> {
         let Some((source, result)) = &mut self.found else { return Step::Stay };
-        let (mut saved, mut again) = (None, Vec::new());
+        let mut saved = None;
         let back = tool_page(ui, "Result", |ui| {
             paragraph(ui, secondary(source.display().to_string()));
             match result {
@@ -276,19 +247,12 @@ impl<M: Method> Calibrate<M> {
                 Err(errors) => {
                     ui.label("No profile can be made from these measurements:");
                     text::errors(ui, errors);
-                    let items = self.run.as_ref().map(Run::items_to_repeat).unwrap_or_default();
-                    let patches = if items.len() == 1 { "patch" } else { "patches" };
-                    if !items.is_empty() && ui.button(format!("Measure {} {patches} again", items.len())).clicked() {
-                        again = items;
-                    }
+                    hint(ui, "To measure a patch again, delete its line in the file and resume.");
                 }
             }
         });
-        if let Some(mut run) = self.run.take_if(|_| !again.is_empty()) {
-            run.repeat(&again);
-            self.start(ui, run);
-        } else if back || saved.is_some() {
-            (self.run, self.found) = (None, None);
+        if back || saved.is_some() {
+            self.found = None;
             ui.ctx().request_repaint();
         }
         saved.map_or(Step::Stay, Step::Next)
@@ -314,13 +278,12 @@ impl<M: Method> Tool for Calibrate<M> {
     }
 
     fn ground(&self) -> Option<Color32> {
-        (self.run.is_some() && self.found.is_none() && self.check.is_none()).then_some(M::GROUND)
+        self.run.is_some().then_some(M::GROUND)
     }
 
     fn pause(&mut self, ctx: &Context) {
-        if let Some(run) = self.run.take_if(|_| self.found.is_none()) {
-            let (done, all) = run.progress();
-            self.paused = Some((self.path.trim().into(), done, all));
+        // Everything so far is in the file.
+        if self.run.take().is_some() {
             full_screen(ctx, false);
         }
     }
@@ -341,10 +304,11 @@ struct ProfileForm {
 }
 
 impl ProfileForm {
-    fn new(name: &str, known: &DisplayProfile, with: String) -> Self {
+    fn new(known: &DisplayProfile, with: String) -> Self {
+        let name = screen_name(known);
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = format!("calibration/{}.toml", file_name(name));
-        Self { name: name.to_owned(), by, with, path, saving: Saving::default() }
+        let path = format!("calibration/{}.toml", file_name(&name));
+        Self { name, by, with, path, saving: Saving::default() }
     }
 
     /// Draws the fields and the button; returns the path of the profile once it is written.
@@ -392,9 +356,9 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
     profile::write(writer, path, profile)
 }
 
-/// Returns the default file for the measurements of a screen.
-fn suggested(name: &str, items: &str) -> String {
-    format!("calibration/{}_{items}.csv", file_name(name))
+/// Returns the name of a measured screen, or a name to begin with.
+fn screen_name(known: &DisplayProfile) -> String {
+    if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() }
 }
 
 /// Converts the name of a screen to a part of a file name.

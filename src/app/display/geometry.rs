@@ -2,19 +2,13 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{self, Stroke, TextEdit, Vec2};
+use eframe::egui::{self, TextEdit};
 
 use super::{card::CardHelper, tool::Tool};
 use crate::{
-    app::ui::{
-        Field, Monitor, ScreenFields, Step, describe, note, number, platform::Platform, secondary, show_error,
-        theme::ink, tool_page,
-    },
+    app::ui::{Field, Monitor, ScreenFields, Step, note, number, platform::Platform, show_error, tool_page},
     display::{Viewing, geometry::distance_cm},
 };
-
-/// Length of the drawn ruler in centimeters.
-const RULER_CM: u32 = 10;
 
 pub struct GeometryPage {
     window_deg: String,
@@ -42,7 +36,7 @@ impl GeometryPage {
             if let Some(cm) = reported_cm
                 && ui
                     .button(format!("The screen reports {cm:.1}"))
-                    .on_hover_text("Some screens report an incorrect width; check it with the ruler below.")
+                    .on_hover_text("Some screens report an incorrect width; check it with a card.")
                     .clicked()
             {
                 fields.screen_width_cm = format!("{cm:.1}");
@@ -50,10 +44,7 @@ impl GeometryPage {
         });
         if fields.width_is_assumed() {
             let per_inch = monitor.assumed_per_inch();
-            note(
-                ui,
-                format!("This width assumes {per_inch} pixels per inch. Measure it, or check it with the ruler below."),
-            );
+            note(ui, format!("This width assumes {per_inch} pixels per inch. Measure it with a card."));
         }
         Field::new("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
         Field::new("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
@@ -61,7 +52,7 @@ impl GeometryPage {
 
     fn sentences(&self, ui: &mut egui::Ui, viewing: &Viewing) {
         let screen = viewing.screen();
-        let [width, height] = [screen.width_px(), screen.height_px()].map(|side| viewing.deg_from_px(side.into()));
+        let [width, height] = [screen.width_px, screen.height_px].map(|side| viewing.deg_from_px(side.into()));
         ui.label(format!(
             "One degree is {:.1} pixels, or {:.2} cm. One pixel is {:.2} arc minutes.",
             viewing.px_per_degree(),
@@ -70,7 +61,7 @@ impl GeometryPage {
         ));
         ui.label(format!(
             "The screen is {:.1} × {:.1} cm and fills {width:.1}° × {height:.1}°.",
-            screen.width_cm(),
+            screen.width_cm,
             screen.height_cm(),
         ));
         let Some(planned) = number(&self.window_deg).filter(|deg| *deg > 0.0 && *deg < 170.0) else {
@@ -78,7 +69,7 @@ impl GeometryPage {
             return;
         };
         let wanted = viewing.px_from_deg(planned);
-        let least = f64::from(screen.width_px().min(screen.height_px()));
+        let least = f64::from(screen.width_px.min(screen.height_px));
         if wanted <= least {
             ui.label(format!(
                 "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels. It fits and spans {:.0} % of the \
@@ -92,7 +83,7 @@ impl GeometryPage {
                     "The {planned}° stimulus needs {wanted:.0} × {wanted:.0} pixels; only {:.0} % of its width fits. It \
                         fits at a viewing distance of {:.0} cm or less.",
                     100.0 * least / wanted,
-                    distance_cm(planned, screen.width_cm().min(screen.height_cm())).floor()
+                    distance_cm(planned, screen.width_cm.min(screen.height_cm())).floor()
                 ),
             );
         }
@@ -107,10 +98,7 @@ impl Tool for GeometryPage {
             self.fields(ui, monitor, fields);
             ui.add_space(12.0);
             match fields.viewing(monitor) {
-                Ok(viewing) => {
-                    self.sentences(ui, &viewing);
-                    rulers(ui, &viewing);
-                }
+                Ok(viewing) => self.sentences(ui, &viewing),
                 Err(error) => show_error(ui, error.to_string()),
             }
         });
@@ -118,39 +106,5 @@ impl Tool for GeometryPage {
             fields.screen_width_cm = width.to_string();
         }
         Step::back_if(back)
-    }
-}
-
-/// Draws a ruler in centimeters and a line that marks degrees, for comparison with a real ruler.
-fn rulers(ui: &mut egui::Ui, viewing: &Viewing) {
-    let points_per_cm = (viewing.screen().px_per_cm() / f64::from(ui.ctx().pixels_per_point())) as f32;
-    ui.add_space(12.0);
-    ui.label(secondary("Hold a ruler against the screen to compare. The lower line marks one, five and ten degrees."));
-    let degrees = [1.0, 5.0, 10.0].map(|deg| viewing.cm_from_deg(deg) as f32 * points_per_cm);
-    let width = (RULER_CM as f32 * points_per_cm).max(degrees[2]);
-    let (rect, response) =
-        ui.allocate_exact_size(Vec2::new((width + 12.0).min(ui.available_width()), 84.0), egui::Sense::hover());
-    describe(&response, "A ruler of ten centimeters");
-    let painter = ui.painter_at(rect);
-    let ink = ink(ui);
-    let stroke = Stroke::new(1.0, ink.text);
-    let tick = |x: f32, y: f32, height: f32, text: String| {
-        let foot = rect.min + Vec2::new(x + 0.5, y);
-        painter.line_segment([foot, foot - Vec2::new(0.0, height)], stroke);
-        if !text.is_empty() {
-            let align = if x == 0.0 { egui::Align2::LEFT_TOP } else { egui::Align2::CENTER_TOP };
-            painter.text(foot, align, text, egui::FontId::proportional(12.0), ink.dim);
-        }
-    };
-    for mm in 0..=10 * RULER_CM {
-        let height = if mm % 10 == 0 { 14.0 } else { 7.0 };
-        let text = if mm % 10 == 0 { (mm / 10).to_string() } else { String::new() };
-        tick(mm as f32 / 10.0 * points_per_cm, 18.0, height, text);
-    }
-    let foot = rect.min + Vec2::new(0.0, 58.0);
-    painter.line_segment([foot, foot + Vec2::new(degrees[2], 0.0)], stroke);
-    tick(0.0, 58.0, 10.0, "0°".to_owned());
-    for (x, text) in degrees.into_iter().zip(["1°", "5°", "10°"]) {
-        tick(x, 58.0, 10.0, text.to_owned());
     }
 }

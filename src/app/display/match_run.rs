@@ -94,7 +94,7 @@ impl MatchRun {
 
     /// Draws the line with the keys and the progress, or the error.
     fn line(&self, ui: &mut egui::Ui) {
-        let (done, all) = self.progress();
+        let (done, all) = (self.matching.done().len(), self.matching.total());
         let text = format!(
             "Make the square vanish with the left and right arrow keys, then press Enter · {} of {all}, about {:.0} min left · Esc to pause",
             done + 1,
@@ -137,10 +137,6 @@ impl Run for MatchRun {
             self.line(ui);
         });
         Step::Stay
-    }
-
-    fn progress(&self) -> (usize, usize) {
-        (self.matching.done().len(), self.matching.total())
     }
 }
 

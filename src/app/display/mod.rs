@@ -22,9 +22,10 @@ mod patch_run;
 mod photometer;
 mod sizes;
 mod steps;
-pub mod timing;
+mod timing;
 mod tool;
 mod tools;
 
 pub use card::CardHelper;
+pub use timing::TimingReport;
 pub use tools::Display;

@@ -2,18 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{
-    self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2,
-    emath::GuiRounding as _,
-    text::{CCursor, CCursorRange},
-};
+use eframe::egui::{self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2, emath::GuiRounding as _};
 
 use crate::{
     app::{
         display::calibrate::Run,
         ui::{Step, describe, number, paragraph, theme::ink},
     },
-    display::photometer::{ErrorLocation, Patch, Reading, Readings, is_same_level},
+    display::photometer::{Patch, Reading, is_same_level},
     store::{FileErrors, StoreError, Writer, readings},
     system::found,
 };
@@ -42,13 +38,11 @@ pub struct PatchView {
 pub struct PatchRun {
     patches: Vec<Patch>,
     readings: Vec<Option<f64>>,
-    /// Indices of the patches that remain to be shown; the first is on the screen.
-    queue: Vec<usize>,
+    /// The index of the patch on the screen; the number of patches once all are read.
+    at: usize,
     path: PathBuf,
     view: PatchView,
     entry: String,
-    /// Whether the line should take keyboard focus with its text selected, so that typing replaces it.
-    select: bool,
     /// The window's time at which the displayed patch appeared, seconds.
     since: Option<f64>,
     message: Option<String>,
@@ -79,15 +73,13 @@ impl PatchRun {
                 readings[free] = Some(one.luminance_cd_m2);
             }
         }
-        let queue = (0..readings.len()).filter(|at| readings[*at].is_none()).collect();
         let run = Self {
             patches,
+            at: first_unread(&readings),
             readings,
-            queue,
             path: path.to_owned(),
             view,
             entry: String::new(),
-            select: true,
             since: None,
             message: None,
             unconfirmed: None,
@@ -117,10 +109,7 @@ impl PatchRun {
         ui.horizontal_wrapped(|ui| {
             let label = ui.label(format!("{} {} · cd/m²", patch.channel, patch.code));
             let empty = self.entry.is_empty();
-            if std::mem::take(&mut self.select) {
-                select_all(ui.ctx(), &self.entry);
-            }
-            let field = TextEdit::singleline(&mut self.entry).id(field_id()).desired_width(110.0);
+            let field = TextEdit::singleline(&mut self.entry).id_salt("reading").desired_width(110.0);
             let field = ui.add(field).labelled_by(label.id);
             accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
@@ -131,7 +120,7 @@ impl PatchRun {
             accept |= ui.button("Next").clicked();
             previous |= ui.add_enabled(at > 0, egui::Button::new("Previous")).clicked();
             pause |= ui.button("Pause").clicked();
-            let (done, all) = self.progress();
+            let (done, all) = (self.readings.iter().flatten().count(), self.readings.len());
             let settling = if remaining_s > 0.0 { format!(" · settling, {remaining_s:.1} s") } else { String::new() };
             ui.label(format!("{done} of {all} read{settling} · Enter: next · Backspace: previous · Esc: pause"));
         });
@@ -141,19 +130,18 @@ impl PatchRun {
         if accept {
             self.accept(at, remaining_s);
         } else if previous && at > 0 {
-            self.queue.insert(0, at - 1);
+            self.at = at - 1;
             self.prepare_line(self.readings[at - 1]);
         }
         match () {
             () if pause => Step::Back,
-            () if self.queue.is_empty() => Step::Next(()),
+            () if self.at == self.patches.len() => Step::Next(()),
             () => Step::Stay,
         }
     }
 
     /// Accepts the typed text as the reading of a patch, or says why not.
     fn accept(&mut self, at: usize, remaining_s: f64) {
-        self.select = true;
         let value = number(&self.entry).filter(|value| *value >= 0.0);
         self.message = match value {
             None => {
@@ -180,16 +168,14 @@ impl PatchRun {
             self.readings[at] = before;
             return Some(error.to_string());
         }
-        self.queue.retain(|queued| *queued != at);
-        let next = self.queue.first().and_then(|next| self.readings[*next]);
-        self.prepare_line(next);
+        self.at = first_unread(&self.readings);
+        self.prepare_line(None);
         None
     }
 
     /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
     fn prepare_line(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
-        self.select = true;
         self.since = None;
         self.message = None;
         self.unconfirmed = None;
@@ -216,7 +202,10 @@ impl PatchRun {
 
 impl Run for PatchRun {
     fn show(&mut self, ui: &mut egui::Ui) -> Step<()> {
-        let Some(&at) = self.queue.first() else { return Step::Next(()) };
+        let at = self.at;
+        if at == self.patches.len() {
+            return Step::Next(());
+        }
         let now = ui.input(|input| input.time);
         let remaining_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
         if remaining_s > 0.0 {
@@ -235,44 +224,11 @@ impl Run for PatchRun {
             })
             .inner
     }
-
-    fn progress(&self) -> (usize, usize) {
-        (self.readings.iter().flatten().count(), self.readings.len())
-    }
-
-    /// Returns the patches with implausible readings, according to the errors in the readings.
-    fn items_to_repeat(&self) -> Vec<usize> {
-        let errors = Readings::new(self.taken_readings()).err().unwrap_or_default();
-        let is_named = |patch: &Patch| {
-            errors.iter().any(|error| match error.location {
-                ErrorLocation::Levels(channel, levels) => {
-                    patch.channel == channel && levels.iter().any(|level| is_same_level(patch.level, *level))
-                }
-                _ => false,
-            })
-        };
-        (0..self.patches.len()).filter(|at| is_named(&self.patches[*at])).collect()
-    }
-
-    fn repeat(&mut self, patches: &[usize]) {
-        self.queue = patches.to_vec();
-        self.prepare_line(None);
-    }
 }
 
-/// Returns the ID of the line, which is the same for all patches.
-fn field_id() -> egui::Id {
-    egui::Id::unique("reading of the photometer")
-}
-
-/// Gives the line keyboard focus and selects its text. Must be called before the line is drawn, so that text typed in
-/// the same frame also replaces the selection.
-fn select_all(ctx: &egui::Context, text: &str) {
-    ctx.memory_mut(|memory| memory.request_focus(field_id()));
-    let mut state = TextEdit::load_state(ctx, field_id()).unwrap_or_default();
-    let end = CCursor::new(text.chars().count());
-    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
-    TextEdit::store_state(ctx, field_id(), state);
+/// Returns the index of the first patch without a reading; the number of patches if there is none.
+fn first_unread(readings: &[Option<f64>]) -> usize {
+    readings.iter().position(Option::is_none).unwrap_or(readings.len())
 }
 
 /// Draws the patch in the middle of the screen, aligned to whole pixels.

@@ -11,11 +11,11 @@ use super::{
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, figure::FigureView, note, number, show_error},
+        ui::{Field, figure::FigureView, note},
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
-        photometer::{Calibration, Family, Patch, PatchSettings, Sum, largest, patches},
+        photometer::{Calibration, Patch, PatchSettings, largest_percent, patches},
     },
     report::{calibration::tables, figures},
     store::readings,
@@ -23,25 +23,21 @@ use crate::{
 
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
+/// How long a patch may settle, seconds.
+pub const SETTLING_S: std::ops::RangeInclusive<f64> = 0.0..=30.0;
 
 /// The settings of the method.
 pub struct Photometer {
     patches: PatchSettings,
-    settle_s: String,
+    settle_s: f64,
     percent: u32,
     gray_around: bool,
 }
 
 impl Default for Photometer {
     fn default() -> Self {
-        Self { patches: PatchSettings::default(), settle_s: "1".to_owned(), percent: 40, gray_around: false }
+        Self { patches: PatchSettings::default(), settle_s: 1.0, percent: 40, gray_around: false }
     }
-}
-
-/// Reads a typed settling time.
-pub fn settling_s(typed: &str) -> Result<f64, String> {
-    let seconds = number(typed).filter(|seconds| (0.0..=60.0).contains(seconds));
-    seconds.ok_or_else(|| format!("{typed:?} is not a settling time; expected seconds, 0 to 60."))
 }
 
 impl Photometer {
@@ -65,7 +61,12 @@ impl Method for Photometer {
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
         Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
         Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
-        Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
+        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
+            ui,
+            &mut self.settle_s,
+            SETTLING_S,
+            0.5,
+        );
         let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
         height.slider(ui, &mut self.percent, 10..=80, 1.0);
         Field::new("").column(LABELS).show(ui, |ui, _| {
@@ -75,15 +76,11 @@ impl Method for Photometer {
 
     fn estimate(&self, channels: &[Channel]) -> Result<(usize, f64), String> {
         let patches = self.patches(channels)?.len();
-        Ok((patches, patches as f64 * (settling_s(&self.settle_s)? + READING_S)))
+        Ok((patches, patches as f64 * (self.settle_s + READING_S)))
     }
 
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView {
-            settle_s: settling_s(&self.settle_s)?,
-            percents: vec![self.percent],
-            gray_around: self.gray_around,
-        };
+        let view = PatchView { settle_s: self.settle_s, percents: vec![self.percent], gray_around: self.gray_around };
         PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
     }
 }
@@ -91,17 +88,9 @@ impl Method for Photometer {
 /// The models fitted to the readings.
 pub struct PhotometerFindings {
     calibration: Calibration,
-    /// The model that the user chose; `None` for the model that cross-validation prefers.
-    family: Option<Family>,
-    /// The readings and the curves of that model.
+    /// The readings and the curves of the chosen model.
     figure: FigureView,
     tables: [TableView; 2],
-}
-
-impl PhotometerFindings {
-    fn family(&self) -> Family {
-        self.family.unwrap_or(self.calibration.chosen)
-    }
 }
 
 impl Findings for PhotometerFindings {
@@ -110,12 +99,12 @@ impl Findings for PhotometerFindings {
         let calibration = Calibration::new(&readings);
         let figure = FigureView::new(figures::calibration(&calibration, calibration.chosen));
         let tables = tables(&calibration).map(TableView::new);
-        Ok(Self { calibration, family: None, figure, tables })
+        Ok(Self { calibration, figure, tables })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
         let calibration = &self.calibration;
-        let light = calibration.luminance_of(self.family());
+        let light = calibration.luminance_of(calibration.chosen);
         ui.label(format!(
             "Black {:.3} cd/m², white {:.1} cd/m². Readings differ from the chosen model by {:.2} %.",
             light.black_cd_m2,
@@ -123,26 +112,12 @@ impl Findings for PhotometerFindings {
             100.0 * calibration.misfit
         ));
         if !calibration.additivity.is_empty() {
-            let most = |deviation| largest(&calibration.additivity, deviation).abs();
-            ui.label(format!(
-                "Gray differs from the sum of the three channels by at most {:.1} % and {:.2} cd/m².",
-                most(Sum::deviation_percent),
-                most(Sum::deviation_cd_m2)
-            ));
+            let percent = largest_percent(&calibration.additivity).abs();
+            ui.label(format!("Gray differs from the sum of the three channels by at most {percent:.1} %."));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
-        calibration.refusal(self.family).iter().for_each(|message| show_error(ui, message));
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
-        let all: Vec<Option<Family>> = std::iter::once(None).chain(Family::ALL.iter().copied().map(Some)).collect();
-        let before = self.family();
-        Field::new("Model").column(LABELS).width(180.0).choice(ui, &mut self.family, &all, |family| match family {
-            None => format!("automatic ({chosen})"),
-            Some(family) => family.to_string(),
-        });
-        if self.family() != before {
-            self.figure = FigureView::new(figures::calibration(&self.calibration, self.family()));
-        }
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
@@ -151,10 +126,7 @@ impl Findings for PhotometerFindings {
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
-        if self.calibration.refusal(self.family).is_some() {
-            return None;
-        }
-        let made = self.calibration.profile(self.family(), "", Measurement::default());
+        let made = self.calibration.profile(self.calibration.chosen, "", Measurement::default());
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })
     }

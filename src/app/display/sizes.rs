@@ -5,9 +5,9 @@ use std::path::Path;
 use eframe::egui;
 
 use super::{
-    calibrate::{Findings, LABELS, Method},
+    calibrate::{Findings, LABELS, Method, SLIDER},
     patch_run::{PatchRun, PatchView},
-    photometer::{READING_S, settling_s},
+    photometer::{READING_S, SETTLING_S},
 };
 use crate::{
     app::ui::{Field, hint, note, success, table},
@@ -22,12 +22,12 @@ const NOISE: f64 = 0.02;
 
 /// The settings of the test.
 pub struct SizeTest {
-    settle_s: String,
+    settle_s: f64,
 }
 
 impl Default for SizeTest {
     fn default() -> Self {
-        Self { settle_s: "2".to_owned() }
+        Self { settle_s: 2.0 }
     }
 }
 
@@ -45,15 +45,20 @@ impl Method for SizeTest {
     const TITLE: &'static str = "Patch size";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Settling time, seconds").column(LABELS).width(70.0).text(ui, &mut self.settle_s);
+        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
+            ui,
+            &mut self.settle_s,
+            SETTLING_S,
+            0.5,
+        );
     }
 
     fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {
-        Ok((PERCENTS.len(), PERCENTS.len() as f64 * (settling_s(&self.settle_s)? + READING_S)))
+        Ok((PERCENTS.len(), PERCENTS.len() as f64 * (self.settle_s + READING_S)))
     }
 
     fn begin(&self, _: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: settling_s(&self.settle_s)?, percents: PERCENTS.to_vec(), gray_around: false };
+        let view = PatchView { settle_s: self.settle_s, percents: PERCENTS.to_vec(), gray_around: false };
         let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
         PatchRun::begin(vec![white; PERCENTS.len()], file, view).map_err(|error| error.to_string())
     }

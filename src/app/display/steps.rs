@@ -6,15 +6,17 @@ use eframe::egui::{self, TextureHandle};
 
 use super::{calibrate::LABELS, tool::Tool};
 use crate::{
-    app::ui::{
-        Field, Monitor, ScreenFields, Step as PageStep, hint, note, number, pixels, say, show_error, table, tool_page,
+    app::{
+        analysis::TableView,
+        ui::{Field, Monitor, ScreenFields, Step as PageStep, hint, note, number, pixels, show_error, tool_page},
     },
     display::{
         DisplayProfile,
         profile::short,
-        steps::{Step, csv, steps},
+        steps::{Step, steps},
     },
     light::{CodeImage, Samples},
+    report::document::{Shown, TextTable},
 };
 
 /// Suggested lowest intensity, relative to white, if black was not measured.
@@ -28,7 +30,8 @@ pub struct StepsPage {
     profile: DisplayProfile,
     number: String,
     i0: String,
-    wedge: Option<(Vec<Step>, u32, TextureHandle)>,
+    /// The steps and the width that are shown, with their wedge and table.
+    shown: Option<(Vec<Step>, u32, TextureHandle, TableView)>,
 }
 
 impl StepsPage {
@@ -37,7 +40,7 @@ impl StepsPage {
         let measured = profile.luminance.map(|range| range.lowest_intensity()).filter(|i0| *i0 > 0.0);
         let i0 = format!("{:.6}", measured.unwrap_or(ASSUMED_I0));
         let i0 = i0.trim_end_matches('0').to_owned();
-        Self { profile, number: "12".to_owned(), i0, wedge: None }
+        Self { profile, number: "12".to_owned(), i0, shown: None }
     }
 
     fn steps(&self) -> Result<Vec<Step>, String> {
@@ -48,17 +51,18 @@ impl StepsPage {
         steps(&self.profile, i0, n).map_err(|error| format!("{error}."))
     }
 
-    fn wedge(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
+    fn show_steps(&mut self, ui: &mut egui::Ui, steps: &[Step]) {
         let room = (ui.available_width() * ui.ctx().pixels_per_point()).floor().max(1.0) as u32;
         // All bars have the same whole number of pixels.
         let width = (room / steps.len() as u32).max(1) * steps.len() as u32;
-        let fresh = self.wedge.as_ref().is_none_or(|(shown, at, _)| shown != steps || *at != width);
-        if fresh {
+        if self.shown.as_ref().is_none_or(|(shown, at, ..)| shown != steps || *at != width) {
             let texture = pixels::texture(ui.ctx(), "wedge", &wedge(steps, width, HEIGHT_PX));
-            self.wedge = Some((steps.to_vec(), width, texture));
+            self.shown = Some((steps.to_vec(), width, texture, TableView::new(table(steps))));
         }
-        if let Some((_, _, texture)) = &self.wedge {
+        if let Some((_, _, texture, table)) = &mut self.shown {
             pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
+            lost(ui, steps);
+            table.show(ui, 0);
         }
     }
 }
@@ -83,11 +87,7 @@ impl Tool for StepsPage {
             );
             ui.add_space(8.0);
             match self.steps() {
-                Ok(steps) => {
-                    self.wedge(ui, &steps);
-                    copy(ui, &steps);
-                    rows(ui, &steps);
-                }
+                Ok(steps) => self.show_steps(ui, &steps),
                 Err(message) => show_error(ui, message),
             }
         });
@@ -95,11 +95,8 @@ impl Tool for StepsPage {
     }
 }
 
-fn copy(ui: &mut egui::Ui, steps: &[Step]) {
-    if ui.button("Copy as CSV").clicked() {
-        ui.ctx().copy_text(csv(steps));
-        say(ui.ctx(), "Copied the steps as CSV.");
-    }
+/// Says how many steps 8 bits cannot show.
+fn lost(ui: &mut egui::Ui, steps: &[Step]) {
     let lost = steps.iter().filter(|step| step.nearest != step.level).count();
     let same = steps.windows(2).filter(|pair| pair[0].codes == pair[1].codes).count();
     if lost + same > 0 {
@@ -120,12 +117,15 @@ fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     CodeImage { width, height, samples: Samples::Eight(row.repeat(height as usize)) }
 }
 
-fn rows(ui: &mut egui::Ui, steps: &[Step]) {
+fn table(steps: &[Step]) -> TextTable {
     let heads = ["j", "relative to white", "cd/m²", "red", "green", "blue", "nearest j"];
     let cells = |step: &Step| {
-        let [red, green, blue] = step.codes.map(|code| code.to_string());
-        let cd_m2 = step.cd_m2.map_or_else(|| "–".to_owned(), short);
-        [step.level.to_string(), format!("{:.5}", step.intensity), cd_m2, red, green, blue, step.nearest.to_string()]
+        let whole = |number: usize| Shown::new(number, number.to_string());
+        let cd_m2 = Shown::new(step.cd_m2, step.cd_m2.map_or_else(|| "–".to_owned(), short));
+        let intensity = Shown::new(step.intensity, format!("{:.5}", step.intensity));
+        let [red, green, blue] = step.codes.map(|code| whole(code.into()));
+        vec![whole(step.level), intensity, cd_m2, red, green, blue, whole(step.nearest)]
     };
-    table(ui, "steps", heads, steps.iter().map(cells));
+    let (header, rows) = (heads.map(str::to_owned).into(), steps.iter().map(cells).collect());
+    TextTable { caption: "Steps".to_owned(), header, texts: 0, rows }
 }

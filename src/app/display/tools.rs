@@ -1,7 +1,5 @@
 //! The current profile and the list of tools.
 
-use std::path::PathBuf;
-
 use eframe::egui::{self, Color32, RichText};
 
 use super::{
@@ -9,7 +7,7 @@ use super::{
     sizes::SizeTest, steps::StepsPage, timing::TimingTool, tool::Tool,
 };
 use crate::{
-    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, success, text, today, tool_page},
+    app::ui::{Dialog, Field, FileKind, Monitor, ScreenFields, Step, hint, note, say, text, today, tool_page},
     display::DisplayProfile,
 };
 
@@ -23,8 +21,6 @@ pub struct Display {
     /// The place of the tool that is open.
     open: Option<usize>,
     dialog: Dialog,
-    /// The profile that a tool wrote; a message names it while it is in use.
-    saved: Option<PathBuf>,
 }
 
 impl Display {
@@ -54,7 +50,7 @@ impl Display {
                 fields.profile = saved.display().to_string();
                 // The file has changed, so it must be read again.
                 self.read = None;
-                self.saved = Some(saved);
+                say(ui.ctx(), format!("Saved as {}; now in use.", saved.display()));
             }
         }
         self.open = None;
@@ -96,7 +92,7 @@ impl Display {
             if !self.tools[place].as_mut().is_some_and(|tool| tool.reopen(&profile)) {
                 self.tools[place] = Some(make(profile, window_deg));
             }
-            (self.open, self.saved) = (Some(place), None);
+            self.open = Some(place);
             ui.ctx().request_repaint();
         }
         back
@@ -116,10 +112,6 @@ impl Display {
                 warning.iter().for_each(|warning| note(ui, warning));
             }
             Err(errors) => text::errors(ui, errors),
-        }
-        self.saved = self.saved.take().filter(|saved| fields.profile.trim() == saved.display().to_string());
-        if let Some(saved) = &self.saved {
-            success(ui, format!("Saved as {}; now in use.", saved.display()));
         }
     }
 }

@@ -5,18 +5,17 @@ use std::{
     path::Path,
 };
 
-use eframe::egui::{Response, TextEdit, Ui};
+use eframe::egui::{Align, ComboBox, Layout, Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::{Dialog, Field, parameter},
+    app::ui::{self, Dialog, Field, parameter, theme::Icon},
     experiment::Protocol,
-    report::names::capitalized,
+    report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus, picture::Picture},
     store::{
         FileError, FileErrors, definition,
         draft::{Draft, Typed},
     },
-    system::found,
 };
 
 /// Width of the column of labels, points.
@@ -26,7 +25,7 @@ const NUMBER: f32 = 90.0;
 /// Width of a field for a number that can be absent, points.
 const OPTIONAL: f32 = 140.0;
 /// Width of a list of values to choose from, points.
-pub const LIST: f32 = 240.0;
+const LIST: f32 = 240.0;
 /// The whole numbers that cannot be 0.
 const FROM_ONE: [&str; 3] = ["design.repetitions", "plan.participants", "plan.sessions"];
 /// What is said of an answer without a label.
@@ -37,10 +36,6 @@ const MAX_SHOWN: usize = 3;
 #[derive(Default)]
 pub struct DefinitionForm {
     draft: Draft,
-    /// The drafts with other kinds of stimuli, as they were left, by the kind.
-    kinds: BTreeMap<String, Draft>,
-    /// The draft when a task whose levels can adapt was last left.
-    pub adaptive: Option<Draft>,
     /// What was typed, by the key of the field. The draft may have it in a different form.
     typed: BTreeMap<String, String>,
     /// The text of the draft when it was opened.
@@ -63,7 +58,7 @@ pub struct DefinitionForm {
 }
 
 impl DefinitionForm {
-    /// Opens a definition; with a folder, a copy whose name no file in the folder has.
+    /// Opens a definition; with a folder, a copy of it for that folder.
     ///
     /// # Errors
     /// The definition cannot be read, or is not TOML. Any other error is shown next to its field.
@@ -72,15 +67,10 @@ impl DefinitionForm {
         if let Some(folder) = folder {
             folder.clone_into(&mut draft.folder);
             let name = draft.get("name").unwrap_or_else(|| "my-study".to_owned());
-            let copy = |number: u32| if number == 1 { format!("{name}-copy") } else { format!("{name}-copy-{number}") };
-            // Saving never replaces a file, whatever is said here.
-            let is_free = |copy: &String| !matches!(found(&folder.join(format!("{copy}.toml"))), Ok(Some(_)));
-            let number = (1..).find(|number| is_free(&copy(*number))).unwrap_or(1);
             draft.remove_opening_comment();
-            draft.set("name", &copy(number), Typed::Text);
+            draft.set("name", &format!("{name}-copy"), Typed::Text);
             if let Some(title) = draft.get("title") {
-                let copy = if number == 1 { "copy".to_owned() } else { format!("copy {number}") };
-                draft.set("title", &format!("{title} ({copy})"), Typed::Text);
+                draft.set("title", &format!("{title} (copy)"), Typed::Text);
             }
             if draft.get("session.own_means").is_some() {
                 // A first look may show people their own ratings; a study begins without.
@@ -171,17 +161,6 @@ impl DefinitionForm {
     pub fn rebuild(&mut self, change: impl FnOnce(&mut Draft)) {
         self.typed.clear();
         self.edit(change);
-    }
-
-    /// Changes the kind of the stimulus. A kind that it had before comes back as it was.
-    pub fn set_kind(&mut self, kind: &str) {
-        self.adaptive = None;
-        self.kinds.insert(self.value("stimulus.kind", ""), self.draft.clone());
-        let former = self.kinds.remove(kind);
-        self.rebuild(|draft| {
-            draft.set_kind(kind);
-            former.iter().for_each(|former| draft.restore_kind(former));
-        });
     }
 
     fn check(&mut self) {
@@ -309,6 +288,39 @@ impl DefinitionForm {
         }
     }
 
+    /// Draws a row for each value of a table of parameters, with its errors and a button that removes it; returns the name
+    /// of the one to remove. `field` and `removed` precede the parameter in the names of the field and of the button.
+    pub fn rows(&mut self, ui: &mut Ui, table: &str, [field, removed]: [&str; 2], typed: Typed) -> Option<String> {
+        let mut to_remove = None;
+        for name in self.draft.keys(table) {
+            let key = format!("{table}.{name}");
+            let parameter = self.parameters().iter().find(|parameter| parameter.name == name);
+            let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
+            let words = names::factor(Some(self.parameters()), &name);
+            let label = if removed.is_empty() { self.factor(&name) } else { format!("{field}{words}") };
+            let (mut text, error) = (self.value(&key, ""), self.error(&key));
+            let line = |ui: &mut Ui| {
+                let width = (ui.available_width() - 100.0).clamp(120.0, 300.0);
+                // A long list wraps.
+                let edit = TextEdit::multiline(&mut text).id_salt(&key).desired_rows(1).desired_width(width);
+                let edit = ui.add(edit.return_key(None)).on_hover_text(about);
+                ui::text::name(ui, &edit, &format!("{field}{words}"));
+                let remove = ui::quiet(ui, Icon::Close, "", &format!("Remove {removed}{words}"));
+                (edit.changed(), remove.clicked())
+            };
+            let layout = Layout::left_to_right(Align::TOP).with_main_wrap(true);
+            let row = Field::new(&label).column(LABELS).slot().error(&error);
+            let (changed, remove) = row.show(ui, |ui, _| ui.with_layout(layout, line).inner);
+            if changed {
+                self.type_value(&key, &text, typed);
+            }
+            if remove {
+                to_remove = Some(name);
+            }
+        }
+        to_remove
+    }
+
     fn field(
         &mut self,
         label: &str,
@@ -325,6 +337,17 @@ impl DefinitionForm {
             self.type_value(key, &text, typed);
         }
     }
+}
+
+/// Draws a list from which something is added, which `title` says; returns what was chosen.
+pub fn add<T>(ui: &mut Ui, title: &str, entries: impl IntoIterator<Item = (T, String)>) -> Option<T> {
+    let list = ComboBox::from_id_salt(title).selected_text(format!("{title}…")).width(200.0).height(400.0);
+    let list = list.show_ui(ui, |ui| {
+        let chosen = entries.into_iter().filter_map(|(one, text)| ui::entry(ui, false, text).clicked().then_some(one));
+        chosen.last()
+    });
+    ui::text::name(ui, &list.response, title);
+    list.inner.flatten()
 }
 
 /// Returns the message of an error beside its field, without the names and the limits of the file.

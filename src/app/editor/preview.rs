@@ -8,7 +8,7 @@ use crate::{
         own_plot::OwnPlot,
         pixels::{self, Drawn},
         theme::{self, GAP},
-        work::{BackgroundTask, Lost},
+        work::Latest,
     },
     experiment::{
         Course, Identity, Phase, Protocol, Schedule,
@@ -45,10 +45,8 @@ pub struct Preview {
 struct Pilot {
     /// The definition, and when it appeared, seconds.
     of: Option<(Protocol, f64)>,
-    running: Option<BackgroundTask<Result<Option<OwnPlot>, String>>>,
-    /// The last result, and whether it belongs to this definition.
-    plot: Option<Result<Option<OwnPlot>, String>>,
-    is_done: bool,
+    /// The plot of the answers to each definition; `None` if there is nothing to plot.
+    plot: Latest<Protocol, Option<OwnPlot>>,
 }
 
 impl Preview {
@@ -119,33 +117,29 @@ impl Pilot {
     fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
         let now = ui.input(|input| input.time);
         if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
-            // The former observer stops.
-            (self.of, self.running, self.is_done) = (Some((protocol.clone(), now)), None, false);
+            self.of = Some((protocol.clone(), now));
         }
         let since = self.of.as_ref().map_or(now, |(_, since)| *since);
-        if let Some(running) = &self.running {
-            if let Some(result) = running.poll() {
-                let plot = result.unwrap_or_else(|Lost| Err("it could not be computed".to_owned()));
-                (self.plot, self.running, self.is_done) = (Some(plot), None, true);
-            }
-        } else if now - since < SETTLED_S {
+        if now - since < SETTLED_S {
             // A session is not simulated for every key that is typed.
             ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
-        } else if !self.is_done {
-            let protocol = protocol.clone();
-            self.running = Some(BackgroundTask::stoppable(ui.ctx(), move || {
-                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
-                Ok(OwnPlot::new(&protocol, &rows))
-            }));
+        } else {
+            self.plot.want(ui.ctx(), protocol.clone(), || {
+                let protocol = protocol.clone();
+                move || {
+                    let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
+                    Ok(OwnPlot::new(&protocol, &rows))
+                }
+            });
         }
         ui::section(ui, format!("The levels of a simulated observer{when}"));
         let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
         ui.allocate_ui(size, |ui| {
             ui.set_min_size(size);
-            if !self.is_done {
+            if self.plot.get(protocol).is_none() {
                 ui.multiply_opacity(theme::STALE);
             }
-            match &self.plot {
+            match self.plot.last() {
                 Some(Ok(Some(plot))) => plot.draw(ui, PLOT.y),
                 Some(Ok(None)) => ui::hint(ui, "This observer saw no levels."),
                 Some(Err(error)) => ui::show_error(ui, error),

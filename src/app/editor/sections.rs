@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, CollapsingHeader, ComboBox, Layout, Rect, Response, Role, TextEdit, Ui, Vec2, WidgetInfo};
+use eframe::egui::{Align, CollapsingHeader, Rect, TextEdit, Ui, Vec2};
 
 use super::{
-    form::{DefinitionForm, LABELS},
+    form::{DefinitionForm, LABELS, add},
     task,
 };
 use crate::{
@@ -61,7 +61,7 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
     };
     let kinds = KINDS.iter().copied().chain([Picture::KIND]);
     if let Some(kind) = form.choice(ui, ["Kind", "stimulus.kind", "", "What participants see."], kinds, title) {
-        form.set_kind(&kind);
+        form.rebuild(|draft| draft.set_kind(&kind));
     }
     let kind = form.value("stimulus.kind", "");
     if kind == Picture::KIND {
@@ -132,86 +132,23 @@ fn pictures(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn factors(form: &mut DefinitionForm, ui: &mut Ui) {
-    let names = form.draft().factors();
     let has_pictures = form.value("stimulus.kind", "") == Picture::KIND;
-    if has_pictures && names.is_empty() {
+    if has_pictures && form.draft().factors().is_empty() {
         return;
     }
     ui::section(ui, "Factors");
     ui::hint(ui, "Every combination of their levels is a condition. Separate levels with commas: 0.02, 0.05, 0.1");
     ui::text::errors(ui, &form.own_error("factors"));
-    for (i, name) in names.iter().enumerate() {
-        factor(form, ui, name, [i, names.len()]);
+    if let Some(name) = form.rows(ui, "factors", ["Levels of ", ""], Typed::Values) {
+        form.rebuild(|draft| draft.remove(&format!("factors.{name}")));
     }
     // Pictures bring their factors.
-    let free = form.free_parameters().filter(|_| !has_pictures);
-    let list = ComboBox::from_id_salt("add a factor").selected_text("Add a factor…").width(200.0).height(400.0);
-    let list = list.show_ui(ui, |ui| {
-        for parameter in free {
-            let choice = ui::entry(ui, false, parameter.label());
-            if choice.on_hover_text(parameter.description).clicked() {
-                let levels = with_level(parameter.levels_hint, "");
-                form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
-            }
-        }
-    });
-    ui::text::name(ui, &list.response, "Add a factor");
-}
-
-/// Draws a factor. `place` is its index and the number of factors.
-fn factor(form: &mut DefinitionForm, ui: &mut Ui, name: &str, place: [usize; 2]) {
-    let key = format!("factors.{name}");
-    let parameter = form.parameters().iter().find(|parameter| parameter.name == name);
-    let mut levels = form.value(&key, "");
-    let (error, label) = (form.error(&key), form.factor(name));
-    let words = names::factor(Some(form.parameters()), name);
-    let about = parameter.map_or_else(String::new, |p| format!("{}: {}", p.description, p.expected));
-    let line = |ui: &mut Ui| {
-        let width = (ui.available_width() - 262.0).clamp(120.0, 300.0);
-        // A long list wraps.
-        let field = TextEdit::multiline(&mut levels)
-            .id_salt(("levels", name))
-            .desired_rows(1)
-            .desired_width(width)
-            .return_key(None);
-        let field = ui.add(field).on_hover_text(about);
-        ui::text::name(ui, &field, &format!("Levels of {words}"));
-        let mut changed = field.changed();
-        let list = ComboBox::from_id_salt(&key).selected_text("…").width(36.0).show_ui(ui, |ui| {
-            for hint in parameter.map_or(&[][..], |parameter| parameter.levels_hint) {
-                if ui::entry(ui, false, *hint).clicked() {
-                    levels = with_level(&[hint], &levels);
-                    changed = true;
-                }
-            }
-        });
-        ui::text::name(ui, &list.response, &format!("Suggested levels of {words}"));
-        list.response.on_hover_text("Adds a suggested level.");
-        let up = button(ui, "Up", place[0] > 0, &format!("Move {words} up")).clicked();
-        let down = button(ui, "Down", place[0] + 1 < place[1], &format!("Move {words} down")).clicked();
-        let remove = button(ui, "Remove", true, &format!("Remove {words}")).clicked();
-        (changed, up, down, remove)
-    };
-    let field = Field::new(&label).column(LABELS).slot().error(&error);
-    let (changed, up, down, remove) =
-        field.show(ui, |ui, _| ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), line).inner);
-    if changed {
-        form.type_value(&key, &levels, Typed::Values);
+    let free = form.free_parameters().filter(|_| !has_pictures).map(|parameter| (parameter, parameter.label()));
+    if let Some(parameter) = add(ui, "Add a factor", free) {
+        let quoted = |level: &&str| if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() };
+        let levels = parameter.levels_hint.iter().map(quoted).collect::<Vec<_>>().join(", ");
+        form.edit(|draft| draft.set(&format!("factors.{}", parameter.name), &levels, Typed::Values));
     }
-    if up || down {
-        form.edit(|draft| draft.exchange_factors(if up { place[0] - 1 } else { place[0] }));
-    }
-    if remove {
-        form.rebuild(|draft| draft.remove(&key));
-    }
-}
-
-/// Appends levels to a typed list.
-fn with_level(new: &[&str], levels: &str) -> String {
-    let quoted = |level: &&str| if level.contains(',') { format!("\"{level}\"") } else { (*level).to_owned() };
-    let before = levels.trim().trim_end_matches(',');
-    let before = (!before.is_empty()).then(|| before.to_owned());
-    before.into_iter().chain(new.iter().map(quoted)).collect::<Vec<_>>().join(", ")
 }
 
 fn design(form: &mut DefinitionForm, ui: &mut Ui) {
@@ -228,29 +165,21 @@ fn design(form: &mut DefinitionForm, ui: &mut Ui) {
 }
 
 fn order(form: &mut DefinitionForm, ui: &mut Ui) {
-    const KINDS: [(&str, &str); 3] = [
-        ("random", "Random: all trials shuffled together"),
-        ("blocked", "Blocked: one block for each level, in random order"),
-        ("latin", "Latin: blocks counterbalanced across participants"),
-    ];
-    let order = form.value("design.order", &Design::default().order.to_string());
-    let (mut kind, mut factor) = order.split_once(':').unwrap_or((&order, ""));
-    let names = form.draft().factors();
-    let error = form.error("design.order");
-    let title = |kind: &&str| KINDS.iter().find(|(name, _)| name == kind).map_or(*kind, |(_, title)| title).to_owned();
-    let field = Field::new("Order").column(LABELS).width(360.0).error(&error);
-    field.choice(ui, &mut kind, &KINDS.map(|(name, _)| name), title);
-    if kind != "random" && KINDS.iter().any(|(name, _)| *name == kind) {
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        if factor.is_empty() {
-            factor = names.first().copied().unwrap_or_default();
-        }
-        let field = Field::new("Blocks by").column(LABELS).width(200.0);
-        field.choice(ui, &mut factor, &names, |name| form.factor(name));
-    }
-    let new = if kind == "random" || factor.is_empty() { kind.to_owned() } else { format!("{kind}:{factor}") };
-    if new != order {
-        form.type_value("design.order", &new, Typed::Text);
+    let known = Some(form.parameters());
+    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
+    let orders: Vec<String> =
+        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
+    let title = |order: &str| match order.split_once(':') {
+        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
+        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
+        _ => capitalized(order),
+    };
+    let about = "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a \
+        Latin square, counterbalanced across participants.";
+    let default = Design::default().order.to_string();
+    let field = ["Order", "design.order", &default, about];
+    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
+        form.type_value("design.order", &chosen, Typed::Text);
     }
 }
 
@@ -287,21 +216,15 @@ fn participant(form: &mut DefinitionForm, ui: &mut Ui) {
     let own = (names.len() + 1..).map(|number| format!("question_{number}")).find(|own| !names.contains(own));
     let own = own.map(|name| (name, "A question of your own".to_owned()));
     let known = known.filter(|name| !names.contains(name)).map(|name| (name.clone(), capitalized(&name)));
-    let list = ComboBox::from_id_salt("add a question").selected_text("Add a question…").width(200.0).height(400.0);
-    let list = list.show_ui(ui, |ui| {
-        for (name, text) in known.chain(own) {
-            if ui::entry(ui, false, text).clicked() {
-                form.rebuild(|draft| {
-                    draft.add_table(&format!("participant.{name}"));
-                    if name == "consent" {
-                        let text = "You can stop at any time, without giving a reason.";
-                        draft.set("participant.consent.text", text, Typed::Text);
-                    }
-                });
+    if let Some(name) = add(ui, "Add a question", known.chain(own)) {
+        form.rebuild(|draft| {
+            draft.add_table(&format!("participant.{name}"));
+            if name == "consent" {
+                let text = "You can stop at any time, without giving a reason.";
+                draft.set("participant.consent.text", text, Typed::Text);
             }
-        }
-    });
-    ui::text::name(ui, &list.response, "Add a question");
+        });
+    }
 }
 
 /// The kinds of questions of one's own.
@@ -426,11 +349,4 @@ fn texts(form: &mut DefinitionForm, ui: &mut Ui) {
             form.lines(ui, &label, &key, default, about.trim());
         }
     });
-}
-
-/// Draws a button that screen readers call `name`.
-fn button(ui: &mut Ui, text: &str, enabled: bool, name: &str) -> Response {
-    let button = ui.add_enabled(enabled, eframe::egui::Button::new(text));
-    button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
-    button.on_hover_text(name)
 }

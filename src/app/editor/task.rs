@@ -2,19 +2,18 @@
 
 use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, TextEdit, Ui, Vec2, WidgetInfo, vec2};
 
-use super::form::{DefinitionForm, LABELS, LIST};
+use super::form::{DefinitionForm, LABELS, add};
 use crate::{
     app::ui::{
         self, Field, parameter,
         theme::{self, Icon},
     },
     experiment::{
-        CATEGORIES, Condition, Protocol, ResponseScale, default_key,
+        CATEGORIES, ResponseScale, default_key,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    light::{Bits, Quantizer, Transfer},
-    report::names::{self, capitalized},
-    stimulus::{Parameter, ParameterValue, Stimulus},
+    report::names::capitalized,
+    stimulus::{Parameter, Stimulus},
     store::draft::{Draft, Typed},
 };
 
@@ -23,8 +22,6 @@ const CARD: Vec2 = vec2(112.0, 104.0);
 const PICTOGRAM: f32 = 28.0;
 /// What a list shows if there is no value.
 const NONE: &str = "none";
-/// Side of a picture that shows whether a parameter changes anything, pixels.
-const TRIED_PX: u32 = 32;
 /// The options of a task that apply only to images that follow each other.
 const OF_INTERVALS: [&str; 2] = ["duration_s", "gap_s"];
 /// Trials at each level of the method of constant stimuli, to begin with.
@@ -68,20 +65,14 @@ fn cards(form: &mut DefinitionForm, ui: &mut Ui, kind: &str) {
     });
     if let Some(name) = chosen.filter(|name| *name != kind) {
         let found = varied(form);
-        let adapts = |kind| Task::read(kind, &mut Defaults).is_some_and(|task| task.adapts());
-        if adapts(kind) {
-            form.adaptive = Some(form.draft().clone());
-        }
-        let former = form.adaptive.clone();
         form.rebuild(|draft| {
-            former.iter().for_each(|former| draft.restore_task(former));
             draft.set_task(name);
             let is_adjusted = Task::options(name).iter().any(|option| option.value == OptionValue::Parameter(false));
             if let Some((parameter, levels)) = found.filter(|_| is_adjusted) {
                 draft.set("task.parameter", parameter, Typed::Text);
                 set_ends(draft, "task", &levels);
             }
-            if !adapts(name) {
+            if !Task::read(name, &mut Defaults).is_some_and(|task| task.adapts()) {
                 draft.set_method(None);
             }
         });
@@ -168,27 +159,9 @@ fn varied(form: &DefinitionForm) -> Option<(&'static str, Vec<f64>)> {
         numbers
     };
     let found: Vec<_> = form.free_parameters().map(|parameter| (parameter.name, numbers(parameter))).collect();
-    let is_seen = |name: &str, numbers: &[f64]| form.protocol().is_none_or(|protocol| changes(protocol, name, numbers));
     // Two numbers are hardly a range.
-    let with =
-        |least: usize| found.iter().find(|(name, numbers)| numbers.len() >= least && is_seen(name, numbers)).cloned();
+    let with = |least: usize| found.iter().find(|(_, numbers)| numbers.len() >= least).cloned();
     with(3).or_else(|| with(2))
-}
-
-/// Returns whether both ends of a range are possible in every condition, and give different pictures.
-fn changes(protocol: &Protocol, parameter: &str, range: &[f64]) -> bool {
-    let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-    let picture = |condition: &Condition, number: Option<&f64>| {
-        let mut stimulus = condition.stimulus.clone();
-        stimulus.set(parameter, &ParameterValue::Number(*number?)).ok()?;
-        stimulus.validate().ok()?;
-        Some(stimulus.codes(TRIED_PX, &quantizer))
-    };
-    let differs = |condition: &Condition| {
-        let ends = [range.first(), range.last()].map(|end| picture(condition, end));
-        ends[0] != ends[1] && ends.iter().all(Option::is_some)
-    };
-    protocol.conditions().iter().all(differs)
 }
 
 /// Gives a method levels to begin with.
@@ -280,54 +253,35 @@ fn control(
 
 /// Draws parameters of the stimulus with their values.
 fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &str) {
+    let prefix = format!("{} ", option.label);
+    let removed = form.rows(ui, key, [&prefix, &prefix], Typed::Value);
     let names = form.draft().keys(key);
-    for (i, name) in names.iter().enumerate() {
-        let words = names::factor(Some(form.parameters()), name);
-        let (inner, title) = (format!("{key}.{name}"), format!("{} {words}", option.label));
-        let (before, error) = (form.value(&inner, ""), form.error(&inner));
-        let mut text = before.clone();
-        let field = Field::new(if i == 0 { option.label } else { "" }).column(LABELS).slot().error(&error);
-        let removed = field.show(ui, |ui, _| {
-            ui.horizontal(|ui| {
-                ui.label(form.factor(name));
-                let edit = ui.add(TextEdit::singleline(&mut text).id_salt(("setting", &inner)).desired_width(120.0));
-                ui::text::name(ui, &edit, &title);
-                edit.on_hover_text(option.about);
-                ui::quiet(ui, Icon::Close, "", &format!("Remove {title}")).clicked()
-            })
-            .inner
-        });
-        if removed {
-            let last = names.len() == 1;
-            form.rebuild(|draft| draft.remove(if last { key } else { &inner }));
-        } else if text != before {
-            form.type_value(&inner, &text, Typed::Value);
-        }
+    if let Some(name) = removed {
+        let gone = if names.len() == 1 { key.to_owned() } else { format!("{key}.{name}") };
+        form.rebuild(|draft| draft.remove(&gone));
     }
-    let free = form.parameters().iter().map(|parameter| parameter.name.to_owned());
-    let free: Vec<String> = free.filter(|name| !names.contains(name)).collect();
-    let (mut chosen, mut error) = (String::new(), form.own_error(key));
+    let parameters = form.parameters().iter().filter(|parameter| !names.iter().any(|name| name == parameter.name));
+    let mut error = form.own_error(key);
     if names.is_empty() && !error.is_empty() {
         error = "Choose a parameter in which it differs from the target.".to_owned();
     }
     let title = format!("Add to {}", option.label.to_lowercase());
-    let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).named(&title).error(&error);
-    let shown = |name: &String| if name.is_empty() { "Add a parameter…".to_owned() } else { form.factor(name) };
-    field.width(LIST).choice(ui, &mut chosen, &free, shown).on_hover_text(option.about);
-    if !chosen.is_empty() {
-        let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(&chosen));
-        let now = form.value(&format!("stimulus.{chosen}"), &default.map_or(String::new(), |value| value.to_string()));
-        let levels = form.draft().texts(&format!("factors.{chosen}")).unwrap_or_default();
-        let hint = form.parameters().iter().find(|parameter| parameter.name == chosen);
+    let entries = parameters.map(|parameter| (parameter, parameter.label()));
+    let field = Field::new(if names.is_empty() { option.label } else { "" }).column(LABELS).error(&error);
+    let chosen = field.show(ui, |ui, _| add(ui, &title, entries));
+    if let Some(parameter) = chosen {
+        let name = parameter.name;
+        let default = Stimulus::default_of(&form.value("stimulus.kind", "")).and_then(|default| default.get(name));
+        let now = form.value(&format!("stimulus.{name}"), &default.map_or(String::new(), |value| value.to_string()));
+        let levels = form.draft().texts(&format!("factors.{name}")).unwrap_or_default();
         // A value that differs from those of the target.
         let differs = |level: &&&str| **level != now && !levels.iter().any(|own| own == **level);
-        let other = hint.and_then(|parameter| parameter.levels_hint.iter().rev().find(differs));
-        let value = other.map_or(now.as_str(), |level| level);
+        let value = parameter.levels_hint.iter().rev().find(differs).map_or(now.as_str(), |level| level);
         form.edit(|draft| {
             if names.is_empty() {
                 draft.add_table(key);
             }
-            draft.set(&format!("{key}.{chosen}"), value, Typed::Value);
+            draft.set(&format!("{key}.{name}"), value, Typed::Value);
         });
     }
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use eframe::egui::{self, Color32, ScrollArea, TextureHandle, Ui};
 use egui_plot::{GridMark, Line, MarkerShape, PlotUi, Points};
-use toml::{Table, Value};
 
 use crate::{
     app::{
@@ -157,25 +156,6 @@ impl Gallery {
             distance_cm,
             tiles: Drawn::default(),
         }
-    }
-
-    /// Applies the remembered settings; unknown values are ignored.
-    pub fn recall(&mut self, remembered: &Table) {
-        let text = |key: &str| remembered.get(key).and_then(Value::as_str);
-        let is_kind = |entry: &catalog::Entry| text("kind") == Some(entry.kind);
-        self.settings.entry = catalog::all().iter().position(is_kind).unwrap_or_default();
-        self.settings.dither = text("dither").and_then(|dither| dither.parse().ok()).unwrap_or(Dither::None);
-        self.derivatives = remembered.get("derivatives").and_then(Value::as_bool).unwrap_or_default();
-        self.history = History::new(self.settings.clone());
-    }
-
-    /// Returns the settings to remember.
-    pub fn remembered(&self) -> Table {
-        Table::from_iter([
-            ("kind".to_owned(), self.settings.kind().kind.into()),
-            ("dither".to_owned(), self.settings.dither.to_string().into()),
-            ("derivatives".to_owned(), self.derivatives.into()),
-        ])
     }
 
     /// Uses another screen, or the same screen from another distance.

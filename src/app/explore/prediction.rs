@@ -40,7 +40,7 @@ impl ViewingPlace {
     fn sentence(&self, size: u32) -> String {
         let window = self.window_deg(size);
         match self.viewing {
-            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm()),
+            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
             None => format!("The window is assumed to be {window}° wide."),
         }
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{
-    checks::{RAISE, Sum, additivity, drift_percent},
+    checks::{Sum, additivity, drift_percent},
     fit::{ASSUMED_NOISE, Curve, Family, Fit, Sample, fit},
     readings::Readings,
     table::tables,
@@ -25,8 +25,6 @@ const UNSTEADY: f64 = 0.03;
 const ADDITIVE_PERCENT: f64 = 5.0;
 /// The change of white, in percent, above which a longer warm-up is advised.
 const DRIFT_PERCENT: f64 = 2.0;
-/// The relative difference of black between channels that noise does not explain.
-const BLACK_DIFFERS: f64 = 0.1;
 /// The expected squared error of a table at a level that was left out, relative to the noise: 1 from the reading
 /// itself, and 0.5 from the mean of its two neighbors.
 const TABLE_SQUARE: f64 = 1.5;
@@ -47,13 +45,6 @@ const MAX_VALIDATION: usize = 100_000;
 pub struct Validation {
     /// Root mean square error, in 8-bit codes.
     pub rms_codes: f64,
-    /// Root mean square error, in cd/m².
-    pub rms_cd_m2: f64,
-    /// Largest error, in 8-bit codes.
-    pub largest_codes: f64,
-    /// Mean squared error in units of the misfit of the chosen model: close to 1 if the model is correct; `None` if that
-    /// misfit is 0 but for rounding.
-    pub score: Option<f64>,
     /// The squared error at each level of each channel, in a fixed order and in units of the assumed noise.
     #[serde(skip)]
     squares: Vec<f64>,
@@ -87,8 +78,6 @@ pub struct FittedChannel {
     pub r_squared: f64,
     /// Largest difference between a reading and the curve, in 8-bit codes.
     pub largest_codes: f64,
-    /// Largest difference between a reading and the curve, in cd/m².
-    pub largest_cd_m2: f64,
 }
 
 /// A display as measured with a photometer.
@@ -114,13 +103,9 @@ impl Calibration {
     /// Fits all models to the readings and chooses one.
     pub fn new(readings: &Readings) -> Self {
         let sample = Sample::new(readings);
-        let mut models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
+        let models: Vec<FittedModel> = Family::ALL.iter().map(|family| model(*family, &sample)).collect();
         let chosen = simplest_of_the_best(&models.iter().map(|model| &model.validation).collect::<Vec<_>>());
         let (chosen, misfit) = (models[chosen].family, models[chosen].misfit);
-        for Validation { score, squares, .. } in models.iter_mut().map(|model| &mut model.validation) {
-            let unit = (misfit / ASSUMED_NOISE).powi(2);
-            *score = (unit > EXACT).then(|| mean(squares) / unit);
-        }
         let mut calibration = Self {
             readings: readings.clone(),
             misfit,
@@ -137,14 +122,6 @@ impl Calibration {
     pub fn model(&self, family: Family) -> &FittedModel {
         // `models` has one model of each family, in this order.
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
-    }
-
-    /// Returns why there is no profile unless a table was asked for: the light hardly rises at the top. That may be how the
-    /// screen is, or a fault.
-    pub fn refusal(&self, asked: Option<Family>) -> Option<String> {
-        let hardly = self.readings.hardly_rising().join("; ");
-        let is_refused = asked != Some(Family::Table) && !hardly.is_empty();
-        is_refused.then(|| format!("{hardly}; expected more ({RAISE}), or the model table, if the screen is like that"))
     }
 
     /// Returns black and white according to a model, in cd/m².
@@ -215,7 +192,7 @@ fn fitted(family: Family, shared: bool, sample: &Sample, start: Option<&Fit>) ->
 /// Leaves out one level at a time, or several if there are very many, and predicts it; `fitted_to` fits the model to
 /// the rest.
 fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Validation {
-    let (mut codes, mut cd_m2, mut squares) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut codes, mut squares) = (Vec::new(), Vec::new());
     let levels = sample.inner_levels();
     let fits = (MAX_VALIDATION / sample.points.len().max(1)).clamp(10, levels.len().max(10));
     for fit in 0..fits.min(levels.len()) {
@@ -224,19 +201,11 @@ fn validate(sample: &Sample, fitted_to: impl Fn(&Sample) -> Vec<Curve>) -> Valid
         let cells = left_out.iter().flat_map(|level| sample.channels.iter().zip(&curves).map(move |one| (*level, one)));
         for (level, (channel, curve)) in cells {
             let Some((y, sd)) = sample.mean(*channel, level) else { continue };
-            let error = y - curve.cd_m2(level);
             codes.push((255.0 * (curve.encoded(y) - level)).powi(2));
-            cd_m2.push(error.powi(2));
-            squares.push((error / sd).powi(2));
+            squares.push(((y - curve.cd_m2(level)) / sd).powi(2));
         }
     }
-    Validation {
-        rms_codes: mean(&codes).sqrt(),
-        rms_cd_m2: mean(&cd_m2).sqrt(),
-        largest_codes: codes.iter().copied().fold(0.0, f64::max).sqrt(),
-        score: None,
-        squares,
-    }
+    Validation { rms_codes: mean(&codes).sqrt(), squares }
 }
 
 /// Returns the index of the model to use; `models` are in order of complexity, starting with the simplest. It is the
@@ -263,20 +232,18 @@ fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Op
     let read = || sample.points.iter().filter(|point| point.channel == channel);
     let mean = read().map(|point| point.y).sum::<f64>() / read().count() as f64;
     let square = |of: &dyn Fn(f64, f64) -> f64| read().map(|point| of(point.v, point.y).powi(2)).sum::<f64>();
-    let largest = |of: &dyn Fn(f64, f64) -> f64| read().map(|point| of(point.v, point.y).abs()).fold(0.0, f64::max);
-    let error = |v: f64, y: f64| y - curve.cd_m2(v);
+    let codes = read().map(|point| 255.0 * (curve.encoded(point.y) - point.v).abs());
     FittedChannel {
         channel,
         gamma_se,
-        r_squared: 1.0 - square(&error) / square(&|_, y| y - mean),
-        largest_codes: largest(&|v, y| 255.0 * (curve.encoded(y) - v)),
-        largest_cd_m2: largest(&error),
+        r_squared: 1.0 - square(&|v, y| y - curve.cd_m2(v)) / square(&|_, y| y - mean),
+        largest_codes: codes.fold(0.0, f64::max),
         curve: curve.clone(),
     }
 }
 
 fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = calibration.readings.hardly_rising();
+    let mut notes = Vec::new();
     let read = calibration.readings.channels();
     let unread: Vec<&str> =
         Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();
@@ -288,16 +255,6 @@ fn notes(calibration: &Calibration) -> Vec<String> {
         notes.push(format!(
             "channels not additive: white differs from red + green + blue by {percent:+.1} %; colors other than grays will be off (limit {ADDITIVE_PERCENT} %)"
         ));
-    }
-    let blacks = (read.iter()).filter_map(|channel| calibration.readings.means(*channel).first().copied());
-    let blacks: Vec<f64> = blacks.filter(|mean| mean.level == 0.0).map(|mean| mean.luminance_cd_m2).collect();
-    let [least, most] = [f64::min, f64::max].map(|of| blacks.iter().copied().reduce(of).unwrap_or(0.0));
-    if most - least > BLACK_DIFFERS * most + 3.0 * calibration.readings.resolution_cd_m2() {
-        notes.push(
-            "black differs between channels although level 0 is the same patch in all channels: the screen, the room, \
-                or the photometer changed"
-                .to_owned(),
-        );
     }
     if let Some(percent) = calibration.drift_percent.filter(|percent| percent.abs() > DRIFT_PERCENT) {
         notes.push(format!(

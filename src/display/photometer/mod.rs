@@ -16,7 +16,7 @@ mod readings;
 mod table;
 
 pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
-pub use checks::{ErrorLocation, MIN_LEVELS, ReadingsError, Sum, additivity, drift_percent, largest};
+pub use checks::{ErrorLocation, MIN_LEVELS, ReadingsError, Sum, additivity, drift_percent, largest_percent};
 pub use fit::{Curve, Family};
 pub use patches::{Patch, PatchSettings, patches};
 pub use readings::{LevelMean, Reading, Readings, is_same_level};

@@ -2,7 +2,6 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
-use super::checks::MIN_LEVELS;
 use crate::{
     display::channel::{Channel, SettingsError},
     statistics::shuffle,
@@ -16,7 +15,7 @@ const BETWEEN_WHITES: usize = 16;
 pub struct PatchSettings {
     /// The channels, each once.
     pub channels: Vec<Channel>,
-    /// The number of levels of each channel, evenly spaced in encoded value, including 0 and 1.
+    /// The number of levels of each channel, 2 to 256, evenly spaced in encoded value, including 0 and 1.
     pub levels: usize,
     /// The number of readings of each patch.
     pub repeats: usize,
@@ -50,12 +49,6 @@ pub struct Patch {
 pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
     Channel::check_for_profile(channels)?;
-    if !(MIN_LEVELS..=256).contains(levels) {
-        return Err(SettingsError(format!("{levels} levels; expected {MIN_LEVELS} to 256")));
-    }
-    if !(1..=20).contains(repeats) {
-        return Err(SettingsError(format!("{repeats} readings of each patch; expected 1 to 20")));
-    }
     let patch = |channel: Channel, step: usize| {
         let code = (255.0 * step as f64 / (levels - 1) as f64).round();
         Patch { channel, code: code as u8, level: code / 255.0 }

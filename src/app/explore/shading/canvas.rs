@@ -1,17 +1,24 @@
-//! The image on the page, with dragging and overlays.
+//! The image on the page, with dragging, overlays and the keys to its colors.
 
 use eframe::egui::{
-    self, Color32, CursorIcon, EventFilter, Id, Key, Popup, Pos2, Rect, Response, Sense, Shape, Stroke, TextureId, Vec2,
+    self, Color32, CursorIcon, EventFilter, Id, Key, Label, Popup, Pos2, Rect, Response, Sense, Shape, Stroke,
+    TextureId, Vec2,
 };
 
 use super::comparison::Comparison;
-use crate::app::ui::{describe, pixels, theme};
+use crate::{
+    app::ui::{describe, pixels, secondary, theme},
+    shading::crease,
+};
 
 /// Degrees of rotation per press of an arrow key, without and with Shift.
 const STEPS_DEG: [f64; 2] = [5.0, 1.0];
 
 /// The enlargements of the picture; at 1, each of its pixels is one of the screen.
 pub const ZOOMS: [f32; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
+
+/// Factor by which the difference between two images is amplified.
+pub const FACTOR: u8 = 16;
 
 /// Radius of the knob that moves the divider, points.
 const KNOB: f32 = 9.0;
@@ -28,28 +35,13 @@ pub enum Layer {
     Visible,
 }
 
-/// What dragging on the image changes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DragTarget {
-    /// The rotation of the mesh.
-    #[default]
-    Mesh,
-    /// The direction of the light.
-    Light,
-    /// The scan line; each drag draws a new one.
-    ScanLine,
-}
-
 /// How the images are shown. None of these settings changes an image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewSettings {
     pub layer: Layer,
-    pub target: DragTarget,
     /// Position of the divider, as a share of the image's width.
     pub divider: f64,
-    /// Factor by which the difference is amplified.
-    pub factor: u8,
-    /// Whether the scan line and its plots are shown.
+    /// Whether the scan line and its plots are shown; a drag then draws the line, and otherwise rotates the mesh.
     pub scan: bool,
     /// The ends of the scan line, as shares of the image's width and height.
     pub line: [Pos2; 2],
@@ -63,9 +55,7 @@ impl Default for ViewSettings {
     fn default() -> Self {
         Self {
             layer: Layer::default(),
-            target: DragTarget::default(),
             divider: 0.5,
-            factor: 16,
             scan: false,
             line: [Pos2::new(0.2, 0.45), Pos2::new(0.8, 0.45)],
             zoom: ZOOMS[0],
@@ -101,7 +91,7 @@ pub fn whole_pixels(ctx: &egui::Context, area: Rect) -> (Rect, [u32; 2]) {
 
 const ARROWS: [Key; 4] = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
 
-/// Lets the pointer and the keys move the target; returns whether a drag is in progress.
+/// Lets the pointer and the keys move the mesh, the light or the scan line; returns whether a drag is in progress.
 pub fn interact(
     ui: &egui::Ui,
     rect: Rect,
@@ -118,21 +108,20 @@ pub fn interact(
     if response.drag_started() || response.clicked() || turns {
         response.request_focus();
     }
-    let target = if response.dragged_by(egui::PointerButton::Secondary) { DragTarget::Light } else { settings.target };
     if response.dragged_by(egui::PointerButton::Middle) {
         settings.middle -= response.drag_delta() / (rect.size() * settings.zoom);
     } else if response.dragged() {
-        drag(&response, rect, target, compared, settings);
+        drag(&response, rect, compared, settings);
     }
     zoom(ui, &response, rect, settings);
     if response.has_focus() || turns {
         keys(ui, &response, compared, settings);
         ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::ink(ui).text), egui::StrokeKind::Outside);
     }
-    let icon = match settings.target {
-        DragTarget::ScanLine => CursorIcon::Crosshair,
-        _ if response.dragged() => CursorIcon::Grabbing,
-        _ => CursorIcon::Grab,
+    let icon = match () {
+        () if settings.scan => CursorIcon::Crosshair,
+        () if response.dragged() => CursorIcon::Grabbing,
+        () => CursorIcon::Grab,
     };
     let divided = settings.layer != Layer::Difference && divider(ui, rect, settings);
     response.on_hover_cursor(icon).dragged() || divided
@@ -156,38 +145,34 @@ fn zoom(ui: &egui::Ui, response: &Response, rect: Rect, settings: &mut ViewSetti
     settings.middle = settings.middle.clamp(Pos2::ZERO, Pos2::new(1.0, 1.0));
 }
 
-fn drag(response: &Response, rect: Rect, target: DragTarget, compared: &mut Comparison, settings: &mut ViewSettings) {
+fn drag(response: &Response, rect: Rect, compared: &mut Comparison, settings: &mut ViewSettings) {
     // A drag as long as the surface's radius rotates it by one radian.
     let radius = 0.45 * rect.width().min(rect.height());
     let turned = (response.drag_delta() / radius).to_pos2();
     let [right, down] = [turned.x, turned.y].map(|radians| f64::from(radians).to_degrees());
-    match target {
-        DragTarget::Mesh if right != 0.0 || down != 0.0 => compared.turn(right, down),
-        DragTarget::Light if right != 0.0 || down != 0.0 => compared.move_light(right, -down),
-        DragTarget::ScanLine => {
-            if let Some(at) = response.interact_pointer_pos() {
-                let place = share(settings.whole(rect), at);
-                if response.drag_started() {
-                    settings.line[0] = place;
-                }
-                settings.line[1] = place;
+    let is_light = response.dragged_by(egui::PointerButton::Secondary);
+    match response.interact_pointer_pos() {
+        Some(at) if settings.scan && !is_light => {
+            let place = share(settings.whole(rect), at);
+            if response.drag_started() {
+                settings.line[0] = place;
             }
+            settings.line[1] = place;
         }
-        _ => {}
+        _ if response.drag_delta() == Vec2::ZERO => {}
+        _ if is_light => compared.move_light(right, -down),
+        _ => compared.turn(right, down),
     }
 }
 
 fn keys(ui: &egui::Ui, response: &Response, compared: &mut Comparison, settings: &mut ViewSettings) {
     let [right, down] = arrows(ui, response);
     let step = STEPS_DEG[usize::from(ui.input(|input| input.modifiers.shift))];
-    match settings.target {
-        _ if right == 0.0 && down == 0.0 => {}
-        DragTarget::Mesh => compared.turn(right * step, down * step),
-        DragTarget::Light => compared.move_light(right * step, -down * step),
-        DragTarget::ScanLine => {
-            let by = Vec2::new(right as f32, down as f32) * step as f32 / 250.0;
-            settings.line = settings.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
-        }
+    if settings.scan {
+        let by = Vec2::new(right as f32, down as f32) * step as f32 / 250.0;
+        settings.line = settings.line.map(|end| (end + by).clamp(Pos2::ZERO, Pos2::new(1.0, 1.0)));
+    } else if right != 0.0 || down != 0.0 {
+        compared.turn(right * step, down * step);
     }
 }
 
@@ -233,8 +218,8 @@ pub fn draw(ui: &egui::Ui, rect: Rect, textures: [TextureId; 2], size: [u32; 2],
     }
 }
 
-/// Draws the overlays: divider, scan line, light.
-pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &ViewSettings) {
+/// Draws the divider and the scan line.
+pub fn draw_marks(ui: &egui::Ui, rect: Rect, settings: &ViewSettings) {
     let painter = ui.painter().with_clip_rect(rect.expand(KNOB));
     if settings.layer != Layer::Difference {
         let x = rect.left() + rect.width() * settings.divider as f32;
@@ -253,22 +238,6 @@ pub fn draw_marks(ui: &egui::Ui, rect: Rect, compared: &Comparison, settings: &V
         painter.circle(from, 4.0, theme::MARK_DARK, Stroke::new(1.5, theme::MARK));
         painter.circle_filled(to, 3.0, theme::MARK);
     }
-    if settings.target == DragTarget::Light {
-        let toward = compared.scene.light.normalize_or_zero();
-        let radius = 0.45 * rect.width().min(rect.height());
-        let at = rect.center() + Vec2::new(toward.x as f32, -toward.y as f32) * radius;
-        draw_light_mark(&painter, at, toward.z >= 0.0);
-    }
-}
-
-/// Draws a note about the picture in its upper left corner.
-pub fn draw_note(ui: &egui::Ui, rect: Rect, text: &str) {
-    let painter = ui.painter().with_clip_rect(rect);
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let text = painter.layout(text.to_owned(), font, theme::MARK, rect.width() - 24.0);
-    let at = rect.min + Vec2::splat(12.0);
-    painter.rect_filled(Rect::from_min_size(at, text.size()).expand(6.0), 4.0, theme::SHADE);
-    painter.galley(at, text, Color32::WHITE);
 }
 
 /// Returns the center of the divider's knob; `x` is where the divider is.
@@ -287,20 +256,49 @@ fn grip(painter: &egui::Painter, at: Pos2) {
     }
 }
 
-/// Marks the position of the light; the mark is hollow if the light is behind the surface.
-fn draw_light_mark(painter: &egui::Painter, at: Pos2, before: bool) {
-    // In gray: nothing beside a stimulus is colored.
-    let color = theme::MARK;
-    let fill = if before { color } else { Color32::TRANSPARENT };
-    painter.circle(at, 6.0, fill, Stroke::new(1.5, color));
-    for ray in 0..8 {
-        let toward = Vec2::angled(ray as f32 * std::f32::consts::FRAC_PI_4);
-        painter.line_segment([at + toward * 9.0, at + toward * 13.0], Stroke::new(1.5, color));
-    }
-}
-
 /// Converts a position to shares of a rectangle's width and height.
 fn share(rect: Rect, at: Pos2) -> Pos2 {
     let from = (at - rect.min) / rect.size();
     from.to_pos2().clamp(Pos2::ZERO, Pos2::new(1.0, 1.0))
+}
+
+/// Size of a scale of colors, points.
+const SCALE: Vec2 = Vec2::new(120.0, 12.0);
+const STEPS: usize = 40;
+
+/// Draws the key to the differences between codes.
+pub fn key_to_difference(ui: &mut egui::Ui) {
+    let most = 255_u8.div_ceil(FACTOR);
+    key(ui, "the same code", gray, &format!("{most} codes apart or more"));
+}
+
+/// Draws the key to the visible difference from the smooth surface. `full_scale` is the difference with the last color,
+/// once it is known.
+pub fn key_to_visible(ui: &mut egui::Ui, full_scale: Option<f64>) {
+    let most = full_scale.map_or_else(String::new, |most| format!("{most:.1} "));
+    key(ui, "as the smooth surface", heat, &format!("{most}times the threshold"));
+}
+
+fn heat(share: f64) -> Color32 {
+    let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
+fn gray(share: f64) -> Color32 {
+    Color32::from_gray((share * 255.0).round() as u8)
+}
+
+/// Draws a scale of colors between the names of its ends.
+fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
+    ui.label(secondary(least));
+    let (rect, response) = ui.allocate_exact_size(SCALE, Sense::hover());
+    describe(&response, &format!("Key: from {least} to {most}"));
+    let step = rect.width() / STEPS as f32;
+    for i in 0..STEPS {
+        let left = rect.left() + step * i as f32;
+        let part = Rect::from_x_y_ranges(left..=left + step, rect.y_range());
+        ui.painter().rect_filled(part, 0.0, color(i as f64 / (STEPS - 1) as f64));
+    }
+    // A wider page would change the size of the picture, and thus what is measured.
+    ui.add(Label::new(secondary(most)).truncate());
 }

@@ -138,10 +138,8 @@ pub fn title(shade: &Shade) -> String {
     }
     if shade.shader.interpolates_light() {
         for (correction, name) in [(shade.vertex, "vertex"), (shade.reweight, "reweighted")] {
-            match correction {
-                Correction::Off => {}
-                Correction::Printed => text += &format!(" + {name}"),
-                Correction::Repaired => text += &format!(" + {name}, repaired"),
+            if correction != Correction::Off {
+                text += &format!(" + {name} {}", correction.name());
             }
         }
     }

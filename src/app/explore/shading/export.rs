@@ -6,7 +6,7 @@ use eframe::egui;
 use serde_json::{Value, json};
 
 use super::{
-    canvas::{Layer, ViewSettings},
+    canvas::{FACTOR, Layer, ViewSettings},
     comparison::Comparison,
     measures::{SHORTER_SIDE_DEG, SIDE_PX},
 };
@@ -58,7 +58,7 @@ pub fn parameters(compared: &Comparison, settings: &ViewSettings, size: [u32; 2]
     let column = settings.column(size[0]);
     all["view"] = match settings.layer {
         Layer::Split => json!({"show": "split", "right_from_column": column}),
-        Layer::Difference => json!({"show": "difference of codes", "factor": settings.factor}),
+        Layer::Difference => json!({"show": "difference of codes", "factor": FACTOR}),
         Layer::Visible => json!({
             "show": "visible difference from the smooth surface",
             "right_from_column": column,

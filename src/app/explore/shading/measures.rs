@@ -1,9 +1,9 @@
-//! Measures both sides. Creases and the visible difference from the smooth surface are computed on a separate thread
-//! while nothing is dragged. Light and its slope along a line are computed by the shaders rather than from pixels.
+//! Measures both sides. The visible difference from the smooth surface is computed on a separate thread while nothing is
+//! dragged. Light and its slope along a line are computed by the shaders rather than from pixels.
 
 use std::sync::Arc;
 
-use eframe::egui::{self, Pos2, RichText, TextureHandle};
+use eframe::egui::{self, Pos2, TextureHandle};
 use egui_plot::Line;
 use glam::{DVec2, DVec3};
 
@@ -14,7 +14,7 @@ use crate::{
         ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     },
     light::{CodeImage, Samples},
-    shading::{Creases, Shade, Shader, Surface, crease},
+    shading::{Shade, Shader, Surface, crease},
     stimulus::{Judged, ViewingConditions, along, emitted},
     vision::luminance,
 };
@@ -25,20 +25,18 @@ pub const SIDE_PX: u32 = 512;
 /// Assumed size of the shorter side of the picture, degrees.
 pub const SHORTER_SIDE_DEG: f64 = 10.0;
 
-/// The measurements of both sides.
+/// How visible the difference of both sides from the smooth surface is.
 pub struct Measured {
-    /// The cells of the table for each side.
-    pub cells: [Vec<String>; 2],
-    /// Maps of both sides, if there are any.
-    pub maps: Option<[CodeImage; 2]>,
-    /// The value with the last color of the maps.
+    /// The largest difference, times threshold.
+    pub largest: [f64; 2],
+    /// The same relative to Gouraud's, if that differs at all.
+    pub over_gouraud: [Option<f64>; 2],
+    pub maps: [CodeImage; 2],
+    /// The difference with the last color of the maps.
     pub full_scale: f64,
 }
 
-/// A function that measures a comparison of this surface at this size in pixels.
-type Measure = fn(&Comparison, &Surface, [u32; 2]) -> Result<Measured, String>;
-
-/// A measurement of the displayed images.
+/// The measurement of the displayed images.
 #[derive(Default)]
 pub struct Measurement {
     latest: Latest<u64, Measured>,
@@ -46,74 +44,37 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Starts to measure the images with `measure`, unless that is done or in progress.
-    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures, measure: Measure) {
+    /// Starts to measure the images, unless that is done or in progress.
+    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures) {
         let edition = pictures.edition;
         self.latest.want(ctx, edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
             let size = [pictures.frame.width, pictures.frame.height];
-            move || measure(&compared, &surface, size)
+            move || visible(&compared, &surface, size)
         });
         if let Some(Ok(measured)) = self.latest.get(&edition)
-            && let Some(maps) = &measured.maps
             && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
         {
-            self.textures = Some((edition, maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
         }
     }
 
-    /// Returns the measurement of this version of the images, if available.
-    pub fn get(&self, edition: u64) -> Option<&Measured> {
-        self.latest.get(&edition)?.as_ref().ok()
+    /// Returns the measurement of this version of the images, or why there is none; `None` while it is computed.
+    pub fn get(&self, edition: u64) -> Option<&Result<Measured, String>> {
+        self.latest.get(&edition)
     }
 
     /// Returns the maps as textures, if available.
     pub fn textures(&self, edition: u64) -> Option<&[TextureHandle; 2]> {
         self.textures.as_ref().filter(|(of, _)| *of == edition).map(|(_, textures)| textures)
     }
-
-    /// Says why there is no result; `None` if there is one.
-    pub fn status(&self, edition: u64) -> Option<String> {
-        match self.latest.get(&edition) {
-            None => Some("Computing…".to_owned()),
-            Some(Err(error)) => Some(format!("Not available: {error}.")),
-            Some(Ok(_)) => None,
-        }
-    }
-
-    /// Draws the cell at `place` for one side; why there is none is said on hover.
-    pub fn cell(&self, ui: &mut egui::Ui, which: usize, place: usize, edition: u64) {
-        let (cell, why) = match self.latest.get(&edition) {
-            Some(Ok(measured)) => (measured.cells[which][place].as_str(), ""),
-            Some(Err(error)) => ("—", error.as_str()),
-            None => ("…", ""),
-        };
-        let label = ui.label(RichText::new(cell).small().color(ink(ui).sides()[which]));
-        if !why.is_empty() {
-            label.on_hover_text(why);
-        }
-    }
-}
-
-/// Measures the steepness of the creases: rms, 95th percentile, and the rms relative to Gouraud's.
-pub fn creases(compared: &Comparison, surface: &Surface, [width, height]: [u32; 2]) -> Result<Measured, String> {
-    let frame = compared.scene.frame(surface, width, height).unpainted();
-    let gouraud = Creases::of_gouraud(&frame);
-    let sides = compared.sides.map(|side| Creases::of(&frame, &side));
-    let cells = |creases: &Creases| {
-        let over = creases.over(&gouraud).map_or_else(|| "—".to_owned(), |over| format!("{over:.4}"));
-        // Differences in the last digits of the arithmetic are not creases.
-        let shown = |slope: f64| if slope < 1e-6 { "0".to_owned() } else { format!("{slope:.2e}") };
-        vec![shown(creases.rms), shown(creases.p95), over]
-    };
-    Ok(Measured { cells: sides.each_ref().map(cells), maps: None, full_scale: gouraud.p95 })
 }
 
 /// The color of a map beside the mesh, encoded.
 const BESIDE: [f64; 3] = [0.2; 3];
 
 /// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
-pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
     let judged = Judged::known(&frame);
@@ -144,11 +105,9 @@ pub fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Resu
         let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
         CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }
     });
-    let cells = sides.each_ref().map(|side| {
-        let over = (gouraud > 0.0).then(|| format!("{:.2}", side.largest / gouraud));
-        vec![format!("{:.1}", side.largest), over.unwrap_or_else(|| "—".to_owned())]
-    });
-    Ok(Measured { cells, maps: Some(maps), full_scale })
+    let largest = sides.each_ref().map(|side| side.largest);
+    let over_gouraud = largest.map(|largest| (gouraud > 0.0).then(|| largest / gouraud));
+    Ok(Measured { largest, over_gouraud, maps, full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.

@@ -4,9 +4,8 @@
 //! |---|---|
 //! | `comparison` | the comparison; presets |
 //! | `pictures` | drawing, only if something has changed |
-//! | `measures` | creases and visible differences of both sides; light along a line |
-//! | `canvas` | the image and dragging on it |
-//! | `key` | keys to the colors of the layers |
+//! | `measures` | visible differences of both sides; light along a line |
+//! | `canvas` | the image and dragging on it; keys to its colors |
 //! | `controls`, `export` | the panel of controls |
 //! | `page` | the complete page |
 
@@ -14,7 +13,6 @@ mod canvas;
 mod comparison;
 mod controls;
 mod export;
-mod key;
 mod measures;
 mod page;
 mod pictures;

@@ -3,15 +3,13 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
-use toml::{Table, Value};
 
 use super::{
-    canvas::{self, DragTarget, Layer, ViewSettings, ZOOMS},
-    comparison::{Comparison, MeshChoice, presets, title},
+    canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
+    comparison::{Comparison, MeshChoice, title},
     controls,
     export::{self, Export},
-    key,
-    measures::{self, Measurement, SHORTER_SIDE_DEG, Scan},
+    measures::{Measured, Measurement, SHORTER_SIDE_DEG, Scan},
     pictures::{Difference, Picture, Pictures, divided},
 };
 use crate::{
@@ -46,7 +44,6 @@ pub struct ShadingPage {
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
     pictures: Option<Pictures>,
-    creases: Measurement,
     visible: Measurement,
     scan: Option<Scan>,
     difference: Option<Difference>,
@@ -66,22 +63,6 @@ struct FileField {
 }
 
 impl ShadingPage {
-    /// Applies the remembered preset; an unknown one is ignored.
-    pub fn recall(&mut self, remembered: &Table) {
-        let name = remembered.get("preset").and_then(Value::as_str);
-        if let Some((_, preset)) = presets().into_iter().find(|(preset, _)| Some(*preset) == name) {
-            self.history = History::new(preset.clone());
-            self.compared = preset;
-        }
-    }
-
-    /// Returns the preset to remember; empty if the comparison is not a preset.
-    pub fn remembered(&self) -> Table {
-        let is_shown = |preset: &Comparison| preset.clone().on_display(&self.compared.transfer) == self.compared;
-        let found = presets().into_iter().find(|(_, preset)| is_shown(preset));
-        found.map(|(name, _)| ("preset".to_owned(), name.into())).into_iter().collect()
-    }
-
     /// Draws the page; returns whether the user left it.
     pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
         let escaped = escaped(ui);
@@ -190,7 +171,7 @@ impl ShadingPage {
         self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
         self.update(ui.ctx(), size);
         self.draw(ui, rect, size);
-        canvas::draw_marks(ui, rect, &self.compared, &self.settings);
+        canvas::draw_marks(ui, rect, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
         if self.settings.scan {
@@ -205,7 +186,7 @@ impl ShadingPage {
 
     /// Says first what the comparison shows. The sentence has the same room before it is known.
     fn lead(&self, ui: &mut egui::Ui) {
-        let text = self.pictures.as_ref().map_or_else(String::new, |pictures| self.sentence(pictures));
+        let text = self.pictures.as_ref().map_or_else(String::new, |_| self.sentence());
         let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), LEAD), egui::Sense::hover());
         // Its size never changes that of the picture, for which it would have to be computed again.
         let size = if rect.width() < theme::COLUMN { BODY } else { SECTION };
@@ -223,16 +204,6 @@ impl ShadingPage {
                 [(Layer::Split, "Split"), (Layer::Difference, "Difference"), (Layer::Visible, "Visibility")]
             {
                 ui.selectable_value(&mut settings.layer, layer, name);
-            }
-            group(ui, "Drag moves");
-            for (target, name) in [
-                (DragTarget::Mesh, "the mesh"),
-                (DragTarget::Light, "the light"),
-                (DragTarget::ScanLine, "a scan line"),
-            ] {
-                if ui.selectable_value(&mut settings.target, target, name).clicked() {
-                    settings.scan |= target == DragTarget::ScanLine;
-                }
             }
             ui.checkbox(&mut settings.scan, "Scan line");
             // What belongs to the zoom stays on one line.
@@ -253,30 +224,24 @@ impl ShadingPage {
             ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
             let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
             settings.zoom = less.or(more).unwrap_or(settings.zoom);
-            if !settings.scan && settings.target == DragTarget::ScanLine {
-                settings.target = DragTarget::Mesh;
-            }
         });
     }
 
     /// Says what the colors of the layer mean or, above the images themselves, what dragging does. The line has the same
     /// height for every layer, so that the picture keeps its size.
     fn explain(&self, ui: &mut egui::Ui) {
-        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
-        let drag = match self.settings.target {
-            DragTarget::Mesh => {
-                "Drag or press the arrow keys to rotate the mesh. The right button moves the light, the middle button \
-                    the enlarged picture; the wheel zooms."
-            }
-            DragTarget::Light => "Drag the picture, or press the arrow keys, to move the light.",
-            DragTarget::ScanLine => "Drag across the picture to draw the scan line; the arrow keys move it.",
+        let drag = if self.settings.scan {
+            "Drag across the picture to draw the scan line; the arrow keys move it."
+        } else {
+            "Drag or press the arrow keys to rotate the mesh. The right button moves the light, the middle button the \
+                enlarged picture; the wheel zooms."
         };
         ui.horizontal(|ui| {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => key::difference(ui, self.settings.factor),
-                Layer::Visible => key::visible(ui, self.visible.get(edition).map(|visible| visible.full_scale)),
+                Layer::Difference => canvas::key_to_difference(ui),
+                Layer::Visible => canvas::key_to_visible(ui, self.measured().ok().map(|measured| measured.full_scale)),
             }
         });
     }
@@ -292,13 +257,7 @@ impl ShadingPage {
                 ui.label(text(0));
                 ui.label("minus");
                 ui.label(text(1));
-                let factor = &mut self.settings.factor;
-                Field::new("in codes, amplified ×").width(52.0).choice(
-                    ui,
-                    factor,
-                    &[1, 2, 4, 8, 16, 32, 64],
-                    u8::to_string,
-                );
+                ui.label(format!("in codes, amplified × {FACTOR}"));
                 return;
             }
             let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
@@ -320,40 +279,40 @@ impl ShadingPage {
         let Some((_, surface)) = &self.surface else { return };
         let pictures = Pictures::updated(ctx, self.pictures.take(), surface, &self.compared, size);
         if !self.dragging {
-            self.creases.want(ctx, &pictures, measures::creases);
-            self.visible.want(ctx, &pictures, measures::visible);
+            self.visible.want(ctx, &pictures);
         }
         if self.settings.scan {
             self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
         }
         if self.settings.layer == Layer::Difference {
-            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures, self.settings.factor));
+            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures));
         }
         self.pictures = Some(pictures);
     }
 
-    /// Returns the measurement with the maps to show; `None` if no maps are shown.
-    fn mapped(&self) -> Option<&Measurement> {
-        (self.settings.layer == Layer::Visible).then_some(&self.visible)
+    /// Returns how visible the differences are, or why that is not known.
+    fn measured(&self) -> Result<&Measured, String> {
+        let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
+        match self.visible.get(edition) {
+            None => Err("Computing…".to_owned()),
+            Some(Err(error)) => Err(format!("Not available: {error}.")),
+            Some(Ok(measured)) => Ok(measured),
+        }
     }
 
     fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
         let Some(pictures) = &self.pictures else { return };
-        let maps = self.mapped().and_then(|measurement| measurement.textures(pictures.edition));
-        let textures = match (self.settings.layer, &self.difference, maps) {
+        let textures = match (self.settings.layer, &self.difference, self.visible.textures(pictures.edition)) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
             (Layer::Difference, None, _) => return,
-            (_, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
+            (Layer::Visible, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
             // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, size, &self.settings);
-        if let Some(status) = self.mapped().and_then(|measurement| measurement.status(pictures.edition)) {
-            canvas::draw_note(ui, rect, &status);
-        }
     }
 
-    /// Draws the table of creases and visible differences, and the drawing times.
+    /// Draws the table of visible differences.
     fn numbers(&mut self, ui: &mut egui::Ui) {
         let Some(pictures) = &self.pictures else { return };
         ui.spacing_mut().interact_size.y = 14.0;
@@ -370,41 +329,36 @@ impl ShadingPage {
                 ui.label(RichText::new(side).small().color(color));
             }
             ui.end_row();
-            for (name, measurement, place) in [
-                ("creases, rms, light per pixel", &self.creases, 0),
-                ("creases, p95, light per pixel", &self.creases, 1),
-                ("creases, rms relative to Gouraud", &self.creases, 2),
-                ("visible difference, times the threshold", &self.visible, 0),
-                ("visible difference relative to Gouraud", &self.visible, 1),
+            let known = self.visible.get(pictures.edition);
+            let cell = |number: &dyn Fn(&Measured) -> Option<String>| match known {
+                None => "…".to_owned(),
+                Some(found) => found.as_ref().ok().and_then(number).unwrap_or_else(|| "—".to_owned()),
+            };
+            let largest = |which: usize| cell(&|found| Some(format!("{:.1}", found.largest[which])));
+            let relative = |which: usize| cell(&|found| Some(format!("{:.2}", found.over_gouraud[which]?)));
+            for (name, cells) in [
+                ("visible difference, times the threshold", [0, 1].map(largest)),
+                ("visible difference relative to Gouraud", [0, 1].map(relative)),
             ] {
                 ui.label(secondary(name));
-                for which in 0..2 {
-                    measurement.cell(ui, which, place, pictures.edition);
+                for (cell, color) in cells.into_iter().zip(ink(ui).sides()) {
+                    ui.label(RichText::new(cell).small().color(color));
                 }
                 ui.end_row();
             }
         });
-        let [left, right] = pictures.sides.each_ref().map(|picture| picture.ms);
-        let (triangles, vertices) = (pictures.frame.triangles.len(), pictures.frame_ms);
-        hint(
-            ui,
-            format!(
-                "Triangles facing the viewer: {triangles}. Vertices {vertices:.1} ms, left {left:.1} ms, right {right:.1} ms. The shorter side counts as {SHORTER_SIDE_DEG}°."
-            ),
-        );
+        let triangles = pictures.frame.triangles.len();
+        hint(ui, format!("Triangles facing the viewer: {triangles}. The shorter side counts as {SHORTER_SIDE_DEG}°."));
     }
 
     /// Says how visible the differences from the smooth surface are.
-    fn sentence(&self, pictures: &Pictures) -> String {
-        let Some(visible) = self.visible.get(pictures.edition) else {
-            let status = self.visible.status(pictures.edition).unwrap_or_default();
-            return format!("Difference from the smooth surface: {status}");
+    fn sentence(&self) -> String {
+        let visible = match self.measured() {
+            Ok(measured) => measured,
+            Err(status) => return format!("Difference from the smooth surface: {status}"),
         };
-        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.cells.each_ref());
-        format!(
-            "{a} differs from the smooth surface by {} times what people can just see; {b} by {}.",
-            left[0], right[0]
-        )
+        let ([a, b], [left, right]) = (self.compared.sides.each_ref().map(title), visible.largest);
+        format!("{a} differs from the smooth surface by {left:.1} times what people can just see; {b} by {right:.1}.")
     }
 
     /// Returns the pixels of the view as on the screen, but without overlays.
@@ -413,9 +367,9 @@ impl ShadingPage {
         if self.settings.layer == Layer::Difference {
             return Some(self.difference.as_ref()?.codes.clone());
         }
-        let [left, right] = match self.mapped() {
-            Some(measurement) => measurement.get(pictures.edition)?.maps.clone()?,
-            None => pictures.sides.each_ref().map(|side| side.codes.clone()),
+        let [left, right] = match self.settings.layer {
+            Layer::Visible => self.measured().ok()?.maps.clone(),
+            _ => pictures.sides.each_ref().map(|side| side.codes.clone()),
         };
         Some(divided([&left, &right], self.settings.column(left.width)))
     }
@@ -426,7 +380,7 @@ impl ShadingPage {
             let compared = &pictures.compared;
             export.show(ui, compared, || {
                 let image = self.pixels()?;
-                let full_scale = self.visible.get(pictures.edition).map(|visible| visible.full_scale);
+                let full_scale = self.measured().ok().map(|measured| measured.full_scale);
                 let size = [image.width, image.height];
                 let parameters = export::parameters(compared, &self.settings, size, full_scale);
                 Some((image, parameters))

@@ -1,10 +1,10 @@
 //! Draws the two images of a comparison. Redraws them only if something has changed.
 
-use std::{sync::Arc, time::Instant};
+use std::sync::Arc;
 
 use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 
-use super::comparison::Comparison;
+use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
     app::ui::pixels,
     light::{Bits, CodeImage, Quantizer, Samples},
@@ -16,19 +16,15 @@ pub struct Picture {
     /// Its codes.
     pub codes: CodeImage,
     texture: TextureHandle,
-    /// Drawing time, ms.
-    pub ms: f64,
 }
 
 impl Picture {
     fn draw(ctx: &egui::Context, frame: &Frame, shade: &Shade, quantizer: &Quantizer) -> Picture {
-        let started = Instant::now();
         let codes = quantizer.quantize(&image(frame, shade));
-        let ms = ms_since(started);
         let size = [codes.width, codes.height].map(|side| side as usize);
         let pixels = ColorImage::from_rgb(size, codes.bytes().unwrap_or_default());
         let texture = pixels::load(ctx, "shading", Arc::new(pixels));
-        Picture { codes, texture, ms }
+        Picture { codes, texture }
     }
 
     /// Returns the picture's texture in egui.
@@ -47,8 +43,6 @@ pub struct Pictures {
     pub edition: u64,
     /// The surface on the screen, in linear light.
     pub frame: Frame,
-    /// Time to transform and light the vertices, ms.
-    pub frame_ms: f64,
     /// The left and the right picture.
     pub sides: [Picture; 2],
 }
@@ -69,35 +63,32 @@ impl Pictures {
         if let Some(before) = before.filter(is_right) {
             return before;
         }
-        let started = Instant::now();
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let frame_ms = ms_since(started);
         let quantizer = Quantizer::new(&compared.transfer, Bits::Eight);
         let draw = |which: usize| Picture::draw(ctx, &frame, &compared.sides[which], &quantizer);
         let sides = [0, 1].map(draw);
-        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, frame_ms, sides }
+        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, sides }
     }
 }
 
 /// The difference between two images, and the version of the images that it was computed from.
 pub struct Difference {
     edition: u64,
-    factor: u8,
     pub codes: CodeImage,
     /// The difference as a texture.
     pub texture: TextureHandle,
 }
 
 impl Difference {
-    /// Returns the difference of `pictures` times `factor`, or `before` if it is up to date.
-    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures, factor: u8) -> Difference {
-        if let Some(before) = before.filter(|d| d.edition == pictures.edition && d.factor == factor) {
+    /// Returns the amplified difference of `pictures`, or `before` if it is up to date.
+    pub fn updated(ctx: &egui::Context, before: Option<Self>, pictures: &Pictures) -> Difference {
+        if let Some(before) = before.filter(|before| before.edition == pictures.edition) {
             return before;
         }
         let [left, right] = &pictures.sides;
-        let codes = combined(&left.codes, &right.codes, |_, left, right| left.abs_diff(right).saturating_mul(factor));
+        let codes = combined(&left.codes, &right.codes, |_, left, right| left.abs_diff(right).saturating_mul(FACTOR));
         let texture = pixels::texture(ctx, "difference", &codes);
-        Difference { edition: pictures.edition, factor, codes, texture }
+        Difference { edition: pictures.edition, codes, texture }
     }
 }
 
@@ -111,8 +102,4 @@ fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u
     let row = left.width.max(1) as usize * 3;
     let codes = a.iter().zip(b).enumerate().map(|(i, (a, b))| code((i % row / 3) as u32, *a, *b)).collect();
     CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
-}
-
-fn ms_since(started: Instant) -> f64 {
-    started.elapsed().as_secs_f64() * 1e3
 }

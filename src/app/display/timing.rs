@@ -1,0 +1,351 @@
+//! The timing tool: measures how regular frame intervals are while the content changes in every frame, and shows them
+//! in a table and a plot.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use eframe::{
+    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2, ViewportCommand},
+    emath::GuiRounding as _,
+};
+
+use super::tool::Tool;
+use crate::{
+    app::ui::{
+        Field, Monitor, Saving, ScreenFields, Step,
+        figure::FigureView,
+        neutral_primary, page, paragraph, pixels, secondary,
+        theme::{DARK_PAGE, ink},
+        tool_page,
+    },
+    display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
+    light::{Bits, Quantizer, Transfer},
+    report::figures,
+    stimulus::{MachBand, Stimulus},
+    store::Writer,
+};
+
+/// The choices for the number of frames.
+const FRAMES: [u32; 4] = [300, 600, 1800, 3600];
+/// Frames that are skipped before the measurement while caches fill and the window settles.
+const SETTLING: u32 = 30;
+/// How long the warning is shown before something flickers, seconds.
+const WARNING_S: f64 = 3.0;
+/// The safety warning that precedes a flickering patch.
+const FLICKER_WARNING: &str = "A patch will flicker between black and white with every frame. Flicker can cause seizures in people with photosensitive epilepsy: do not look at it, and keep anyone at risk from looking at it.";
+/// Side of the patch, which is small so that it stimulates as little of the retina as possible, and its distance from the
+/// upper left corner of the screen, where a photodiode can be held, physical pixels.
+const PATCH_PX: f32 = 96.0;
+const MARGIN_PX: f32 = 16.0;
+/// Side of the trial's stimulus, physical pixels.
+const STIMULUS_PX: u32 = 512;
+/// Number of frames that show the field and then the stimulus in a trial.
+const FIELD_FRAMES: u32 = 30;
+const STIMULUS_FRAMES: u32 = 60;
+
+/// What is drawn during a measurement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scene {
+    /// A patch that alternates between black and white: a target for a photodiode.
+    Patch,
+    /// The screen of a trial as in a session: the uniform field, and a different stimulus in each trial.
+    Trial,
+}
+
+/// Frame intervals and the refresh against which they are judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimingReport {
+    /// The intervals, judged against the refresh if it is known.
+    times: FrameTimes,
+    /// The refresh of the screen, if known.
+    pub refresh: Option<Refresh>,
+    /// The source of the refresh: `reported`, `measured` or `unknown`.
+    pub source: &'static str,
+}
+
+impl TimingReport {
+    /// Judges intervals in microseconds. The refresh is the one that the monitor reports, or otherwise the one that the
+    /// frames follow. If the intervals scatter, the refresh is unknown, and no frame is judged.
+    pub fn new(intervals_us: &[u32], monitor: &Monitor) -> Self {
+        let (refresh, source) = Refresh::known(monitor.refresh_hz, intervals_us);
+        let mut times = FrameTimes::default();
+        let mut now = Duration::ZERO;
+        times.frame(now, refresh);
+        for interval in intervals_us {
+            now += Duration::from_micros(u64::from(*interval));
+            times.frame(now, refresh);
+        }
+        Self { times, refresh, source }
+    }
+
+    /// Returns how long each frame was shown, in microseconds.
+    pub fn intervals_us(&self) -> &[u32] {
+        self.times.intervals_us()
+    }
+
+    /// Returns the findings as rows of a name and a value.
+    pub fn rows(&self) -> Vec<(&'static str, String)> {
+        let ms = |p: f64| self.times.quantile(p).map_or_else(String::new, |s| format!("{:.3} ms", s * 1e3));
+        let count = |number: Option<u64>| number.map_or_else(|| "unknown".to_owned(), |number| number.to_string());
+        vec![
+            ("intervals", self.intervals_us().len().to_string()),
+            (
+                "refresh",
+                self.refresh.map_or_else(
+                    || "unknown".to_owned(),
+                    |refresh| format!("{:.3} Hz, {:.3} ms, {}", refresh.hz(), refresh.seconds() * 1e3, self.source),
+                ),
+            ),
+            ("shortest", ms(0.0)),
+            ("1 %", ms(0.01)),
+            ("median", ms(0.5)),
+            ("99 %", ms(0.99)),
+            ("longest", ms(1.0)),
+            ("dropped frames", count(self.times.dropped())),
+            ("missed refreshes", count(self.times.missed_refreshes())),
+        ]
+    }
+
+    /// Returns whether there is one frame per refresh; `None` if there are too few frames to judge.
+    pub fn is_one_by_one(&self) -> Option<bool> {
+        let enough = self.intervals_us().len() >= MIN_ESTIMATE_INTERVALS;
+        let followed = self.refresh.is_some_and(|refresh| refresh.is_followed_by(self.intervals_us()));
+        enough.then_some(followed && self.times.dropped() == Some(0))
+    }
+
+    /// Returns the result in one or two sentences.
+    pub fn verdict(&self) -> String {
+        let count = self.intervals_us().len();
+        if count < MIN_ESTIMATE_INTERVALS {
+            return format!("{count} frames are too few to judge; expected {MIN_ESTIMATE_INTERVALS} or more.");
+        }
+        let Some(refresh) = self.refresh.filter(|refresh| refresh.is_followed_by(self.intervals_us())) else {
+            return self.scatter();
+        };
+        let (hz, dropped) = (refresh.hz(), self.times.dropped().unwrap_or_default());
+        let percent = 100.0 * dropped as f64 / count as f64;
+        if dropped == 0 {
+            format!("Every refresh at {hz:.2} Hz showed a new frame: none of {count} was dropped.")
+        } else {
+            format!(
+                "The frames follow the refresh rate of {hz:.2} Hz; dropped frames: {dropped} of {count} ({percent:.1} %). Close other programs."
+            )
+        }
+    }
+
+    /// Says that the frames do not follow a steady refresh, and describes their intervals.
+    fn scatter(&self) -> String {
+        let ms = |p: f64| self.times.quantile(p).unwrap_or_default() * 1e3;
+        let judged = match self.refresh {
+            Some(refresh) => format!("not even the {:.2} Hz that the system reports", refresh.hz()),
+            None => "so no frame can be judged as dropped".to_owned(),
+        };
+        format!(
+            "The frames do not follow a steady refresh, {judged}: 98 % of their intervals are between {:.1} and {:.1} \
+                ms. Close other programs and measure in full screen.",
+            ms(0.01),
+            ms(0.99)
+        )
+    }
+
+    /// Returns every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
+    pub fn csv(&self) -> String {
+        let mut text = "frame,interval_us,dropped\n".to_owned();
+        for (frame, us) in (1..).zip(self.intervals_us()) {
+            let dropped = self.refresh.map(|refresh| refresh.is_dropped(Duration::from_micros(u64::from(*us))));
+            let dropped = dropped.map_or("", |dropped| if dropped { "1" } else { "0" });
+            // Writing to memory does not fail.
+            let _ = writeln!(text, "{frame},{us},{dropped}");
+        }
+        text
+    }
+}
+
+/// A measurement in progress.
+struct TimingRun {
+    scene: Scene,
+    /// Frames to measure.
+    frames: u32,
+    /// The window's time at which the warning began, seconds. Content that does not flicker needs no warning.
+    warned: Option<f64>,
+    frame: u32,
+    times: FrameTimes,
+    quantizer: Quantizer,
+    /// Number of the current trial, from 0, and its image.
+    picture: Option<(u32, TextureHandle)>,
+}
+
+impl TimingRun {
+    /// Creates a measurement that is ready to begin. Flicker begins only after a warning.
+    fn new(scene: Scene, frames: u32) -> Self {
+        let quantizer = Quantizer::new(Transfer::Srgb, Bits::Eight);
+        Self { scene, frames, warned: None, frame: 0, times: FrameTimes::default(), quantizer, picture: None }
+    }
+
+    /// Draws a frame and requests the next one; returns the report once all frames are measured.
+    fn show(&mut self, ui: &mut Ui, monitor: &Monitor) -> Option<TimingReport> {
+        let now = ui.input(|input| input.time);
+        ui.ctx().request_repaint();
+        match self.scene {
+            Scene::Patch => {
+                let remaining_s = WARNING_S - (now - *self.warned.get_or_insert(now));
+                if remaining_s > 0.0 {
+                    warn(ui, remaining_s);
+                    return None;
+                }
+                draw_patch(ui, self.frame);
+            }
+            Scene::Trial => self.draw_trial(ui),
+        }
+        self.frame += 1;
+        if self.frame > SETTLING {
+            self.times.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
+        }
+        let measured = self.times.intervals_us();
+        (measured.len() >= self.frames as usize).then(|| TimingReport::new(measured, monitor))
+    }
+
+    /// Returns the background color of the page.
+    fn ground(&self) -> Color32 {
+        match self.scene {
+            // Black, so that nothing of the warning page remains behind the patch.
+            Scene::Patch if self.frame > 0 => Color32::BLACK,
+            Scene::Patch => DARK_PAGE,
+            Scene::Trial => pixels::field(&self.quantizer, stimulus(0).field_light(0.5)),
+        }
+    }
+
+    /// Draws the screen of a trial.
+    fn draw_trial(&mut self, ui: &mut Ui) {
+        let trial = self.frame / (FIELD_FRAMES + STIMULUS_FRAMES);
+        if self.picture.as_ref().is_none_or(|(made, _)| *made != trial) {
+            // As in a session, the texture is created while the field is shown.
+            let texture = pixels::texture(ui.ctx(), "timing", &stimulus(trial).codes(STIMULUS_PX, &self.quantizer));
+            self.picture = Some((trial, texture));
+        }
+        let shown = self.frame % (FIELD_FRAMES + STIMULUS_FRAMES) >= FIELD_FRAMES;
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            if let Some((_, texture)) = self.picture.as_ref().filter(|_| shown) {
+                pixels::draw_centered(ui, texture, ui.ctx().content_rect());
+            }
+        });
+    }
+}
+
+/// Returns a different stimulus for each trial.
+fn stimulus(trial: u32) -> Stimulus {
+    let mut stimulus = Stimulus::MachBand(MachBand::default());
+    // Cannot fail: the orientation is valid for every Mach band.
+    let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
+    stimulus
+}
+
+fn draw_patch(ui: &mut Ui, frame: u32) {
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+        let scale = ui.ctx().pixels_per_point();
+        let corner = (ui.ctx().content_rect().min + Vec2::splat(MARGIN_PX / scale)).round_to_pixels(scale);
+        let color = if frame.is_multiple_of(2) { Color32::WHITE } else { Color32::BLACK };
+        ui.painter().rect_filled(Rect::from_min_size(corner, Vec2::splat(PATCH_PX / scale)), 0.0, color);
+    });
+}
+
+fn warn(ui: &mut Ui, remaining_s: f64) {
+    page(ui, |ui| {
+        ui.heading("Flicker");
+        paragraph(ui, FLICKER_WARNING);
+        ui.label(format!("It begins in {:.0} s. Press Esc to stop.", remaining_s.ceil()));
+    });
+}
+
+pub struct TimingTool {
+    scene: Scene,
+    frames: u32,
+    run: Option<TimingRun>,
+    found: Option<(TimingReport, FigureView)>,
+    out: String,
+    saving: Saving,
+}
+
+impl Default for TimingTool {
+    fn default() -> Self {
+        let (out, saving) = ("timing.csv".to_owned(), Saving::default());
+        Self { scene: Scene::Trial, frames: 600, run: None, found: None, out, saving }
+    }
+}
+
+impl TimingTool {
+    fn settings(&mut self, ui: &mut egui::Ui) {
+        let scenes = [(Scene::Trial, "The screen of a trial"), (Scene::Patch, "A flickering patch")];
+        Field::new("Show").radio(ui, &mut self.scene, &scenes);
+        Field::new("Frames").choice(ui, &mut self.frames, &FRAMES, u32::to_string);
+        if self.scene == Scene::Patch {
+            paragraph(ui, RichText::new(FLICKER_WARNING).color(ink(ui).warn));
+        }
+        ui.add_space(4.0);
+    }
+
+    fn show_found(&mut self, ui: &mut egui::Ui) {
+        let Some((report, figure)) = &mut self.found else { return };
+        let color = if report.is_one_by_one() == Some(true) { ink(ui).good } else { ink(ui).warn };
+        paragraph(ui, RichText::new(report.verdict()).strong().color(color));
+        ui.add_space(4.0);
+        egui::Grid::new("timing").num_columns(2).spacing([24.0, 4.0]).show(ui, |ui| {
+            for (name, value) in report.rows() {
+                ui.label(secondary(name));
+                ui.label(value);
+                ui.end_row();
+            }
+        });
+        ui.add_space(8.0);
+        figure.show(ui);
+        Field::new("Export to").show(ui, |ui, label| {
+            ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
+            let path = Path::new(self.out.trim());
+            let write = |writer: &Writer, _: &str| writer.write(path, report.csv().as_bytes());
+            self.saving.export(ui, "Export", path, &["csv"], write);
+        });
+        self.saving.show(ui);
+    }
+}
+
+impl Tool for TimingTool {
+    fn show(&mut self, ui: &mut egui::Ui, monitor: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
+        if let Some(run) = &mut self.run {
+            let report = run.show(ui, monitor);
+            if report.is_some() || ui.input(|input| input.key_pressed(Key::Escape)) {
+                let drawn = |report: TimingReport| {
+                    let figure = figures::intervals(report.intervals_us(), report.refresh);
+                    (report, FigureView::new(figure))
+                };
+                self.found = report.map(drawn).or(self.found.take());
+                self.pause(ui.ctx());
+            }
+            return Step::Stay;
+        }
+        Step::back_if(tool_page(ui, "Timing", |ui| {
+            ui.label("Every refresh of the screen should show a new frame. This tool measures whether it does.");
+            ui.add_space(8.0);
+            self.settings(ui);
+            if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
+                self.saving = Saving::default();
+                self.run = Some(TimingRun::new(self.scene, self.frames));
+                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                ui.ctx().request_repaint();
+            }
+            ui.add_space(12.0);
+            self.show_found(ui);
+        }))
+    }
+
+    fn pause(&mut self, ctx: &egui::Context) {
+        self.run = None;
+        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+    }
+
+    fn ground(&self) -> Option<Color32> {
+        self.run.as_ref().map(TimingRun::ground)
+    }
+}
