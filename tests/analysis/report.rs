@@ -358,13 +358,6 @@ fn the_limits_of_a_model_are_stated() {
     assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
     let probit = with(&Options { link: Link::Probit, ..options() });
     assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);
-
-    let mut builder = MeasuredBuilder::new(&["width"]);
-    for subject in ["a", "b"] {
-        add(&mut builder, (subject, &["1"]), "2", None, None);
-    }
-    let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions;
-    assert_eq!(cautions[0], "There is no model: every rating is 2; expected at least two different ones.");
 }
 
 /// The report says in one sentence why there is no prediction, or else shows the prediction.
@@ -400,10 +393,6 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
     assert_parts(&text, &["window 4.5° wide", "because this requires at least two participants"]);
-    // A study that cannot be predicted.
-    let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&SCALE[..3]);
-    add(&mut builder, ("S1", &["0.1", "1"]), "1", None, None);
-    why(Some(&protocol), &analyze(builder.finish(), &options()), "the scale has 3 categories");
 }
 
 #[test]
@@ -465,28 +454,5 @@ proptest! {
         if results.people() < 2 {
             prop_assert!(!text.contains("Friedman"), "{}", text);
         }
-    }
-}
-
-/// A parameter of the stimulus is named in words, with its unit; a column from elsewhere may mean anything and keeps its name.
-#[test]
-fn factors_are_named_in_words() {
-    let mut builder = MeasuredBuilder::new(&["orientation_deg", "tanh_k"]);
-    for person in 0..5 {
-        for (place, levels) in [["0", "5"], ["0", "10"], ["45", "5"], ["45", "10"]].iter().enumerate() {
-            builder.add_counts(&format!("S{person}"), levels, SCALE[(person + place) % 4], 2).unwrap();
-        }
-    }
-    let measured = builder.finish();
-    let said = |parameters| {
-        let results = analyze(measured.clone(), &Options { parameters, ..options() });
-        text(&page(&source(&["orientation_deg", "tanh_k"]), &results))
-    };
-    let (own, foreign) = (said(Some(MachBand::PARAMETERS)), said(None));
-    for expected in ["Ratings by tanh k", "orientation 45°", "orientation and tanh k", "orientation × tanh k"] {
-        assert!(own.contains(expected), "{expected}: {own}");
-    }
-    for expected in ["Ratings by tanh_k", "orientation_deg 45", "orientation_deg and tanh_k"] {
-        assert!(foreign.contains(expected) && !foreign.contains("45°"), "{expected}: {foreign}");
     }
 }
