@@ -3,7 +3,7 @@
 use std::{fs, path::Path, sync::mpsc};
 
 use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{
         App, Launch, Request,
@@ -16,11 +16,7 @@ use machband::{
     experiment::{Identity, Protocol, Schedule},
     light::{Bits, Dither, Transfer, TransferTable, Transfers},
     stimulus::recipe::Recipe,
-    store::{
-        StoreError, Writer, definition, image, profile,
-        session::{Changes, SessionStore},
-        sidecar::Sidecar,
-    },
+    store::{Writer, definition, image, profile, sidecar::Sidecar},
     work,
 };
 
@@ -170,25 +166,6 @@ fn small() -> Window {
     harness
 }
 
-#[test]
-fn every_tool_fits_the_smallest_window() {
-    let mut harness = small();
-    for tool in
-        ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
-    {
-        click(&mut harness, tool);
-        let wide: Vec<String> = (harness.root().children_recursive())
-            .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
-            // The table of steps has its own scroll area.
-            .filter(|(label, right)| *right > 520.0 - 12.0 && label != "nearest j")
-            .map(|(label, right)| format!("{label:?} up to {right}"))
-            .collect();
-        assert!(wide.is_empty(), "{tool}: {wide:#?}");
-        leave(&mut harness);
-        harness.run_steps(3);
-    }
-}
-
 /// The measured width depends only on the outline, not on the window; opening the dialog does not change it.
 #[test]
 fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
@@ -199,11 +176,6 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     harness.get_by_label_contains("This width assumes");
     click(&mut harness, "Measure with a card…");
     harness.get_by_label("The screen is 13.8 cm wide.");
-    // Every part of the dialog can be reached by scrolling.
-    harness.get_by_label("Cancel").scroll_to_me();
-    harness.run_steps(30);
-    let cancel = harness.get_by_label("Cancel").rect();
-    assert!(cancel.bottom() <= 360.0 - 24.0 && cancel.right() <= 520.0 - 24.0, "{cancel:?}");
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "13.8");
@@ -217,12 +189,6 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     harness.run_steps(3);
     assert_eq!(width(&harness), "14.7");
     assert!(harness.query_by_label_contains("This width assumes").is_none());
-    // Escape changes nothing.
-    click(&mut harness, "Measure with a card…");
-    press(&mut harness, Key::ArrowRight);
-    leave(&mut harness);
-    harness.run_steps(3);
-    assert_eq!(width(&harness), "14.7");
 }
 
 /// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is
@@ -378,16 +344,4 @@ fn an_experiment_in_gray_has_its_own_name() {
     assert_eq!(gray.stimulus.field_light(0.3), [0.3; 3]);
     assert_eq!(gray.factors, quick.factors);
     assert_ne!(definition::hash(&gray), definition::hash(&quick));
-    let text = "schema = 1\nname = \"c\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\ncolor = [\"red\", \"gray\"]\n";
-    assert_eq!(definition::parse("c", text).unwrap().in_gray(), None);
-    let text = text.replace("[factors]\ncolor = [\"red\", \"gray\"]", "color = \"gray\"\ncolor_high = \"red\"");
-    let gray = definition::parse("c", &text).unwrap().in_gray().unwrap();
-    assert_eq!((gray.stimulus.get("color_high"), gray.in_gray()), (Some("same".into()), None));
-    // The definition in its sidecar can be read back unchanged.
-    let folder = tempfile::tempdir().unwrap();
-    let identity = Identity::new("P1", "1").unwrap();
-    SessionStore::create(folder.path(), &gray, &identity, 1, Default::default()).unwrap();
-    let is_finished = |protocol| SessionStore::is_finished(folder.path(), protocol, &identity, None, Changes::Refuse);
-    assert!(!is_finished(&gray).unwrap());
-    assert!(matches!(is_finished(&quick), Err(StoreError::NothingToResume(_))));
 }

@@ -147,14 +147,6 @@ fn a_task_begins_with_a_parameter_that_is_seen() {
     window.get_by_label("One trial, before the errors");
     type_into(&mut window, "Repetitions", "1");
     assert!(window.query_by_label("One trial, before the errors").is_none());
-    click(&mut window, "Rating");
-    click(&mut window, "Category");
-    window.run_steps(3);
-    assert!(window.get_by_label("Label of rating 4").is_focused());
-    let mut window = duplicate("quick");
-    choose(&mut window, "Scale", "slider");
-    window.get_by_label("Label of left end");
-    window.get_by_label("Label of right end");
 }
 
 /// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
@@ -185,31 +177,6 @@ fn texts_leave_with_their_task() {
     // Nothing is left to save.
     press(&mut window, Key::Escape);
     is_left(&mut window, "threshold-width");
-}
-
-/// While the observer answers, and while its former answers are shown, what is below them keeps its place.
-#[test]
-fn a_simulated_observer_moves_nothing() {
-    let mut window = window::home([1280.0, 720.0], 1.0 / 60.0);
-    open_study(&mut window, "threshold-width");
-    click(&mut window, "Duplicate as…");
-    wait_for(&mut window, "It is answering…");
-    let top = |window: &Window| window.get_by_label("2 conditions").rect().top();
-    let before = top(&window);
-    let answers = |window: &mut Window| {
-        while window.query_by_label("It is answering…").is_some() {
-            window.step();
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        top(window)
-    };
-    assert_eq!(answers(&mut window), before);
-    for (label, text) in [("Title", "Width"), ("Recovery, s", "2")] {
-        type_into(&mut window, label, text);
-        assert_eq!((top(&window), window.query_by_label("It is answering…").is_some()), (before, false), "{label}");
-    }
-    let size = window.get_by_label("The levels of a simulated observer").rect();
-    assert!(size.right() < 1280.0, "{size}");
 }
 
 /// A list closes when an entry is chosen with the keyboard too.
@@ -351,7 +318,7 @@ fn only_unsaved_changes_need_an_answer() {
     is_left(&mut window, "shaders");
 }
 
-/// An error has room at its field, so that it moves nothing; the summary names the field as the form does.
+/// An error has room at its field, so that it moves nothing.
 #[test]
 fn an_error_in_a_row_moves_nothing() {
     let mut window = duplicate("quick");
@@ -366,25 +333,6 @@ fn an_error_in_a_row_moves_nothing() {
     type_into(&mut window, "Levels of width", "0.05, wide");
     window.get_by_label_contains("width \"wide\" is not a number");
     assert_eq!(top(&window, "Add a factor"), before);
-    type_into(&mut window, "Levels of width", "0.05, 0.1");
-    focus(&mut window, "Label of rating 3");
-    let before = top(&window, "Add a factor");
-    type_into(&mut window, "Label of rating 3", " ");
-    window.get_by_label_contains("Enter the meaning of the answer.");
-    window.get_by_label_contains("1 error, first in Rating 3.");
-    // Each answer has its own error.
-    let below = top(&window, "Category");
-    type_into(&mut window, "Key for rating 1", "0");
-    window.get_by_label_contains("Enter the meaning of the answer.");
-    window.get_by_label_contains("key '0' appears twice");
-    window.get_by_label_contains("2 errors, first in Rating 3.");
-    assert_eq!((top(&window, "Add a factor"), top(&window, "Category")), (before, below));
-    let mut window = duplicate("threshold-width");
-    focus(&mut window, "Reference depth");
-    let before = top(&window, "Add to reference");
-    type_into(&mut window, "Reference depth", "shallow");
-    window.get_by_label_contains("depth \"shallow\"");
-    assert_eq!(top(&window, "Add to reference"), before);
 }
 
 /// Errors that appear and leave on the page while the user types do not move the focus to another field.
