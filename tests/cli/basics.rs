@@ -237,12 +237,6 @@ fn check_reports_every_error_in_every_file() {
     write("twice.csv", &(lines.join("\n") + "\n"));
     let error = fails(folder.path(), &["check", "twice.csv"], 1);
     assert!(error.contains("twice.csv:4:1: row_id S001_1_practice_0002_1 already appears in line 3"), "{error}");
-    // A character for which this computer has no font is a warning: another computer may have one.
-    write("font.toml", &format!("{}[instructions]\nwelcome = \"\u{10fffd}\"\n", definition::BUILT_IN[0].text));
-    let output = machband(folder.path(), &["check", "font.toml"]);
-    let warning =
-        "warning: font.toml: No font on this computer has these characters of the participant's texts: U+10FFFD.\n";
-    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), warning));
 }
 
 /// The name of a file may be any bytes except zero and a slash.

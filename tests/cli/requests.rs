@@ -48,20 +48,6 @@ fn words_repeat_a_request_and_leave_out_defaults() {
     assert_eq!(words(&simulate), ["quick", "--observer", "random"]);
 }
 
-/// A path that is not UTF-8 is written as well as possible, and nothing else is lost.
-#[cfg(unix)]
-#[test]
-fn words_keep_the_rest_of_a_request_with_a_strange_path() {
-    use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
-
-    let mut request: Simulate = from_names(&fields(json!({ "experiment": "quick", "participants": "3" }))).unwrap();
-    request.results = OsStr::from_bytes(b"caf\xe9").into();
-    assert_eq!(words(&request), ["quick", "--participants", "3", "--results", "caf\u{fffd}"]);
-    let mut request: Analyze = from_names(&fields(json!({ "paths": ["a"], "exclude": ["S001"] }))).unwrap();
-    request.ratings.paths = vec![OsStr::from_bytes(b"\xff.csv").into(), "b.csv".into()];
-    assert_eq!(words(&request), ["\u{fffd}.csv", "b.csv", "--exclude", "S001"]);
-}
-
 #[test]
 fn a_wrong_request_names_its_field() {
     for (given, expected) in [

@@ -120,8 +120,6 @@ fn every_error_has_its_own_message() {
         2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
         2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
     refuses(folder.path(), "shade {}", cases);
-    fs::write(folder.path().join("s.toml"), "schema = 1\n[[mesh]]\nmesh = \"cube\"\n").unwrap();
-    fs::write(folder.path().join("fine.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let idle = |line: &str, options: &[&str]| {
         let notes = text(&machband(folder.path(), &split(&format!("shade {line} --size 64"))).stderr);
         let note = |option: &&str| format!("note: {}\n", option.replacen(' ', " has no effect ", 1));
@@ -138,25 +136,6 @@ fn every_error_has_its_own_message() {
         ],
     );
     idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
-    idle(
-        "--shader flat --specular 0 --shininess 9 --window 5 --white 9 --truth fine.obj --seed 2 --out c.png",
-        &[
-            "--truth without the measurements",
-            "--shininess without specular light",
-            "--window without the measurements",
-            "--seed without random dither",
-            "--white without the measurements",
-        ],
-    );
-    idle(
-        "--shader flat --highlight cook-torrance --facet-slope 0.2 --shininess 9 --dither random --bits 16 --metrics d.json",
-        &["--shininess beside a slope of the small mirrors", "--bits without a picture", "--dither without a picture"],
-    );
-    idle(
-        "s.toml --seed 2 --black 9 --out e.png",
-        &["--seed without random dither", "--black without the measurements"],
-    );
-    idle("--shader flat --window 5 --dither random --seed 2 --out f.png --metrics f.json", &[]);
 }
 
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.
@@ -245,13 +224,6 @@ fn a_doubtful_truth_is_named() {
     };
     let (_, notes, fine) = run("fine.obj");
     assert!(notes.is_empty() && fine["difference"]["largest"].as_f64().unwrap() > 0.0, "{notes} {fine}");
-    // What was repaired in the file of the surface is told as for any mesh.
-    let turned = fs::read_to_string(folder.path().join("fine.obj")).unwrap();
-    let (rest, last) = turned.trim_end().rsplit_once("f ").unwrap();
-    let last: Vec<&str> = last.split(' ').rev().collect();
-    fs::write(folder.path().join("turned.obj"), format!("{rest}f {}\n", last.join(" "))).unwrap();
-    let (_, notes, same) = run("turned.obj");
-    assert!(notes.contains("turned.obj: 1 face was reversed") && same["residual"] == fine["residual"], "{notes}");
     let (line, notes, far) = run("far.obj");
     assert!(far["difference"].is_null() && far["residual"].is_null() && far["masked"] == 1.0, "{far}");
     assert!(line.contains("nothing can be compared") && notes.contains("no pixel of own.obj"), "{line} {notes}");
