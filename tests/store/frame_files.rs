@@ -12,7 +12,7 @@ use machband::{
     store::{
         StoreError,
         check::check,
-        frames::{self, FrameFile, FrameRow, HEADER},
+        frames::{self, FrameFile, FrameRow},
         ratings::ReadOptions,
         session::SessionStore,
         sidecar::Sidecar,
@@ -115,34 +115,6 @@ fn frames_read_back_unchanged() {
     assert!(FrameFile::resume(&path).is_err());
     assert!(FrameFile::new(&path).append(&rows).is_err());
     assert_eq!(fs::read_to_string(&path).unwrap(), "name,age\n");
-}
-
-#[test]
-fn every_error_in_a_frames_file_has_its_place() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("f.csv");
-    let read = |text: &str| {
-        fs::write(&path, text).unwrap();
-        frames::read(&path)
-    };
-    let good = "1,main,2,1,stimulus,16683.350,16683 16684";
-    let text = |line: &str| format!("{HEADER}\n{good}\n{line}\n");
-    for (line, expected) in [
-        ("1,main,2,1,stimulus,16683.350", "f.csv:3:1: the number of cells in the row is 6; expected 7"),
-        ("0,main,2,1,stimulus,16683.350,1", "f.csv:3:1: sitting is \"0\"; expected a whole number from 1"),
-        ("1,mean,2,1,stimulus,16683.350,1", "f.csv:3:3: phase is \"mean\"; expected practice or main"),
-        (
-            "1,main,2,1,blank,16683.350,1",
-            "f.csv:3:12: state is \"blank\"; expected one of recovery, stimulus, gap, response, closing",
-        ),
-        ("1,main,2,1,stimulus,-1,1", "f.csv:3:21: refresh_us is \"-1\"; expected a positive number"),
-        ("1,main,2,1,stimulus,16683.350,", "f.csv:3:31: intervals_us is"),
-    ] {
-        let error = read(&text(line)).unwrap_err().to_string();
-        assert!(error.contains(expected), "{error}");
-    }
-    assert_eq!(read(&text(good)).unwrap().len(), 2);
-    assert!(read("").unwrap_err().to_string().contains("f.csv:1:1: "));
 }
 
 #[test]
