@@ -218,19 +218,3 @@ fn every_code_begins_at_its_threshold() {
         }
     }
 }
-
-#[test]
-fn buffers_of_another_size_get_the_rows_that_fit() {
-    let frame = frame(shapes::cube(), [33, 20], 0.9, &brown(), SKY);
-    let prepared = Prepared::new(&frame, &Shade::new(Shader::Gouraud));
-    let encoder = Encoder::new(&Transfer::Srgb);
-    let mut whole = vec![7; 4 * 33 * 20 + 5];
-    prepared.codes(&encoder, &mut whole);
-    assert!(whole.ends_with(&[255, 7, 7, 7, 7, 7]), "bytes beyond the picture are unchanged");
-    let mut part = vec![7; 4 * 33 * 11 + 3];
-    prepared.codes(&encoder, &mut part);
-    assert_eq!(part[..4 * 33 * 11], whole[..4 * 33 * 11], "the rows that fit");
-    prepared.codes(&encoder, &mut []);
-    let nothing = Frame { width: 0, height: 0, ..frame };
-    assert!(drawn(&nothing, &Shade::new(Shader::Gouraud)).data.is_empty());
-}

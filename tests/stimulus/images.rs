@@ -235,18 +235,6 @@ fn shards_make_up_the_whole_and_a_killed_run_can_be_resumed() {
     fails(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", "4/3"], 2);
 }
 
-/// Anyone who checks an image that is larger than usual learns which option allows it.
-#[test]
-fn the_error_of_a_large_image_names_its_option() {
-    let folder = tempfile::tempdir().unwrap();
-    succeeds(folder.path(), &["stimulus", "--size", "4100", "--out", "large.png"]);
-    let error = fails(folder.path(), &["check", "large.png"], 1);
-    assert!(error.contains("expected at most 16777216 pixels, or the option --large"), "{error}");
-    let error = fails(folder.path(), &["compare", "large.png", "large.png", "--window", "5"], 1);
-    assert!(error.contains("or the option --large"), "{error}");
-    succeeds(folder.path(), &["check", "large.png", "--large"]);
-}
-
 /// Runs at the same time make one manifest with a row for each image. A run that another one shuts out says what to do.
 #[test]
 fn runs_at_once_make_one_manifest() {

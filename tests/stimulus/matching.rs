@@ -123,27 +123,6 @@ fn matches_can_be_undone_and_runs_resumed() {
     assert!((0..20).any(|seed| first(seed) != Some(shown[0])));
 }
 
-#[test]
-fn invalid_settings_are_explained() {
-    let with = |change: &dyn Fn(&mut MatchSettings)| {
-        let mut settings = MatchSettings::default();
-        change(&mut settings);
-        Matching::new(&settings, 1, Vec::new()).map_or_else(|error| error.to_string(), |_| String::new())
-    };
-    let half = MatchSettings { period: 2, ..MatchSettings::default() };
-    let done = run(&half, &power([2.2; 3]), 0.0, 1);
-    let other = Matching::new(&MatchSettings::default(), 1, done).unwrap_err().to_string();
-    for (message, expected) in [
-        (with(&|settings| settings.channels.clear()), "a profile cannot be made from these channels"),
-        (with(&|settings| settings.channels.push(Channel::Red)), "a profile cannot be made from these channels"),
-        (with(&|settings| settings.matches = 1), "1 matches of each channel; expected 2 to 50"),
-        (other, "match 1 belongs to other settings"),
-    ] {
-        assert!(message.starts_with(expected), "{message}");
-    }
-    assert_eq!(with(&|_| ()), "");
-}
-
 /// Columns do not differ, the mean of the rows is the share that the match assumes, and the patch begins and ends with
 /// a period.
 #[test]
