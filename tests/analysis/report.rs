@@ -5,7 +5,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use machband::{
     analysis::{
-        Link, Options, Random, Resampling, Results, analyze,
+        Options, Resampling, Results, analyze,
         counts::{Exclusions, Measured, MeasuredBuilder},
         terms::Terms,
     },
@@ -186,28 +186,6 @@ fn sentences_follow_the_direction_of_the_data() {
     assert!(forwards > 2.0 && (forwards / backwards - 1.0).abs() < 0.02);
 }
 
-/// "level – other" is always the later level minus the earlier one, whichever is rated higher.
-#[test]
-fn later_levels_are_compared_with_earlier_ones() {
-    for reversed in [false, true] {
-        let results = results(8, &DEPTHS, reversed);
-        let report = results.model.as_ref().unwrap();
-        let pairs = (report.comparisons.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)))
-            .chain(report.model.contrasts.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)));
-        for (factor, level, other, estimate) in pairs {
-            let levels = &results.measured.counts.factor(factor).unwrap().1.levels;
-            let place = |level: &String| levels.iter().position(|known| known == level);
-            assert!(place(level) > place(other), "{factor}: {level} – {other}");
-            let mean = results.factors.iter().find(|known| known.name == *factor).unwrap();
-            let (difference, _) = mean.matched.difference([level, other]).unwrap();
-            assert!(factor == "shader" || estimate * difference > 0.0, "{factor}: {level} – {other}");
-        }
-        let text = text(&page(&source(&FACTORS), &results));
-        assert_parts(&text, &["∞ – 1", "0.4 – 0.1", "depth ∞ – 1"]);
-        assert!(!text.contains("1 – ∞") && !text.contains("0.1 – 0.4"));
-    }
-}
-
 #[test]
 fn what_is_said_of_one_participant_is_not_said_of_people() {
     let page = |people| page(&source(&FACTORS), &results(people, &DEPTHS, false));
@@ -332,32 +310,6 @@ fn participants_with_unusual_answers_are_named() {
     let (ben, slow) = ("\nben used only one category: all their ratings are 2.\n", "dot answered unusually slowly");
     assert_parts(&cautions, &[ben, alike, "cyd gave half of the answers within 0.2", slow]);
     assert!(!cautions.contains("answered unusually quickly"), "a second sentence: {cautions:?}");
-}
-
-#[test]
-fn the_limits_of_a_model_are_stated() {
-    let with = |options: &Options| {
-        let results = analyze(ratings(6, &DEPTHS, false), options);
-        text(&page(&source(&FACTORS), &results));
-        summary(&results)
-    };
-    let is_independent =
-        |summary: &Summary| summary.cautions.iter().any(|text| text.contains("all ratings as independent"));
-    let independent = with(&Options { random: Some(Random::None), ..options() });
-    let mixed = with(&options());
-    assert!(is_independent(&independent) && !is_independent(&mixed));
-    // In that case, the sentence uses the test that does not treat ratings as independent.
-    assert_parts(
-        finding(&independent, "with depth"),
-        &["(Friedman test, p from random orders: χ²", "mean rating at 1 is"],
-    );
-    assert_parts(finding(&independent, "with width"), &["(exact Friedman test: χ²(2)"]);
-    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 59 simulated studies: χ²"]);
-    let crossed = with(&Options { terms: Some(Terms::parse("width*depth").unwrap()), ..options() });
-    finding(&crossed, "effects of width and depth depend on each other");
-    assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
-    let probit = with(&Options { link: Link::Probit, ..options() });
-    assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);
 }
 
 /// The report says in one sentence why there is no prediction, or else shows the prediction.
