@@ -23,9 +23,7 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{
-        Role, Window, choose, click, export_to, home, leave, press, session_form, texts, type_into, value, wait_for,
-    },
+    window::{Role, Window, choose, click, export_to, home, press, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
@@ -382,18 +380,6 @@ fn the_empty_page_and_errors_in_files() {
         std::thread::sleep(Duration::from_millis(5));
     }
     window.get_by_label("Participants: 3 of 3");
-
-    // Go back to the page without data, then to Home, and open the results folder from there.
-    click(&mut window, "Other data…");
-    assert!(has(&window, "Open files…"));
-    leave(&mut window);
-    wait_for(&mut window, "New session");
-    session_form(&mut window);
-    type_into(&mut window, "Results folder", folder.path().join("results").to_str().unwrap());
-    click(&mut window, "Cancel");
-    click(&mut window, "Analyze");
-    click(&mut window, "Analyze tiny");
-    wait_for(&mut window, "Participants: 3 of 3");
 }
 
 /// Nothing is analyzed before the user has put ratings in words in order, because their letters have no meaning. The
@@ -459,21 +445,6 @@ fn ratings_in_words_are_put_in_order_first() {
     let mean = |row: usize| means[row][2].parse::<f64>().unwrap();
     assert_eq!([means[0][0], means[1][0]], ["2.5", "10"]);
     assert!(mean(0) < mean(1), "{means:?}");
-}
-
-/// In a small window, the data and filters have a separate view, and every section is still available.
-#[test]
-fn a_small_window_has_everything() {
-    let (_folder, data_set) = study(3);
-    let mut window = pane([500.0, 380.0]);
-    drop_on(&mut window, &[&data_set]);
-    wait_for(&mut window, "54 ratings by 3 participants.");
-    for section in ["Model", "Response times"] {
-        choose(&mut window, "Section", section);
-        assert!(window.query_by_label_contains("Participants: ").is_none(), "{section}");
-    }
-    choose(&mut window, "Section", "Data");
-    assert_has(&window, "Participants: 3 of 3");
 }
 
 /// The pointer on a figure tells the exact value of what is drawn there.

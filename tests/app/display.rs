@@ -335,13 +335,3 @@ fn the_command_receives_the_report_and_the_window_closes() {
         assert!(rows.contains(&("median", "16.667 ms".to_owned())), "{rows:?}");
     }
 }
-
-#[test]
-fn an_experiment_in_gray_has_its_own_name() {
-    let quick = definition::open("quick").unwrap();
-    let gray = quick.in_gray().unwrap();
-    assert_eq!((gray.name.as_str(), gray.in_gray()), ("quick-gray", None));
-    assert_eq!(gray.stimulus.field_light(0.3), [0.3; 3]);
-    assert_eq!(gray.factors, quick.factors);
-    assert_ne!(definition::hash(&gray), definition::hash(&quick));
-}

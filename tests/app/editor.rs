@@ -1,7 +1,7 @@
 //! Tests the editor of definitions without a display.
 
 use eframe::egui::{Key, Modifiers};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     experiment::{
         FieldKind,
@@ -131,24 +131,6 @@ fn a_question_of_ones_own_is_named() {
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
 }
 
-/// A task that varies a level begins with a parameter that changes every picture. While there are errors, the preview says
-/// that it is older.
-#[test]
-fn a_task_begins_with_a_parameter_that_is_seen() {
-    let mut window = duplicate("quick");
-    click(&mut window, "Adjust");
-    window.run_steps(3);
-    // Others, such as k, matter only at some depths.
-    assert_eq!(
-        ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
-        ["Nulling", "0.05", "0.2"]
-    );
-    type_into(&mut window, "Repetitions", "many");
-    window.get_by_label("One trial, before the errors");
-    type_into(&mut window, "Repetitions", "1");
-    assert!(window.query_by_label("One trial, before the errors").is_none());
-}
-
 /// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
 /// stimulus comes back as it was.
 #[test]
@@ -177,25 +159,6 @@ fn texts_leave_with_their_task() {
     // Nothing is left to save.
     press(&mut window, Key::Escape);
     is_left(&mut window, "threshold-width");
-}
-
-/// A list closes when an entry is chosen with the keyboard too.
-#[test]
-fn a_list_closes_after_enter() {
-    let mut window = duplicate("quick");
-    for (list, entry) in [("Add a question", "Age"), ("Kind", "Kanizsa triangle"), ("Add a factor", "Side")] {
-        window.get_by_label(list).focus();
-        window.run_steps(2);
-        press(&mut window, Key::Enter);
-        window.run_steps(30);
-        let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == window::Role::Button;
-        window.query_all_by_label(entry).rfind(is_entry).unwrap_or_else(|| panic!("{list}")).focus();
-        window.run_steps(2);
-        press(&mut window, Key::Enter);
-        window.run_steps(30);
-        let open = window.query_all_by_label(entry).rfind(is_entry).is_some();
-        assert!(!open, "{list} is open: {:?}", texts(&window));
-    }
 }
 
 /// The form has every task, and their methods with levels to begin with.
@@ -316,23 +279,6 @@ fn only_unsaved_changes_need_an_answer() {
     click(&mut window, "Back");
     click(&mut window, "Discard changes");
     is_left(&mut window, "shaders");
-}
-
-/// An error has room at its field, so that it moves nothing.
-#[test]
-fn an_error_in_a_row_moves_nothing() {
-    let mut window = duplicate("quick");
-    let top = |window: &Window, label: &str| window.get_by_label(label).rect().top();
-    // What has the focus is scrolled to.
-    let focus = |window: &mut Window, field: &str| {
-        window.get_by_label(field).focus();
-        window.run_steps(3);
-    };
-    focus(&mut window, "Levels of width");
-    let before = top(&window, "Add a factor");
-    type_into(&mut window, "Levels of width", "0.05, wide");
-    window.get_by_label_contains("width \"wide\" is not a number");
-    assert_eq!(top(&window, "Add a factor"), before);
 }
 
 /// Errors that appear and leave on the page while the user types do not move the focus to another field.

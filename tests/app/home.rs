@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, Key, Shape};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
     experiment::{Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
@@ -185,40 +185,6 @@ fn the_field_acknowledges_answers_and_the_stimulus_stays_alone() {
     assert_eq!(drawn(&harness), (1, Vec::new()), "the same mark for every answer");
 }
 
-/// Participants read which keys answer, also while they pause, and the buttons of the scale are in one row.
-#[test]
-fn keys_that_are_not_digits_are_named() {
-    let read = |response: &str| {
-        let text = format!(
-            "schema = 1\nname = \"panes\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1]\n[design]\n\
-             practice = 1\n[recovery]\nduration_s = 0.2\n[viewing]\nwindow_deg = 5\n{response}"
-        );
-        definition::parse("panes", &text).unwrap()
-    };
-    let keys = |protocol: &Protocol| protocol.response.fill_keys(&protocol.instructions.keys);
-    let eleven: Vec<String> = (0..11).map(|label| format!("\"label {label}\"")).collect();
-    let eleven = read(&format!("[response]\nlabels = [{}]\n", eleven.join(", ")));
-    assert!(keys(&eleven).starts_with("Answer with the keys 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, A. "), "{}", keys(&eleven));
-    assert!(keys(&read("")).starts_with("Answer with the number keys "));
-    let letters = "[response]\nlabels = [\"none\", \"weak\", \"so strong that it is seen at once and stays while one looks \
-                   at it, wherever one looks\"]\nkeys = [\"j\", \"k\", \"l\"]\n";
-    let folder = tempfile::tempdir().unwrap();
-    let mut harness = harness(request(folder.path(), read(letters)));
-    walk(
-        &mut harness,
-        &["These findings are saved", "Welcome", "Answer with the keys J, K, L. ", "First, some practice"],
-    );
-    harness.run_steps(20);
-    let place = |label: &str| {
-        let rect = harness.get_by_label_contains(label).rect();
-        (rect.top(), rect.bottom())
-    };
-    assert_eq!(place("none"), place("so strong"));
-    press(&mut harness, Key::Escape);
-    wait_for(&mut harness, "Paused");
-    harness.get_by_label_contains("Answer with the keys J, K, L. ");
-}
-
 /// The plot at the end says no more than it shows: one factor gives one line, and few levels still have their numbers.
 #[test]
 fn the_last_page_has_a_plot_of_what_was_measured() {
@@ -322,41 +288,6 @@ fn texts_have_glyphs() {
         }
     }
     assert!(read > 100, "{read}");
-}
-
-/// Japanese texts are shown with a font of the system and stay within a narrow window. The window of a test fails at a
-/// character that no font has.
-#[test]
-fn japanese_texts_fit_into_a_narrow_window() {
-    let (_, missing) = machband::system::fonts::covering(&"あ帯".chars().collect());
-    if !missing.is_empty() {
-        return common::skip("FONT", "Japanese texts: no font is installed");
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
-    let protocol = definition::open(path).unwrap().with(|definition| definition.viewing.window_deg = 5.0).unwrap();
-    let texts = protocol.instructions.clone();
-    let request = request(folder.path(), protocol);
-    let mut harness = harness_of([420.0, 900.0], request);
-    walk(&mut harness, &["These findings are saved"]);
-    let fits = |harness: &mut Window, text: &str| {
-        wait_for(harness, text);
-        harness.run_steps(2);
-        for node in harness.query_all_by_label_contains("") {
-            assert!(node.rect().right() <= 421.0, "{:?} at {:?}", node.accesskit_node().label(), node.rect());
-        }
-    };
-    fits(&mut harness, &texts.about_you);
-    click(&mut harness, "裸眼");
-    click(&mut harness, &format!("{} *", texts.agree));
-    click(&mut harness, &texts.next);
-    for text in [&texts.welcome, &texts.categories, &texts.practice] {
-        fits(&mut harness, text);
-        press(&mut harness, Key::Space);
-    }
-    harness.run_steps(130);
-    press(&mut harness, Key::Escape);
-    fits(&mut harness, &texts.paused);
 }
 
 #[test]

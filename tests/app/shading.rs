@@ -167,23 +167,6 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
 }
 
 #[test]
-fn presets_set_the_values() {
-    let mut window = open();
-    choose(&mut window, "Preset", "Figure 8 (h): fixed (5, 0.2)");
-    assert_eq!(value(&window, "Shape of the mesh"), "cube");
-    assert_eq!(value(&window, "Right shader"), "Fixed, as printed");
-    assert_eq!(value(&window, "Right depth n"), "5");
-    assert_eq!(value(&window, "Right strip b"), "0.20");
-    assert_eq!(value(&window, "Right vertex"), "off");
-    // A preset also sets the view; departing from it leaves its name.
-    choose(&mut window, "Left shader", "Flat");
-    assert_eq!(value(&window, "Preset"), "Custom");
-    click(&mut window, "Undo");
-    assert_eq!(value(&window, "Preset"), "Figure 8 (h): fixed (5, 0.2)");
-    choose(&mut window, "Preset", "Gouraud and C1 normals");
-}
-
-#[test]
 fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open();

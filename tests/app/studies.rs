@@ -121,45 +121,6 @@ fn a_session_without_ratings_can_be_removed() {
     assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
 }
 
-/// A session whose file was cut is not called finished, and keys keep the selected cell of a long list in view. The cards
-/// keep their width.
-#[test]
-fn a_long_grid_has_its_selected_cell_in_view() {
-    let folder = tempfile::tempdir().unwrap();
-    let definition = DEFINITION.replace("participants = 3", "participants = 150");
-    fs::write(folder.path().join("five.toml"), &definition).unwrap();
-    common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "100"]);
-    let csv = common::session_csv(&folder.path().join("results"), "five", "S098");
-    let text = fs::read_to_string(&csv).unwrap();
-    fs::write(&csv, text.split_inclusive('\n').take(4).collect::<String>()).unwrap();
-    let mut window = opened(folder.path(), &definition);
-    wait_for(&mut window, "S098, session 1: was finished, but only 3 of 6 trials are left");
-    window.get_by_label("99 of 300 sessions finished.");
-    // The next participant follows those who took part.
-    let (next, page) = ("P001, session 1: next", window.ctx.content_rect());
-    window.run_steps(3);
-    assert!(window.get_by_label("of 150 participants planned").rect().right() < page.right() - 24.0);
-    let detail = window.get_by_label("P001, session 1").rect().top();
-    let above = window.get_by_label("New session").rect().bottom();
-    let is_shown = |window: &Window| {
-        let cell = window.get_by_label(next).rect();
-        cell.top() > above && cell.bottom() < detail
-    };
-    assert!(is_shown(&window), "{:?}", window.get_by_label(next).rect());
-    // A cell farther down than the window is high, and back.
-    for keys in [[Key::ArrowDown; 30], [Key::ArrowUp; 30]] {
-        keys.into_iter().for_each(|key| press(&mut window, key));
-        window.run_steps(3);
-    }
-    assert!(is_shown(&window));
-    // The head stays in view, and keys lead to the first row.
-    let is_head = |window: &Window| page.contains_rect(window.get_by_label("Session 1").rect());
-    assert!(is_head(&window));
-    (0..101).for_each(|_| press(&mut window, Key::ArrowUp));
-    window.run_steps(3);
-    assert!(page.contains_rect(window.get_by_label_contains("S001, session 1: ").rect()) && is_head(&window));
-}
-
 /// While there are sessions, only what no session depends on may change.
 #[test]
 fn a_study_is_edited_in_place() {
