@@ -134,27 +134,6 @@ fn the_difference_decides_about_the_exit_status() {
     assert_eq!(masked["color_ignored"], false);
 }
 
-/// Gray and a color of its luminance: nothing is judged, and a warning says so; also where the file states sRGB's primaries,
-/// rounded. Under other primaries, colors are not compared.
-#[test]
-fn what_is_not_judged_of_colors_is_told() {
-    let pictures = Pictures::new();
-    let flat = |name: &str, code: [u8; 3], green: Option<u32>| {
-        png(&pictures.at(name), [64; 2], png::ColorType::Rgb, &code.repeat(64 * 64), |info| {
-            info.source_chromaticities = green.map(|y| primaries([64_000, 33_000], [30_000, y]));
-        });
-    };
-    flat("gray.png", [128; 3], None);
-    let expected = ["at equal luminance, which is not judged", "differ in color", "their colors are not compared"];
-    for (green, expected) in [None, Some(60_000), Some(69_000)].into_iter().zip(expected) {
-        flat("green.png", [60, 149, 110], green);
-        let (found, said) = pictures.run("compare green.png gray.png --window 4 --json --junit out.xml --force");
-        let is_ignored = found["color_ignored"] == true && times(&found) < 0.1;
-        assert!(is_ignored == (green != Some(69_000)) && said.contains(expected), "{green:?}: {found} {said}");
-        assert!(fs::read_to_string(pictures.at("out.xml")).unwrap().contains(expected));
-    }
-}
-
 #[test]
 fn folders_are_compared_in_pairs() {
     let pictures = Pictures::new();
@@ -463,12 +442,6 @@ fn what_codes_mean_is_kept_and_never_guessed() {
         let error = pictures.refused(&format!("compare {name} none.png --window 4"), 1);
         assert!(error.contains("whose curve does not rise from 0 to 1"), "{name}: {error}");
     }
-    let mut bytes = fs::read(at("srgb.png")).unwrap();
-    let place = bytes.windows(4).position(|window| window == b"iCCP").unwrap();
-    bytes[place + 20] ^= 0xff;
-    fs::write(at("damaged.png"), bytes).unwrap();
-    let error = pictures.refused("compare damaged.png none.png --window 4", 1);
-    assert!(error.contains("damaged iCCP chunk") || error.contains("not a complete PNG"), "{error}");
     // Dither for linear codes writes linear codes.
     let slow: Vec<u8> = (0..96 * 96).map(|i| 40 + (i % 96 / 12) as u8).collect();
     png(&at("linear.png"), [96; 2], png::ColorType::Grayscale, &slow, |info| {
@@ -478,19 +451,4 @@ fn what_codes_mean_is_kept_and_never_guessed() {
     let found = pictures.json("compare out.png linear.png --window 8 --json");
     let ratio = found["mean_ratio"].as_f64().unwrap();
     assert!((ratio - 1.0).abs() < 0.02 && found["light"] == "by the file's gAMA chunk", "{found}");
-    // Codes for other primaries are not written as sRGB's.
-    png(&at("wide.png"), [96; 2], png::ColorType::Grayscale, &slow, |info| {
-        info.source_chromaticities = Some(primaries([68_000, 32_000], [26_500, 69_000]));
-    });
-    let error = pictures.refused("compare wide.png --steps --window 8 --dither-out wide8.png", 2);
-    assert!(error.contains("--dither-out writes sRGB's primaries") && !at("wide8.png").exists(), "{error}");
-    // The pictures of a folder are inputs; a brighter picture is said to be one.
-    fs::create_dir_all(at("a")).unwrap();
-    fs::copy(at("none.png"), at("a/none.png")).unwrap();
-    let error = pictures.refused("compare a a --window 4 --junit a/none.png --force", 2);
-    assert!(error.contains("is an input of this command"), "{error}");
-    pictures.gray("bright.png", [64; 2], |_| 200);
-    pictures.gray("dim.png", [64; 2], |_| 100);
-    let said = machband(pictures.0.path(), &split("compare bright.png dim.png --window 4"));
-    assert!(said.status.success() && text(&said.stderr).starts_with("warning: bright.png: mean luminance +"));
 }

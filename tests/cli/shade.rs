@@ -198,40 +198,6 @@ fn the_smooth_surface_is_drawn_and_compared() {
     refuses(folder.path(), "shade {}", cases);
 }
 
-/// A surface in another place and the mesh itself are no truth: there is a note, and no number where nothing can be
-/// compared.
-#[test]
-fn a_doubtful_truth_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, count: usize, shift: f64| {
-        let mesh = shapes::torus(count, count / 2, 0.0);
-        let mut obj = String::new();
-        for vertex in &mesh.vertices {
-            let p = vertex.position;
-            obj += &format!("v {} {} {}\n", p.x + shift, p.y, p.z);
-        }
-        mesh.triangles.iter().for_each(|[a, b, c]| obj += &format!("f {} {} {}\n", a + 1, b + 1, c + 1));
-        fs::write(folder.path().join(name), obj).unwrap();
-    };
-    write("own.obj", 24, 0.0);
-    write("fine.obj", 80, 0.0);
-    write("far.obj", 80, 50.0);
-    let run = |truth: &str| {
-        let line = format!("shade --mesh own.obj --shader phong --truth {truth} --metrics m.json --force");
-        let output = machband(folder.path(), &split(&line));
-        assert!(output.status.success());
-        (text(&output.stdout), text(&output.stderr), json(&folder.path().join("m.json")))
-    };
-    let (_, notes, fine) = run("fine.obj");
-    assert!(notes.is_empty() && fine["difference"]["largest"].as_f64().unwrap() > 0.0, "{notes} {fine}");
-    let (line, notes, far) = run("far.obj");
-    assert!(far["difference"].is_null() && far["residual"].is_null() && far["masked"] == 1.0, "{far}");
-    assert!(line.contains("nothing can be compared") && notes.contains("no pixel of own.obj"), "{line} {notes}");
-    assert!(notes.contains("the outlines of far.obj and own.obj differ by 100 %"), "{notes}");
-    let (_, notes, _) = run("own.obj");
-    assert!(notes.contains("own.obj has 576 triangles, own.obj 576; expected a finer mesh"), "{notes}");
-}
-
 /// A scene replaces the options for one mesh; its errors have their places.
 #[test]
 fn a_scene_is_drawn() {
