@@ -51,17 +51,6 @@ fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
     )
 }
 
-/// Neighbors are weighted by 1/d². Of the two neighbors along x, one is 1 unit away with a slope of 1, the other 4
-/// units away with a slope of 0. The slope that fits is ½; without weights, it would be 1/17.
-#[test]
-fn near_neighbors_count_more() {
-    let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
-    let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
-    let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
-    let gradient = Patches::new(&frame, Field::Light, Gradients::Ring).gradients[0];
-    assert!(DVec2::from(gradient[0]).distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
-}
-
 /// With true gradients, a quadratic field is reproduced exactly. Errors in the gradients add at most 0.4 times the
 /// largest gradient error times the longest edge.
 #[test]
