@@ -3,7 +3,7 @@
 use machband::{
     display::{
         Channel,
-        matching::{CHECKED, ChannelGamma, GammaError, Match, MatchSettings, Matching, Rows, estimate, transfers},
+        matching::{CHECKED, ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
     },
     light::{Bits, Quantizer, Transfer, Transfers},
 };
@@ -81,22 +81,6 @@ fn careless_matches_cause_a_warning() {
         warned += estimate(&matches).iter().filter(|(_, found)| again(found)).count();
     }
     assert!(warned >= 143, "{warned} of 150 channels");
-}
-
-#[test]
-fn matches_without_a_gamma_are_explained() {
-    let rows = MatchSettings::default().rows();
-    let one = |channel, code| Match { channel, rows, code };
-    let error = |matches: &[Match]| estimate(matches)[0].1.unwrap_err();
-    assert!(estimate(&[]).is_empty() && transfers(&[]).is_none());
-    assert_eq!(error(&[one(Channel::Red, 130)]), GammaError::TooFew(1));
-    assert_eq!(error(&[one(Channel::Red, 250), one(Channel::Red, 10)]), GammaError::Open);
-    let half = Match { rows: Rows { period: 2, ..rows }, ..one(Channel::Red, 190) };
-    assert_eq!(error(&[one(Channel::Red, 130), half]), GammaError::Mixed);
-    // Gray alone is enough for all three channels; red alone is not.
-    let two = |channel| estimate(&[one(channel, 130), one(channel, 132)]);
-    assert!(transfers(&two(Channel::Gray)).unwrap().uniform().is_some());
-    assert_eq!(transfers(&two(Channel::Red)), None);
 }
 
 #[test]
