@@ -346,14 +346,6 @@ fn a_preregistration_says_what_was_planned() {
     ] {
         assert!(text.contains(expected), "{expected}: {text}");
     }
-    // The effects of factors in an interaction are planned for, and without random slopes, rank tests lead.
-    let line = "quick --participants 4 --effect width:0.1=1 --studies 100 --terms width*depth --slopes none \
-                --preregistration both.md";
-    succeeds(folder.path(), line, "4");
-    let text = std::fs::read_to_string(folder.path().join("both.md")).unwrap();
-    for expected in ["- width: ratings at 0.1 are higher", "no random slopes, conclusions about", "is its mean over"] {
-        assert!(text.contains(expected), "{expected}: {text}");
-    }
     // Three studies that all find the effect are no proof that most would.
     let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3 --terms width", "2");
     assert!(said.contains("6 participants may be enough"), "{said}");

@@ -7,7 +7,7 @@ use machband::{
     shading::{Reference, Scene, Shade, Shader, Surface, picture, shapes},
 };
 
-use crate::common::{json, machband, pixels, refuses, split, succeeds, text};
+use crate::common::{json, pixels, refuses, split, succeeds};
 
 fn metrics(folder: &Path, options: &str) -> serde_json::Value {
     succeeds(folder, &split(&format!("shade {options} --metrics m.json --force")));
@@ -120,22 +120,6 @@ fn every_error_has_its_own_message() {
         2: --shader gouraud --background 0 --black 0 --out x.png --metrics x.json => --black 0: no light
         2: --truth --vertex repaired --out x.png => --vertex corrects interpolated light, which the smooth surface does not";
     refuses(folder.path(), "shade {}", cases);
-    let idle = |line: &str, options: &[&str]| {
-        let notes = text(&machband(folder.path(), &split(&format!("shade {line} --size 64"))).stderr);
-        let note = |option: &&str| format!("note: {}\n", option.replacen(' ', " has no effect ", 1));
-        assert_eq!(notes, options.iter().map(note).collect::<String>(), "{line}");
-    };
-    idle(
-        "--mesh cube --shader phong --depth 3 --gradients ring --crease 30 --vertices 99 --naive --out a.png",
-        &[
-            "--vertices on cube",
-            "--crease on cube",
-            "--depth on the shader phong",
-            "--gradients on the shader phong",
-            "--naive on the shader phong",
-        ],
-    );
-    idle("--truth --gradients ring --out b.png", &["--gradients on the smooth surface"]);
 }
 
 /// `--truth` alone draws the surface; a finer file is the surface of a mesh from a file; what is not known is said.
@@ -214,12 +198,6 @@ fn a_scene_is_drawn() {
         2: scene.toml --metrics x.json => cannot be used with
         1: none.toml --out x.png => none.toml: cannot be opened";
     refuses(folder.path(), "shade {}", cases);
-    let fan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
-    fs::write(folder.path().join("fan.obj"), fan).unwrap();
-    fs::write(folder.path().join("fan.toml"), scene.replace("\"sphere\"", "\"fan.obj\"")).unwrap();
-    let notes = text(&machband(folder.path(), &split("shade fan.toml --size 50 --out fan.png")).stderr);
-    let note = "fan.toml, mesh 2: shading is not smooth across edges that belong to more than two triangles";
-    assert!(notes.contains(note) && !notes.contains("mesh 1"), "{notes}");
     fs::write(folder.path().join("bad.toml"), scene.replace("1.5", "\"glass\"")).unwrap();
     refuses(folder.path(), "shade {} --out x.png", "1: bad.toml => bad.toml:10:1:");
 }
