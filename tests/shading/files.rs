@@ -321,20 +321,6 @@ fn mixed_winding_is_repaired() {
         whole.get_or_insert(found.mesh.vertices.len());
         assert_eq!(whole, Some(found.mesh.vertices.len()));
     }
-    let mut strip = String::new();
-    for i in 0..8 {
-        let turn = f64::from(i) * std::f64::consts::TAU / 8.0;
-        for side in [-0.3, 0.3] {
-            let (out, up) = (1.0 + side * (turn / 2.0).cos(), side * (turn / 2.0).sin());
-            strip += &format!("v {} {} {}\n", out * turn.cos(), out * turn.sin(), up);
-        }
-    }
-    for i in 0..8 {
-        let (a, b) = (2 * i + 1, 2 * i + 2);
-        let (c, d) = if i < 7 { (a + 2, b + 2) } else { (2, 1) };
-        strip += &format!("f {a} {c} {d} {b}\n");
-    }
-    assert!(parsed(strip.as_bytes()).notes.is_empty());
 }
 
 /// A torus with a color, a place on a texture and a normal map at every corner.
