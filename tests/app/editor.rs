@@ -1,6 +1,6 @@
 //! Tests the editor of definitions without a display.
 
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use machband::{
     experiment::{
@@ -131,36 +131,6 @@ fn a_question_of_ones_own_is_named() {
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
 }
 
-/// What participants read belongs to the task and the stimulus: when these change, the old texts leave. A former kind of
-/// stimulus comes back as it was.
-#[test]
-fn texts_leave_with_their_task() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, change) in
-        [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])]
-    {
-        let mut window = duplicate("threshold-width");
-        match change {
-            ["", task] => click(&mut window, task),
-            [list, entry] => choose(&mut window, list, entry),
-        }
-        assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
-        let protocol = save_as(&mut window, name, folder.path());
-        let saved = std::fs::read_to_string(folder.path().join(format!("{name}.toml"))).unwrap();
-        assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
-        assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
-    }
-    let mut window = duplicate("threshold-width");
-    choose(&mut window, "Kind", "Pictures of your own");
-    choose(&mut window, "Kind", "Mach band");
-    assert_eq!(value(&window, "Levels of orientation"), "0, 90");
-    // The method decides the width.
-    window.get_by_label("varies; see Method");
-    // Nothing is left to save.
-    press(&mut window, Key::Escape);
-    is_left(&mut window, "threshold-width");
-}
-
 /// The form has every task, and their methods with levels to begin with.
 #[test]
 fn a_task_and_its_method_are_chosen() {
@@ -279,28 +249,6 @@ fn only_unsaved_changes_need_an_answer() {
     click(&mut window, "Back");
     click(&mut window, "Discard changes");
     is_left(&mut window, "shaders");
-}
-
-/// Errors that appear and leave on the page while the user types do not move the focus to another field.
-#[test]
-fn typing_stays_in_its_field_when_errors_come_and_go() {
-    let mut window = duplicate("quick");
-    let digits = |window: &mut Window, digits: &[&str]| {
-        for digit in digits {
-            let fields = window.query_all_by_label("Repetitions");
-            fields.into_iter().find(|node| node.is_focused()).expect("the focus stays").type_text(digit);
-            window.run_steps(3);
-        }
-    };
-    type_into(&mut window, "Repetitions", "9");
-    digits(&mut window, &["9"; 5]);
-    assert_eq!(value(&window, "Repetitions"), "999999");
-    window.get_by_label_contains("1 error");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.step();
-    digits(&mut window, &["2", "5"]);
-    assert_eq!(value(&window, "Repetitions"), "25");
-    assert_eq!(value(&window, "Practice"), "4");
 }
 
 /// A definition with errors can be opened, so that they can be corrected; text that is not TOML cannot.
