@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use eframe::egui::{self, Key, Shape};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use machband::{
     app::{App, Launch, Request},
     experiment::{Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
@@ -288,6 +288,41 @@ fn texts_have_glyphs() {
         }
     }
     assert!(read > 100, "{read}");
+}
+
+/// Japanese texts are shown with a font of the system and stay within a narrow window. The window of a test fails at a
+/// character that no font has.
+#[test]
+fn japanese_texts_fit_into_a_narrow_window() {
+    let (_, missing) = machband::system::fonts::covering(&"あ帯".chars().collect());
+    if !missing.is_empty() {
+        return common::skip("FONT", "Japanese texts: no font is installed");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/quick-ja.toml");
+    let protocol = definition::open(path).unwrap().with(|definition| definition.viewing.window_deg = 5.0).unwrap();
+    let texts = protocol.instructions.clone();
+    let request = request(folder.path(), protocol);
+    let mut harness = harness_of([420.0, 900.0], request);
+    walk(&mut harness, &["These findings are saved"]);
+    let fits = |harness: &mut Window, text: &str| {
+        wait_for(harness, text);
+        harness.run_steps(2);
+        for node in harness.query_all_by_label_contains("") {
+            assert!(node.rect().right() <= 421.0, "{:?} at {:?}", node.accesskit_node().label(), node.rect());
+        }
+    };
+    fits(&mut harness, &texts.about_you);
+    click(&mut harness, "裸眼");
+    click(&mut harness, &format!("{} *", texts.agree));
+    click(&mut harness, &texts.next);
+    for text in [&texts.welcome, &texts.categories, &texts.practice] {
+        fits(&mut harness, text);
+        press(&mut harness, Key::Space);
+    }
+    harness.run_steps(130);
+    press(&mut harness, Key::Escape);
+    fits(&mut harness, &texts.paused);
 }
 
 #[test]
