@@ -2,7 +2,7 @@
 
 use super::{Draw as _, transfers};
 use machband::light::{Bits, Depth, Quantizer, Transfer, Transfers};
-use machband::stimulus::{MachBand, RampSpace, Stimulus, StimulusColor, catalog};
+use machband::stimulus::{MachBand, ParameterValue, RampSpace, Stimulus, StimulusColor, catalog};
 use proptest::prelude::*;
 
 fn quantizers() -> Vec<Quantizer> {
@@ -228,4 +228,26 @@ fn every_error_is_reported_in_one_sentence() {
     assert_eq!((beyond(-0.2).unwrap_err()[0].to_string(), beyond(-0.15)), (error.to_owned(), Ok(())));
     let equal = MachBand { low: 0.5, high: 0.5, ..MachBand::default() };
     assert_eq!((MachBand::default().validate(), equal.validate()), (Ok(()), Ok(())));
+}
+
+#[test]
+fn parameters_are_set_and_read_by_name() {
+    let mut stimulus = Stimulus::default_of("mach-band").unwrap();
+    assert_eq!((stimulus.kind(), Stimulus::default_of("nothing")), ("mach-band", None));
+    let read = |stimulus: &Stimulus| {
+        let parameters = stimulus.parameters().iter();
+        parameters.map(|p| format!("{}={}", p.name, stimulus.get(p.name).unwrap())).collect::<Vec<_>>().join(" ")
+    };
+    let defaults = "width=0.4 depth=1 tanh_k=5 orientation_deg=0 low=0.25 high=0.75 color=yellow color_high=same space=rgb rounding=0 nulling=0";
+    assert_eq!(read(&stimulus), defaults);
+    // Every suggested level can be set and reads back as it was written.
+    for parameter in stimulus.parameters() {
+        for level in parameter.levels_hint {
+            let value: ParameterValue = level.parse().unwrap();
+            stimulus.set(parameter.name, &value).unwrap();
+            assert_eq!(stimulus.get(parameter.name).unwrap(), value);
+            assert_eq!(value.to_string(), *level);
+        }
+    }
+    assert_eq!(stimulus.get("wdith"), None);
 }
