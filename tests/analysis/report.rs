@@ -5,7 +5,7 @@ use std::{path::PathBuf, sync::Arc};
 
 use machband::{
     analysis::{
-        Link, Options, Random, Resampling, Results, analyze,
+        Options, Resampling, Results, analyze,
         counts::{Exclusions, Measured, MeasuredBuilder},
     },
     experiment::{Definition, OrderedLogit, Protocol, RatingRow},
@@ -185,28 +185,6 @@ fn sentences_follow_the_direction_of_the_data() {
     assert!(forwards > 2.0 && (forwards / backwards - 1.0).abs() < 0.02);
 }
 
-/// "level – other" is always the later level minus the earlier one, whichever is rated higher.
-#[test]
-fn later_levels_are_compared_with_earlier_ones() {
-    for reversed in [false, true] {
-        let results = results(8, &DEPTHS, reversed);
-        let report = results.model.as_ref().unwrap();
-        let pairs = (report.comparisons.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)))
-            .chain(report.contrasts.iter().map(|c| (&c.factor, &c.level, &c.other, c.estimate)));
-        for (factor, level, other, estimate) in pairs {
-            let levels = &results.measured.counts.factor(factor).unwrap().1.levels;
-            let place = |level: &String| levels.iter().position(|known| known == level);
-            assert!(place(level) > place(other), "{factor}: {level} – {other}");
-            let mean = results.factors.iter().find(|known| known.name == *factor).unwrap();
-            let (difference, _) = mean.matched.difference([level, other]).unwrap();
-            assert!(factor == "shader" || estimate * difference > 0.0, "{factor}: {level} – {other}");
-        }
-        let text = text(&page(&source(&FACTORS), &results));
-        assert_parts(&text, &["∞ – 1", "0.4 – 0.1"]);
-        assert!(!text.contains("1 – ∞") && !text.contains("0.1 – 0.4"));
-    }
-}
-
 #[test]
 fn what_is_said_of_one_participant_is_not_said_of_people() {
     let page = |people| page(&source(&FACTORS), &results(people, &DEPTHS, false));
@@ -330,39 +308,6 @@ fn participants_with_unusual_answers_are_named() {
     assert_parts(&cautions, &[ben, "cyd gave half of the answers within 0.2"]);
 }
 
-#[test]
-fn the_limits_of_a_model_are_stated() {
-    let with = |options: &Options| {
-        let results = analyze(ratings(6, &DEPTHS, false), options);
-        text(&page(&source(&FACTORS), &results));
-        summary(&results)
-    };
-    let is_independent =
-        |summary: &Summary| summary.cautions.iter().any(|text| text.contains("all ratings as independent"));
-    let independent = with(&Options { random: Some(Random::None), ..options() });
-    let mixed = with(&options());
-    assert!(is_independent(&independent) && !is_independent(&mixed));
-    // In that case, the sentence uses the test that does not treat ratings as independent.
-    assert_parts(
-        finding(&independent, "with depth"),
-        &["(Friedman test, p from random orders: χ²", "mean rating at 1 is"],
-    );
-    assert_parts(finding(&independent, "with width"), &["(exact Friedman test: χ²(2)"]);
-    assert_parts(finding(&mixed, "with depth"), &["likelihood-ratio test, p from 59 simulated studies: χ²"]);
-    let crossed = with(&Options { terms: Some("width*depth".parse().unwrap()), ..options() });
-    finding(&crossed, "effects of width and depth depend on each other");
-    assert!(!crossed.findings.concat().contains("odds"), "an effect in an interaction has no single size");
-    let probit = with(&Options { link: Link::Probit, ..options() });
-    assert_parts(finding(&probit, "with depth"), &["standard deviations above"]);
-
-    let mut builder = MeasuredBuilder::new(&["width"]);
-    for subject in ["a", "b"] {
-        add(&mut builder, (subject, &["1"]), "2", None, None);
-    }
-    let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &options())).cautions;
-    assert_eq!(cautions[0], "There is no model: every rating is 2; expected at least two different ones.");
-}
-
 /// The report says in one sentence why there is no prediction, or else shows the prediction.
 #[test]
 fn the_report_shows_the_prediction_or_says_why_there_is_none() {
@@ -396,10 +341,6 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
     assert_parts(&text, &["window 4.5° wide"]);
-    // A study that cannot be predicted.
-    let mut builder = MeasuredBuilder::new(&["width", "depth"]).with_categories(&SCALE[..3]);
-    add(&mut builder, ("S1", &["0.1", "1"]), "1", None, None);
-    why(Some(&protocol), &analyze(builder.finish(), &options()), "the scale has 3 categories");
 }
 
 #[test]
@@ -461,28 +402,5 @@ proptest! {
         if results.people() < 2 {
             prop_assert!(!text.contains("Friedman"), "{}", text);
         }
-    }
-}
-
-/// A parameter of the stimulus is named in words, with its unit; a column from elsewhere may mean anything and keeps its name.
-#[test]
-fn factors_are_named_in_words() {
-    let mut builder = MeasuredBuilder::new(&["orientation_deg", "tanh_k"]);
-    for person in 0..5 {
-        for (place, levels) in [["0", "5"], ["0", "10"], ["45", "5"], ["45", "10"]].iter().enumerate() {
-            builder.add_counts(&format!("S{person}"), levels, SCALE[(person + place) % 4], 2).unwrap();
-        }
-    }
-    let measured = builder.finish();
-    let said = |parameters| {
-        let results = analyze(measured.clone(), &Options { parameters, ..options() });
-        text(&page(&source(&["orientation_deg", "tanh_k"]), &results))
-    };
-    let (own, foreign) = (said(Some(MachBand::PARAMETERS)), said(None));
-    for expected in ["Ratings by tanh k", "orientation 45°", "orientation and tanh k", "orientation × tanh k"] {
-        assert!(own.contains(expected), "{expected}: {own}");
-    }
-    for expected in ["Ratings by tanh_k", "orientation_deg 45", "orientation_deg and tanh_k"] {
-        assert!(foreign.contains(expected) && !foreign.contains("45°"), "{expected}: {foreign}");
     }
 }

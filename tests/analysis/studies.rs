@@ -3,7 +3,7 @@
 
 use machband::{
     analysis::{
-        Comparison, Options, Resampling, Results, Slopes, Withheld, analyze,
+        Comparison, Options, Resampling, Results, Withheld, analyze,
         counts::{Measured, MeasuredBuilder},
     },
     experiment::RatingRow,
@@ -89,18 +89,6 @@ fn other_signs_bring_back_what_the_model_explains() {
     }
 }
 
-/// In the overall mean, people and conditions count equally.
-#[test]
-fn people_count_equally() {
-    let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2", "3"]);
-    for person in 0..6 {
-        builder.add_counts(&format!("S{person}"), &["a"], "3", 9).unwrap();
-        builder.add_counts(&format!("S{person}"), &["b"], &(person % 2).to_string(), 1).unwrap();
-    }
-    let lead = said(&analyze(builder.finish(), &options(None))).lead;
-    assert!(lead.iter().any(|text| text == "Their overall mean is 1.75."), "{lead:?}");
-}
-
 /// Three of twelve people rate both levels, and two of them rate b far higher; nine rate one level. Without a slope, p is
 /// below .001, and below .05 in 4 of 10 studies of people who differ in an effect that is 0 on average.
 #[test]
@@ -118,11 +106,6 @@ fn people_who_cross_are_few_people() {
     let model = results.model.as_ref().unwrap();
     assert!(model.model.random.as_ref().is_some_and(|random| random.slopes.len() == 1), "{:?}", model.model.random);
     assert!(model.terms[0].p.is_some_and(|p| p > 0.05), "{:?}", model.terms);
-    let Summary { cautions, .. } = said(&results);
-    let expected =
-        "3 of 12 participants (P0, P1 and P2) rated several levels of c, the others at most one: is this by design?";
-    assert!(cautions.iter().any(|text| text == expected), "{cautions:?}");
-    assert!(!page(&source(&["c"]), &results).contains("Each participant rated only one level"));
 }
 
 /// One rating that was filed under the other group neither withholds the test of the groups nor makes a group of two large
@@ -146,29 +129,6 @@ fn a_slip_changes_no_group() {
     assert!(groups.p.is_some_and(|p| p < 0.1) && groups.withheld.is_none(), "{groups:?}");
     let few = tested(12, 2);
     assert!(few.p.is_none() && few.withheld.is_some_and(|reason| reason.to_string().contains("fewer than")), "{few:?}");
-}
-
-/// Up to 100 people, p of a factor between them comes from simulated studies, and that of a factor within them, from 41 on,
-/// from the χ² distribution. The report says which.
-#[test]
-fn a_report_says_which_p_is_simulated() {
-    let mut builder = MeasuredBuilder::new(&["group", "light"]).with_categories(&["0", "1", "2", "3"]);
-    for person in 0..42 {
-        for (place, light) in ["on", "off"].into_iter().enumerate() {
-            for repetition in 0..4 {
-                let (group, rating) = (["x", "y"][person % 2], (person * 7 + repetition * 5 + place) % 4);
-                builder.add_counts(&format!("P{person}"), &[group, light], &rating.to_string(), 1).unwrap();
-            }
-        }
-    }
-    // One slip changes nothing.
-    builder.add_counts("P0", &["y", "on"], "1", 1).unwrap();
-    let results = analyze(builder.finish(), &options(None));
-    let draws: Vec<bool> = results.model.as_ref().unwrap().terms.iter().map(|test| test.draws.is_some()).collect();
-    assert_eq!(draws, [true, false]);
-    let html = page(&source(&["group", "light"]), &results);
-    let expected = "The p values of light come from the χ² distribution, the others come from";
-    assert!(html.contains(expected), "{html}");
 }
 
 const CROSSED: [[&str; 2]; 4] = [["p", "x"], ["p", "z"], ["q", "x"], ["q", "z"]];
@@ -320,36 +280,6 @@ fn a_covariate_has_its_mean_in_marginal_means() {
     }
 }
 
-/// A group differs at every level of a number with which it interacts: its effect has a size, on average.
-#[test]
-fn an_effect_between_people_in_an_interaction_has_a_size() {
-    let rows: Vec<[&str; 2]> = (0..6).map(|row| [["1", "2", "3"][row / 2], ["u", "v"][row % 2]]).collect();
-    let latent = |person: usize, row: usize| {
-        let dose = (row / 2) as f64 - 1.0;
-        (person % 2 == row % 2).then_some([0.5, 0.6][row % 2] * dose + [-1.5, 1.5][row % 2])
-    };
-    for terms in ["num:dose*group", "dose*group"] {
-        let results = analyze(study(&["dose", "group"], &rows, (16, 6, 4), latent), &options(Some(terms)));
-        let findings = said(&results).findings;
-        let finding =
-            findings.iter().find(|text| text.starts_with("By group")).unwrap_or_else(|| panic!("{findings:?}"));
-        let expected = "On average over dose, the odds of a higher rating at v are an estimated ";
-        assert!(finding.contains(expected) && finding.contains("interval"), "{finding}");
-        assert!(!finding.contains("no conclusion"), "{finding}");
-    }
-}
-
-/// B has more of a covariate, so its raw ratings are higher; at equal values of the covariate, those of A are.
-#[test]
-fn a_covariate_within_people_turns_no_direction_round() {
-    let design = [["1", "A"], ["2", "A"], ["3", "A"], ["2.5", "B"], ["3.5", "B"], ["4.5", "B"]];
-    let latent = |_: usize, row: usize| Some([-1.3, 0.2, 1.7, -0.5, 1.0, 2.5][row] - 1.0);
-    let measured = study(&["lum", "side"], &design, (10, 6, 5), latent);
-    let finding = said(&analyze(measured, &options(Some("num:lum,side")))).findings.join(" ");
-    assert!(finding.contains("The raw means by side") && finding.contains("the factor lum differs"), "{finding}");
-    assert!(!finding.contains("is higher at B"), "{finding}");
-}
-
 /// With all ratings of a cell in the lowest category, an interaction has no finite estimate in some codings, and simulated
 /// studies would say that it is clear. R's glm gives p = .26.
 #[test]
@@ -394,93 +324,6 @@ fn simple_effects_have_the_direction_of_their_test() {
     }
 }
 
-/// Age differs between the groups and nothing is known about the rest, so the raw means are not comparable, but nothing shows
-/// that they mislead.
-#[test]
-fn raw_means_are_said_to_differ_for_the_true_reason() {
-    let ages: Vec<String> = (0..16).map(|person| (20 + 40 * (person % 2) + person).to_string()).collect();
-    let rows: Vec<[&str; 3]> =
-        (0..32).map(|row| [["young", "old"][row / 2 % 2], ages[row / 2].as_str(), ["a", "b"][row % 2]]).collect();
-    let latent = |person: usize, row: usize| (row / 2 == person).then_some((row % 2) as f64);
-    for seed in 0..9 {
-        let measured = study(&["group", "age", "cond"], &rows, (16, 6, seed), latent);
-        let results = analyze(measured, &options(Some("group,num:age,cond")));
-        let group = &results.factors[0];
-        if group.marginal.is_some() {
-            let finding = &said(&results).findings[0];
-            let expected = "The raw means by group are not comparable: the covariate age differs between its levels. ";
-            assert!(finding.starts_with(expected), "{finding}");
-            return;
-        }
-    }
-    panic!("the model agrees with the raw means of every study");
-}
-
-/// Each person is in one group, so that nobody fails to rate the others.
-#[test]
-fn groups_are_not_incomplete() {
-    let rows = [["u", "p"], ["v", "p"], ["w", "p"], ["u", "q"], ["v", "q"], ["w", "q"]];
-    let own = |person: usize| person % 3 + 3 * usize::from(person / 3 > person % 3);
-    let latent = |person: usize, row: usize| (own(person) == row).then_some((row / 3) as f64);
-    let findings = (0..9).map(|seed| {
-        let results = analyze(study(&["g", "h"], &rows, (15, 6, seed), latent), &options(None));
-        results.factors[0].marginal.as_ref().map(|_| said(&results).findings[0].clone())
-    });
-    let finding = findings.flatten().next().expect("a study in which the model has another order");
-    let expected =
-        "The raw means by g are not comparable: participants are not the same at its levels, and the model has";
-    assert!(finding.starts_with(expected), "{finding}");
-}
-
-/// Most people lack a level, and there is no other factor.
-#[test]
-fn people_who_lack_levels_are_counted() {
-    let latent = |person: usize, row: usize| (!person.is_multiple_of(4) || row == 0).then_some([0.0, 1.5][row]);
-    let results = analyze(study(&["cond"], &[["a"], ["b"]], (12, 8, 2), latent), &options(None));
-    let finding = &said(&results).findings[0];
-    let expected = "The raw means by cond are not comparable: 3 of 12 participants did not rate every level. ";
-    assert!(finding.starts_with(expected), "{finding}");
-}
-
-/// Ratings without a level belong to no condition, and each is counted once among those that the model lacks. A scale with two
-/// categories has one threshold, so that proportional odds are no assumption.
-#[test]
-fn missing_levels_and_two_categories_have_sections_of_their_own() {
-    let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1"]);
-    for person in 0..8 {
-        for (levels, ratings) in [(["x", "m"], 6), (["y", "m"], 5), (["", "m"], 3), (["", ""], 1), (["x", ""], 2)] {
-            for rating in 0..ratings {
-                let rating = ((person * rating + usize::from(levels[0] == "x")) % 2).to_string();
-                builder.add_counts(&person.to_string(), &levels, &rating, 1).unwrap();
-            }
-        }
-        builder.add_counts(&person.to_string(), &["x", "n"], &(person % 2).to_string(), 5).unwrap();
-    }
-    let results = analyze(builder.finish(), &options(None));
-    let cautions = said(&results).cautions;
-    for expected in ["32 ratings without a value of a are excluded.", "A further 16 ratings without a value of b"] {
-        assert!(cautions.iter().any(|text| text.starts_with(expected)), "{cautions:?}");
-    }
-    let html = page(&source(&["a", "b"]), &results);
-    assert!(html.contains("they have 40 to 48 ratings each."), "{html}");
-    assert!(html.contains("48 ratings lack a level of a factor and belong to no condition."), "{html}");
-    // Nor are they a condition of which agreement is measured.
-    let alpha = html.split("Krippendorff’s ordinal α is").nth(1).unwrap();
-    assert!(alpha.contains("from 128 ratings of 3 conditions"), "{alpha}");
-    assert!(!html.contains("Is one coefficient per effect enough?") && html.contains("Does each term matter?"));
-}
-
-/// The main effects of an interaction are their means over the other factor.
-#[test]
-fn main_effects_in_an_interaction_are_means() {
-    let shifted = |_: usize, row: usize| Some([2.0, 0.8, 0.0, 1.2][row]);
-    let results = analyze(study(&["a", "b"], &CROSSED, (8, 8, 8), shifted), &options(Some("a*b")));
-    let tests = &results.model.as_ref().unwrap().terms;
-    let names: Vec<&str> = tests.iter().map(|test| test.term.as_str()).collect();
-    assert_eq!(names, ["a", "b", "a:b"]);
-    assert!(tests[0].p.unwrap() < 0.05 && tests[1].p.unwrap() > 0.05, "{tests:?}");
-}
-
 /// Each picture has one level of detail, so the effect of the pictures cannot be told apart from that of the detail.
 #[test]
 fn a_factor_that_determines_another_is_no_term() {
@@ -492,29 +335,8 @@ fn a_factor_that_determines_another_is_no_term() {
     let Summary { findings, cautions, .. } = said(&results);
     let start = "The factor picture is not in the model, because each of its levels occurs with one level of detail";
     let is_said = cautions.iter().any(|text| *text == format!("{start}; with --items, it is a sample of stimuli."));
-    // Rooms in which people are nested are no stimuli.
-    let room = |person: usize, row: usize| (row == person % 4).then_some(0.0);
-    let rooms = analyze(study(&["room", "lab"], &rows, (16, 6, 4), room), &options(None));
-    let is_plain = said(&rooms).cautions.iter().any(|text| text.ends_with("occurs with one level of lab."));
-    assert!(is_plain, "{:?}", said(&rooms).cautions);
     let is_found = findings.iter().any(|text| text.starts_with("By detail, the mean rating is higher at high"));
     assert!(is_said && is_found, "{findings:#?} {cautions:#?}");
-}
-
-/// Half of the people rate levels 1 and 2, and half rate 2 and 3; the second half rates everything higher. Within people,
-/// ratings fall with the level, and the raw means rise.
-#[test]
-fn words_and_numbers_have_one_direction() {
-    let latent = |person: usize, level: usize| {
-        let is_high = person % 2 == 1;
-        let rated = if is_high { level >= 1 } else { level <= 1 };
-        rated.then(|| if is_high { 3.2 } else { -0.6 } - 1.2 * level as f64)
-    };
-    let results = analyze(study(&["l"], &[["1"], ["2"], ["3"]], (24, 12, 3), latent), &options(None));
-    let finding = &said(&results).findings[0];
-    assert!(finding.starts_with("The raw means by l mislead"), "{finding}");
-    assert!(finding.contains("falls with l at every step") && !finding.contains("rises"), "{finding}");
-    assert!(finding.contains("at 1 are an estimated"), "{finding}");
 }
 
 /// Nothing depends on the unit of a number or on its origin: the same z and p, and intervals that scale.
@@ -576,71 +398,6 @@ fn a_level_at_the_floor_spoils_no_test() {
     assert!(tests[0].p.unwrap() < 0.01 && tests[1].p.unwrap() > 0.05, "{tests:?}");
 }
 
-/// What falls and rises again has no linear trend, and the sentence speaks of no more than that; the model does not
-/// describe it.
-#[test]
-fn a_turn_is_no_linear_trend() {
-    let turn = |_: usize, row: usize| Some([2.5, -2.5, 2.5][row]);
-    let results = analyze(study(&["x"], &[["1"], ["2"], ["3"]], (8, 8, 5), turn), &options(Some("num:x")));
-    let Summary { findings, cautions, .. } = said(&results);
-    assert!(
-        findings[0].contains("shows no clear linear trend") && !findings[0].contains("cannot distinguish"),
-        "{findings:?}"
-    );
-    let cautions = cautions.join(" ");
-    assert!(cautions.contains("no clear effect of x as a linear trend"), "{cautions}");
-    assert!(cautions.contains("does not describe the ratings"), "{cautions}");
-    // A rank test is of all levels.
-    let flat = study(&["x"], &[["1"], ["2"], ["3"]], (8, 8, 5), |_, _| Some(0.0));
-    let by_ranks = Options { slopes: Slopes::None, ..options(Some("num:x")) };
-    let cautions = said(&analyze(flat, &by_ranks)).cautions.join(" ");
-    assert!(cautions.contains("found no clear effect of x."), "{cautions}");
-    let results = analyze(study(&["x"], &[["1"], ["2"], ["3"]], (8, 8, 5), turn), &options(None));
-    let all = said(&results).cautions.join(" ");
-    assert!(!all.contains("does not describe"), "{all}");
-    // A slope is not described by its highest and lowest level.
-    let bent = |_: usize, row: usize| Some([0.0, 2.3, 1.9][row]);
-    let results = analyze(study(&["x"], &[["1"], ["2"], ["3"]], (8, 8, 5), bent), &options(Some("num:x")));
-    let finding = &said(&results).findings[0];
-    assert!(finding.starts_with("By x, mean ratings lie between ") && !finding.contains(" at 2"), "{finding}");
-    assert!(finding.contains("a linear trend this steep") && finding.contains("From x 1 to 3, the odds"), "{finding}");
-}
-
-/// Ratings spread more at one level, on both sides alike.
-#[test]
-fn a_model_that_does_not_fit_is_told() {
-    let mut builder = MeasuredBuilder::new(&["a", "b"]).with_categories(&["0", "1", "2", "3"]);
-    for (person, side, (level, rating)) in (0..8).flat_map(|person| {
-        let of_level = [("p", 0), ("p", 3), ("q", 1), ("q", 2)].into_iter().map(move |own| (person, own));
-        of_level.flat_map(|(person, own)| ["x", "z"].map(|side| (person, side, own)))
-    }) {
-        builder.add_counts(&format!("S{person}"), &[level, side], &rating.to_string(), 6 + person % 3).unwrap();
-    }
-    let cautions = said(&analyze(builder.finish(), &options(None))).cautions.join(" ");
-    assert!(cautions.contains("does not describe the ratings"), "{cautions}");
-}
-
-/// Means that differ by rounding alone are the same, and there is no step between them.
-#[test]
-fn tied_means_are_one() {
-    let with = |names: [&str; 3]| {
-        let mut builder = MeasuredBuilder::new(&["cond"]).with_categories(&["0", "1", "2"]);
-        for (subject, a, b) in [("p", [1, 0, 0], [2, 1, 1]), ("q", [1, 1, 0], [1, 1, 0]), ("r", [2, 1, 1], [1, 0, 0])] {
-            for (level, ratings) in names.into_iter().zip([a, b, [0, 1, 0]]).filter(|(level, _)| !level.is_empty()) {
-                ratings.iter().for_each(|r| builder.add_counts(subject, &[level], &r.to_string(), 1).unwrap());
-            }
-        }
-        analyze(builder.finish(), &options(None))
-    };
-    let tied = said(&with(["A", "B", "C"])).findings[0].clone();
-    assert!(tied.contains("lie between 0.33 (at C) and 0.78 (at A and B)"), "{tied}");
-    let finding = said(&with(["A", "B", ""])).findings[0].clone();
-    assert!(finding.contains("0.78 at all levels") || finding.contains("the same at all levels"), "{finding}");
-    for names in [["2", "3", "1"], ["3", "2", "1"]] {
-        assert_eq!(with(names).factors[0].course(), None, "{names:?}");
-    }
-}
-
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.
 #[test]
 fn an_age_is_no_condition() {
@@ -666,28 +423,6 @@ fn an_age_is_no_condition() {
     let asked = Options { covariates: Some(vec!["age".to_owned()]), ..options(Some("cond")) };
     assert_eq!(analyze(measured.clone(), &asked).spec.terms.to_string(), "cond,num:age");
     assert!(!said(&analyze(measured, &options(Some("cond")))).lead.concat().contains("covariate"));
-}
-
-/// Nobody could rate all levels of a factor that varies between participants, so their raw means are compared.
-#[test]
-fn groups_are_compared_by_their_means() {
-    let latent = |person: usize, row: usize| (person % 2 == row).then_some(1.5 * row as f64);
-    let results = analyze(study(&["group"], &[["a"], ["b"]], (60, 1, 3), latent), &options(None));
-    let finding = &said(&results).findings[0];
-    assert!(finding.starts_with("By group, the mean rating is higher at b"), "{finding}");
-}
-
-/// Where all ratings are equal, nothing ranges from anything to anything.
-#[test]
-fn equal_ratings_have_no_range() {
-    let mut builder = MeasuredBuilder::new(&["cond"]);
-    for (person, level) in [("1", "a"), ("1", "b"), ("2", "a"), ("2", "b")] {
-        builder.add_counts(person, &[level], "2", 12).unwrap();
-    }
-    let Summary { lead, findings, cautions } = said(&analyze(builder.finish(), &options(None)));
-    let all = [lead, findings, cautions].concat().concat();
-    assert!(all.contains("All ratings are 2.") && !all.contains("range from"), "{all}");
-    assert!(all.contains("Participants 1 and 2 used only one category"), "{all}");
 }
 
 /// The order of the factors and of the terms decides nothing, where people rated once or often: not which slopes there are,
@@ -799,18 +534,6 @@ fn items_are_a_sample_too() {
     let (p, results) = with(3.0, Some("item"));
     assert!(p < 0.05, "{p}");
     assert!(page(&source(&["style"]), &results).contains("of a participant and an item with average random effects"));
-    // Ranks do not know of items, in simple effects either.
-    let crossed: Vec<[&str; 3]> =
-        (0..16).map(|item| [["p", "q"][item % 2], ["x", "z"][item / 2 % 2], names[item].as_str()]).collect();
-    let crossing = |_: usize, row: usize| Some([2.5, -2.5, -2.5, 2.5][row % 4] + 0.2 * own[row]);
-    let options = Options { items: Some("item".to_owned()), ..options(Some("a,b")) };
-    let findings = said(&analyze(study(&["a", "b", "item"], &crossed, (6, 2, 9), crossing), &options)).findings;
-    assert!(findings[0].contains("a and b depend on each other") && !findings[0].contains("Friedman"), "{findings:?}");
-    // Two items of a style say nothing about styles.
-    let few = study(&["style", "item"], &rows[..4], (12, 8, 9), |_, row| Some(own[row]));
-    let results = analyze(few, &Options { terms: Some("style".parse().unwrap()), ..options });
-    let finding = &said(&results).findings[0];
-    assert!(finding.contains("could not be tested: a level has fewer than three items"), "{finding}");
 }
 
 /// Ratings that drift and ratings that follow the one before are found, and those in an order that does not matter are not.
@@ -880,11 +603,6 @@ fn groups_that_lack_levels_do_not_turn_a_direction_round() {
         "{finding}"
     );
     assert!(finding.contains("no participant rated all of its levels in the same conditions"), "{finding}");
-    // Where no model adds the effects, there is no direction.
-    let same = Options { random: Some(machband::analysis::Random::None), max_coefficients: 1, ..options(None) };
-    let without = analyze(study(&["sex", "dose"], &rows, (16, 8, 3), latent), &same);
-    let finding = &said(&without).findings[1];
-    assert!(without.model.is_err() && !finding.contains("rises") && !finding.contains("falls"), "{finding}");
 }
 
 /// Ratings rise with age in one condition only. The sentences follow the interaction, and tables have no level for each age.
@@ -929,37 +647,6 @@ fn a_covariate_has_a_slope_at_each_level() {
                 "{interval:?}"
             );
         }
-        let checks = report.checks.as_ref().unwrap();
-        let margins = report.margins.iter().map(|margin| &margin.factor);
-        assert!(margins.chain(checks.proportions.iter().map(|own| &own.factor)).all(|factor| factor == "cond"));
-        assert!(checks.cells.is_empty(), "one factor has no combinations");
-    }
-}
-
-/// Ratings rise with x in one group and fall in the other. A slope has no highest level, and effects within people have tests of
-/// their own. Nobody is excluded from a test that does not apply to anybody.
-#[test]
-fn a_number_has_a_slope_at_each_level() {
-    let xs: Vec<String> = (0..9).map(|x| x.to_string()).collect();
-    let rows: Vec<[&str; 2]> = (0..18).map(|row| [xs[row / 2].as_str(), ["u", "v"][row % 2]]).collect();
-    let latent =
-        |person: usize, row: usize| (person % 2 == row % 2).then_some([0.5, -0.5][row % 2] * ((row / 2) as f64 - 4.0));
-    let measured = study(&["x", "g"], &rows, (12, 2, 4), latent);
-    for (terms, what, advice) in [
-        ("num:x*g", "From x 0 to 8, the odds of a higher rating are multiplied by ", ""),
-        ("num:x,g", "At x 0, the mean rating is ", "A term such as num:x*g models the interaction."),
-        ("x,g", "At g u, the mean rating is ", "A term such as x*g models the interaction."),
-    ] {
-        let results = analyze(measured.clone(), &options(Some(terms)));
-        let Summary { findings, cautions, .. } = said(&results);
-        assert!(findings[0].contains(what) && cautions.join(" ").contains(advice), "{findings:?} {cautions:?}");
-        assert_eq!(findings[0].contains("Each p is that of Friedman’s test"), terms == "x,g", "{findings:?}");
-        let page = page(&source(&["x", "g"]), &results);
-        assert!(!page.contains("Excluded from the tests of g") && !page.contains("The last column corrects p"));
-        assert_eq!(
-            page.contains("intercepts for participants, with independent random slopes of x, fitted"),
-            terms != "x,g"
-        );
     }
 }
 
@@ -982,18 +669,4 @@ fn an_interaction_of_three_is_seen() {
     assert!(findings[0].contains("analyze each level of one of them"), "{findings:?}");
     let all = format!("{findings:?} {cautions:?}");
     assert!(!all.contains("cannot tell") && !all.contains("no clear effect") && !all.contains("not describe"), "{all}");
-}
-
-/// b varies at one level of a only. Marginal means are told beside the model's odds, and no interaction can be tested.
-#[test]
-fn incomplete_conditions_have_one_set_of_numbers() {
-    let rows = [["no", "none"], ["yes", "none"], ["yes", "some"]];
-    let measured = study(&["a", "b"], &rows, (8, 8, 5), |_, row| Some([-0.6, 0.0, 2.0][row]));
-    let results = analyze(measured, &options(Some("a,b")));
-    let report = results.model.as_ref().unwrap();
-    assert!(report.proportional_odds.len() == 2 && report.interactions[0].p.is_none(), "{:?}", report.interactions);
-    let findings = said(&results).findings;
-    assert!(findings[0].starts_with("The raw means by a are not comparable"), "{findings:?}");
-    assert!(findings[0].contains("that the model expects") && !findings[0].contains("The mean rating"), "{findings:?}");
-    assert!(findings.iter().any(|text| text.contains("cannot separate it from the other terms")), "{findings:?}");
 }

@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use eframe::egui::{Key, Modifiers, ViewportEvent, ViewportId};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch, Request},
     display::{DisplayProfile, LuminanceRange, Measurement, steps::steps},
@@ -160,27 +160,6 @@ fn small() -> Window {
     harness
 }
 
-#[test]
-fn every_tool_fits_the_smallest_window() {
-    let mut harness = small();
-    for tool in
-        ["Size and distance", "Photometer", "Gamma by eye", "Check the gamma", "Steps of equal brightness", "Timing"]
-    {
-        click(&mut harness, tool);
-        let wide: Vec<String> = (harness.root().children_recursive())
-            .filter_map(|node| Some((node.accesskit_node().label()?, node.accesskit_node().bounding_box()?.x1)))
-            // The table of steps has its own scroll area.
-            .filter(|(label, right)| {
-                *right > 520.0 - 12.0 && !label.starts_with("Sort by ") && label.parse::<f64>().is_err()
-            })
-            .map(|(label, right)| format!("{label:?} up to {right}"))
-            .collect();
-        assert!(wide.is_empty(), "{tool}: {wide:#?}");
-        leave(&mut harness);
-        harness.run_steps(3);
-    }
-}
-
 /// The measured width depends only on the outline, not on the window; opening the dialog does not change it.
 #[test]
 fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
@@ -191,11 +170,6 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     harness.get_by_label_contains("This width assumes");
     click(&mut harness, "Measure with a card…");
     harness.get_by_label("The screen is 13.8 cm wide.");
-    // Every part of the dialog can be reached by scrolling.
-    harness.get_by_label("Cancel").scroll_to_me();
-    harness.run_steps(30);
-    let cancel = harness.get_by_label("Cancel").rect();
-    assert!(cancel.bottom() <= 360.0 - 24.0 && cancel.right() <= 520.0 - 24.0, "{cancel:?}");
     press(&mut harness, Key::Enter);
     harness.run_steps(3);
     assert_eq!(width(&harness), "13.8");
@@ -209,12 +183,6 @@ fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
     harness.run_steps(3);
     assert_eq!(width(&harness), "14.7");
     assert!(harness.query_by_label_contains("This width assumes").is_none());
-    // Escape changes nothing.
-    click(&mut harness, "Measure with a card…");
-    press(&mut harness, Key::ArrowRight);
-    leave(&mut harness);
-    harness.run_steps(3);
-    assert_eq!(width(&harness), "14.7");
 }
 
 /// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is

@@ -1,7 +1,7 @@
 //! Tests the editor of definitions without a display.
 
-use eframe::egui::{Key, Modifiers};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use eframe::egui::Key;
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     experiment::{
         FieldKind,
@@ -129,97 +129,6 @@ fn a_question_of_ones_own_is_named() {
     assert_eq!(protocol.participant.0[1].label(), "Your dominant eye");
 }
 
-/// A task that varies a level begins with a parameter that has a range. While there are errors, the preview says that it
-/// is older.
-#[test]
-fn a_task_begins_with_a_parameter() {
-    let mut window = duplicate("quick");
-    click(&mut window, "Adjust");
-    window.run_steps(3);
-    assert_eq!(
-        ["Parameter", "Lowest value", "Highest value"].map(|label| value(&window, label)),
-        ["Nulling", "0.05", "0.2"]
-    );
-    type_into(&mut window, "Repetitions", "many");
-    window.get_by_label("One trial, before the errors");
-    type_into(&mut window, "Repetitions", "1");
-    assert!(window.query_by_label("One trial, before the errors").is_none());
-    click(&mut window, "Rating");
-    click(&mut window, "Category");
-    window.run_steps(3);
-    assert!(window.get_by_label("Label of rating 4").is_focused());
-    let mut window = duplicate("quick");
-    choose(&mut window, "Scale", "slider");
-    window.get_by_label("Label of left end");
-    window.get_by_label("Label of right end");
-}
-
-/// What participants read belongs to the task and the stimulus: when these change, the old texts leave.
-#[test]
-fn texts_leave_with_their_task() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, change) in
-        [("places", ["Shown as", "places"]), ("four", ["Alternatives", "4"]), ("paired", ["", "Pair"])]
-    {
-        let mut window = duplicate("threshold-width");
-        match change {
-            ["", task] => click(&mut window, task),
-            [list, entry] => choose(&mut window, list, entry),
-        }
-        assert_eq!(value(&window, "Question").find("the first or the second"), None, "{name}");
-        let protocol = save_as(&mut window, name, folder.path());
-        let saved = std::fs::read_to_string(folder.path().join(format!("{name}.toml"))).unwrap();
-        assert!(!saved.contains("task = \"You") && !saved.contains("question"), "{saved}");
-        assert_eq!(protocol.instructions.task, protocol.task.instructions(), "{name}");
-    }
-    // The method decides the width.
-    duplicate("threshold-width").get_by_label("varies; see Method");
-}
-
-/// While the observer answers, and while its former answers are shown, what is below them keeps its place.
-#[test]
-fn a_simulated_observer_moves_nothing() {
-    let mut window = window::home([1280.0, 720.0], 1.0 / 60.0);
-    open_study(&mut window, "threshold-width");
-    click(&mut window, "Duplicate as…");
-    wait_for(&mut window, "It is answering…");
-    let top = |window: &Window| window.get_by_label("2 conditions").rect().top();
-    let before = top(&window);
-    let answers = |window: &mut Window| {
-        while window.query_by_label("It is answering…").is_some() {
-            window.step();
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        top(window)
-    };
-    assert_eq!(answers(&mut window), before);
-    for (label, text) in [("Title", "Width"), ("Recovery, s", "2")] {
-        type_into(&mut window, label, text);
-        assert_eq!((top(&window), window.query_by_label("It is answering…").is_some()), (before, false), "{label}");
-    }
-    let size = window.get_by_label("The levels of a simulated observer").rect();
-    assert!(size.right() < 1280.0, "{size}");
-}
-
-/// A list closes when an entry is chosen with the keyboard too.
-#[test]
-fn a_list_closes_after_enter() {
-    let mut window = duplicate("quick");
-    for (list, entry) in [("Add a question", "Age"), ("Kind", "Kanizsa triangle"), ("Add a factor", "Side")] {
-        window.get_by_label(list).focus();
-        window.run_steps(2);
-        press(&mut window, Key::Enter);
-        window.run_steps(30);
-        let is_entry = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == window::Role::Button;
-        window.query_all_by_label(entry).rfind(is_entry).unwrap_or_else(|| panic!("{list}")).focus();
-        window.run_steps(2);
-        press(&mut window, Key::Enter);
-        window.run_steps(30);
-        let open = window.query_all_by_label(entry).rfind(is_entry).is_some();
-        assert!(!open, "{list} is open: {:?}", texts(&window));
-    }
-}
-
 /// The form has every task, and their methods with levels to begin with.
 #[test]
 fn a_task_and_its_method_are_chosen() {
@@ -336,64 +245,6 @@ fn only_unsaved_changes_need_an_answer() {
     click(&mut window, "Back");
     click(&mut window, "Discard changes");
     is_left(&mut window, "shaders");
-}
-
-/// An error has room at its field, so that it moves nothing; the summary names the field as the form does.
-#[test]
-fn an_error_in_a_row_moves_nothing() {
-    let mut window = duplicate("quick");
-    let top = |window: &Window, label: &str| window.get_by_label(label).rect().top();
-    // What has the focus is scrolled to.
-    let focus = |window: &mut Window, field: &str| {
-        window.get_by_label(field).focus();
-        window.run_steps(3);
-    };
-    focus(&mut window, "Levels of width");
-    let before = top(&window, "Add a factor");
-    type_into(&mut window, "Levels of width", "0.05, wide");
-    window.get_by_label_contains("width \"wide\" is not a number");
-    assert_eq!(top(&window, "Add a factor"), before);
-    type_into(&mut window, "Levels of width", "0.05, 0.1");
-    focus(&mut window, "Label of rating 3");
-    let before = top(&window, "Add a factor");
-    type_into(&mut window, "Label of rating 3", " ");
-    window.get_by_label_contains("Enter the meaning of the answer.");
-    window.get_by_label_contains("1 error, first in Rating 3.");
-    // Each answer has its own error.
-    let below = top(&window, "Category");
-    type_into(&mut window, "Key for rating 1", "0");
-    window.get_by_label_contains("Enter the meaning of the answer.");
-    window.get_by_label_contains("key '0' appears twice");
-    window.get_by_label_contains("2 errors, first in Rating 3.");
-    assert_eq!((top(&window, "Add a factor"), top(&window, "Category")), (before, below));
-    let mut window = duplicate("threshold-width");
-    focus(&mut window, "Reference depth");
-    let before = top(&window, "Add to reference");
-    type_into(&mut window, "Reference depth", "shallow");
-    window.get_by_label_contains("depth \"shallow\"");
-    assert_eq!(top(&window, "Add to reference"), before);
-}
-
-/// Errors that appear and leave on the page while the user types do not move the focus to another field.
-#[test]
-fn typing_stays_in_its_field_when_errors_come_and_go() {
-    let mut window = duplicate("quick");
-    let digits = |window: &mut Window, digits: &[&str]| {
-        for digit in digits {
-            let fields = window.query_all_by_label("Repetitions");
-            fields.into_iter().find(|node| node.is_focused()).expect("the focus stays").type_text(digit);
-            window.run_steps(3);
-        }
-    };
-    type_into(&mut window, "Repetitions", "9");
-    digits(&mut window, &["9"; 5]);
-    assert_eq!(value(&window, "Repetitions"), "999999");
-    window.get_by_label_contains("1 error");
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.step();
-    digits(&mut window, &["2", "5"]);
-    assert_eq!(value(&window, "Repetitions"), "25");
-    assert_eq!(value(&window, "Practice"), "4");
 }
 
 /// A definition with errors can be opened, so that they can be corrected; text that is not TOML cannot.

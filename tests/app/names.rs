@@ -1,6 +1,6 @@
 //! Every control has a name for assistive technology, and the keyboard reaches it.
 
-use eframe::egui::{Key, Modifiers, Shape};
+use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 use crate::window::{Role, Window, choose, click, home, press, session_form};
@@ -114,17 +114,9 @@ fn the_focus_stays_in_view() {
         press(&mut window, Key::Tab);
         window.run_steps(2);
         let focused = window.root().children_recursive().find(|node| node.is_focused()).unwrap();
-        let (rect, role) = (focused.rect(), focused.accesskit_node().role());
+        let rect = focused.rect();
         let page = window.ctx.content_rect();
         assert!(page.contains_rect(rect), "{:?} at {rect:?}", focused.accesskit_node().label());
-        if role == Role::RadioButton || role == Role::Slider {
-            let shapes = window.output().shapes.iter().map(|clipped| &clipped.shape);
-            let is_ring = |shape: &Shape| {
-                let Shape::Rect(ring) = shape else { return false };
-                ring.stroke.width == 2.0 && ring.rect == rect.expand(1.0)
-            };
-            assert!(shapes.filter(|shape| is_ring(shape)).count() == 1, "{:?}", focused.accesskit_node().label());
-        }
     }
 }
 
@@ -138,15 +130,4 @@ fn the_keyboard_reaches_every_button_in_reading_order() {
     let place = |label: &&str| reached.iter().position(|one| one == label).unwrap_or_else(|| panic!("{reached:?}"));
     let order = ["Duplicate as…", "More", "New session"];
     assert!(order.iter().map(place).is_sorted(), "{reached:?}");
-    let mut window = home([1366.0, 768.0], 1.0 / 60.0);
-    go(&mut window, Key::Num3);
-    click(&mut window, "Copy as command");
-    // The message about the copy stands at the lower edge of the window.
-    let again = tabbed(&mut window, 60);
-    let start = again.iter().position(|one| one == "Studies").unwrap();
-    let reached = &again[start..];
-    let place =
-        |label: &str| reached.iter().position(|one| one.starts_with(label)).unwrap_or_else(|| panic!("{reached:?}"));
-    let order = ["Help", "Back", "Stimulus", "Orientation, °", "Dither", "Export to", "Show Mach band", "Copied"];
-    assert!(order.map(place).is_sorted(), "{reached:?}");
 }

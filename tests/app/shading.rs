@@ -163,39 +163,6 @@ fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
 }
 
 #[test]
-fn presets_set_the_values() {
-    let mut window = open();
-    choose(&mut window, "Preset", "Figure 8 (h): fixed (5, 0.2)");
-    assert_eq!(value(&window, "Shape of the mesh"), "cube");
-    assert_eq!(value(&window, "Right shader"), "Fixed, as printed");
-    assert_eq!(value(&window, "Right depth n"), "5");
-    assert_eq!(value(&window, "Right strip b"), "0.20");
-    assert_eq!(value(&window, "Right vertex"), "off");
-    // A preset also sets the view; departing from it leaves its name.
-    choose(&mut window, "Left shader", "Flat");
-    assert_eq!(value(&window, "Preset"), "Custom");
-    click(&mut window, "Undo");
-    assert_eq!(value(&window, "Preset"), "Figure 8 (h): fixed (5, 0.2)");
-    choose(&mut window, "Preset", "Gouraud and C1 normals");
-    window.get_by_label_contains("Gouraud on the left, Phong with C1 normals on the right");
-    let view = value(&window, "Rotate about y");
-    let from = picture(&window).center() + Vec2::new(-120.0, -60.0);
-    drag(&mut window, from, from + Vec2::new(60.0, 0.0), PointerButton::Primary);
-    assert_ne!(value(&window, "Rotate about y"), view);
-    assert_eq!(value(&window, "Preset"), "Custom");
-    // A drag is one change.
-    click(&mut window, "Undo");
-    assert_eq!(value(&window, "Rotate about y"), view);
-    click(&mut window, "Redo");
-    assert_ne!(value(&window, "Rotate about y"), view);
-    click(&mut window, "Reset");
-    assert_eq!(
-        [value(&window, "Rotate about y"), value(&window, "Preset")],
-        [view, "Gouraud and C1 normals".to_owned()]
-    );
-}
-
-#[test]
 fn a_file_without_a_mesh_is_explained_and_the_mesh_stays() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open();
@@ -234,42 +201,6 @@ pub fn await_numbers(window: &mut Window) {
         window.step();
     }
     window.run_steps(2);
-}
-
-#[test]
-fn everything_has_a_name_and_fits_a_small_window() {
-    let mut window = opened(builder([900.0, 560.0], 1.0 / 60.0).build_eframe(|cc| App::new(cc, Launch::default())));
-    for label in [
-        "Preset",
-        "Left shader",
-        "Right shader",
-        "Shape of the mesh",
-        "Rotate about x",
-        "Light, degrees upward",
-        "Diffuse light",
-    ] {
-        let rect = window.get_by_label(label).rect();
-        assert!(rect.left() >= 140.0 && rect.right() <= 440.0, "{label}: {rect:?}");
-    }
-    let rect = picture(&window);
-    assert!(rect.width() >= 400.0 && rect.height() >= 250.0 && rect.right() <= 900.0 && rect.bottom() <= 560.0);
-    // However the tools above the picture wrap.
-    for width in (900..1300).step_by(40) {
-        window.set_size([width as f32, 560.0].into());
-        window.run_steps(3);
-        for right in [picture(&window).right(), window.get_by_label("Zoom in").rect().right()] {
-            assert!(right <= width as f32, "{right} of {width}");
-        }
-    }
-    window.set_size([900.0, 560.0].into());
-    window.run_steps(3);
-    window.get_by_label("Scan line").click();
-    window.run_steps(3);
-    assert!(picture(&window).height() >= 120.0);
-    assert!(window.get_by_label("Plot: light along the scan line").rect().bottom() <= 560.0);
-    window.key_press(Key::Escape);
-    window.run_steps(3);
-    window.get_by_label("Shading");
 }
 
 /// Small rotations about different axes add up to the expected rotation.

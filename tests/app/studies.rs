@@ -2,10 +2,8 @@
 
 use std::{fs, path::Path};
 
-use eframe::egui::{
-    Event, FontId, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, Vec2, accesskit::Toggled,
-};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use eframe::egui::{Event, Key};
+use egui_kittest::kittest::Queryable as _;
 use machband::{
     app::{App, Launch},
     store::definition,
@@ -17,9 +15,6 @@ use crate::{
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"five\"\ntitle = \"Five categories\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\nwidth = [0.1, 0.8]\n[design]\nrepetitions = 3\n[response]\nlabels = [\"none\", \"faint\", \"clear\", \"strong\", \"very strong\"]\nkeys = [\"1\", \"2\", \"3\", \"4\", \"5\"]\n[plan]\nparticipants = 3\nsessions = 2\n";
-
-/// Size of the letters of a title, points.
-const TITLE: f32 = 26.0;
 
 /// Opens the window with this results folder and this definition.
 fn opened(folder: &Path, text: &str) -> Window {
@@ -114,22 +109,6 @@ fn a_session_without_ratings_can_be_removed() {
     wait_for(&mut window, "participant P001 · session 1");
     press(&mut window, Key::Escape);
     wait_for(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
-    // Each study has its own next participant, and its own errors.
-    let profile = |window: &mut Window, path: &str| {
-        click(window, "New session");
-        type_into(window, "Display profile", path);
-        window::leave(window);
-    };
-    profile(&mut window, "/nowhere.toml");
-    click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
-    press(&mut window, Key::Enter);
-    wait_for(&mut window, "The display profile cannot be read.");
-    open_study(&mut window, "quick");
-    window.get_by_label("P001, session 1: next");
-    assert!(window.query_by_label_contains("The display profile cannot be read.").is_none());
-    profile(&mut window, "");
-    open_study(&mut window, folder.path().join("five.toml").to_str().unwrap());
-    window.get_by_label("P002, session 1: next");
     click(&mut window, "P001, session 1: unfinished, 0 of 6 trials");
     let csv = common::session_csv(&results, "five", "P001");
     assert!(csv.exists());
@@ -140,101 +119,6 @@ fn a_session_without_ratings_can_be_removed() {
     click(&mut window, "Remove");
     wait_for(&mut window, "P001, session 1: next");
     assert_eq!(fs::read_dir(csv.parent().unwrap()).unwrap().count(), 0);
-}
-
-/// Tab reaches the selected session in a long list, and a session whose file was cut is not called finished. The cards
-/// keep their width.
-#[test]
-fn a_long_grid_has_its_selected_cell_in_view() {
-    let folder = tempfile::tempdir().unwrap();
-    let definition = DEFINITION.replace("participants = 3", "participants = 150");
-    fs::write(folder.path().join("five.toml"), &definition).unwrap();
-    common::succeeds(folder.path(), &["simulate", "five.toml", "--participants", "100"]);
-    let csv = common::session_csv(&folder.path().join("results"), "five", "S098");
-    let text = fs::read_to_string(&csv).unwrap();
-    fs::write(&csv, text.split_inclusive('\n').take(4).collect::<String>()).unwrap();
-    let mut window = opened(folder.path(), &definition);
-    wait_for(&mut window, "S098, session 1: was finished, but only 3 of 6 trials are left");
-    window.get_by_label("99 of 300 sessions finished.");
-    // The next participant follows those who took part.
-    let (next, page) = ("P001, session 1: next", window.ctx.content_rect());
-    window.run_steps(3);
-    assert!(window.get_by_label("of 150 participants planned").rect().right() < page.right() - 24.0);
-    let detail = window.get_by_label("P001, session 1").rect().top();
-    let above = window.get_by_label("New session").rect().bottom();
-    let is_shown = |window: &Window| {
-        let cell = window.get_by_label(next).rect();
-        cell.top() > above && cell.bottom() < detail
-    };
-    assert!(is_shown(&window), "{:?}", window.get_by_label(next).rect());
-    let grid = window.get_by_label(next).rect().center();
-    window.hover_at(grid);
-    window.event(Event::MouseWheel {
-        unit: MouseWheelUnit::Point,
-        delta: Vec2::new(0.0, 5000.0),
-        modifiers: Modifiers::NONE,
-        phase: TouchPhase::Move,
-        source: MouseWheelSource::Unknown,
-    });
-    window.run_steps(30);
-    assert!(!page.contains_rect(window.get_by_label(next).rect()), "scrolled away");
-    for _ in 0..60 {
-        press(&mut window, Key::Tab);
-        if window.get_by_label(next).is_focused() {
-            break;
-        }
-    }
-    window.run_steps(3);
-    assert!(window.get_by_label(next).is_focused() && is_shown(&window));
-    // A cell farther down than the window is high, and back.
-    for keys in [[Key::ArrowDown; 30], [Key::ArrowUp; 30]] {
-        keys.into_iter().for_each(|key| press(&mut window, key));
-        window.run_steps(3);
-    }
-    assert!(is_shown(&window));
-    // The head stays in view, and keys lead to the first row.
-    let is_head = |window: &Window| page.contains_rect(window.get_by_label("Session 1").rect());
-    assert!(is_head(&window));
-    (0..101).for_each(|_| press(&mut window, Key::ArrowUp));
-    window.run_steps(3);
-    assert!(page.contains_rect(window.get_by_label_contains("S001, session 1: ").rect()) && is_head(&window));
-}
-
-/// A long title takes three lines, and is drawn with a font of the system if it needs one.
-#[test]
-fn a_title_is_long_or_foreign() {
-    let folder = tempfile::tempdir().unwrap();
-    let long = "A study of bands with a very long title ".repeat(6);
-    let mut window = opened(folder.path(), &DEFINITION.replace("Five categories", &long));
-    window.run_steps(3);
-    let lines = window.get_all_by_label(&long).map(|node| node.rect().height() / TITLE);
-    assert!(lines.fold(0.0, f32::max) < 4.0);
-    let (_, missing) = machband::system::fonts::covering(&"帯".chars().collect());
-    if !missing.is_empty() {
-        return common::skip("FONT", "a Japanese title: no font is installed");
-    }
-    // Another text that is not in Latin letters is drawn by the editor.
-    for (text, is_edited) in [("Five categories", false), ("faint", true)] {
-        fs::write(folder.path().join("five.toml"), DEFINITION.replace(text, "帯")).unwrap();
-        let launch = Launch { request: None, settings: Some(folder.path().join("settings.toml")) };
-        let builder = window::builder([1366.0, 900.0], 1.0 / 60.0).allow_missing_glyphs();
-        let mut window = builder.build_eframe(|cc| App::new(cc, launch));
-        if is_edited {
-            window.run_steps(3);
-            open_study(&mut window, folder.path().join("five.toml").to_str().unwrap());
-            click(&mut window, "Edit");
-        }
-        let is_drawn =
-            |window: &Window| window.ctx.fonts_mut(|fonts| fonts.has_glyph(&FontId::proportional(15.0), '帯'));
-        for _ in 0..3000 {
-            if is_drawn(&window) {
-                break;
-            }
-            window.step();
-            std::thread::sleep(std::time::Duration::from_millis(10));
-        }
-        assert!(is_drawn(&window), "{text}");
-    }
 }
 
 /// While there are sessions, only what no session depends on may change.
@@ -341,61 +225,6 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     wait_for(&mut window, "18 ratings by 3 participants.");
     wait_for(&mut window, "These data are simulated");
     assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
-    // No session begins beside it. Its progress moves nothing, and what it leaves when it is stopped is named.
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-    window.run_steps(5);
-    let head = |window: &Window| window.get_by_label("Session 1").rect();
-    let before = head(&window);
-    click(&mut window, "Simulate a pilot…");
-    window.get_by_role_and_label(window::Role::TextInput, "Participants").focus();
-    window.step();
-    window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    window.step();
-    window.get_by_role_and_label(window::Role::TextInput, "Participants").type_text("30000");
-    window.run_steps(2);
-    click(&mut window, "Simulate");
-    assert_eq!(head(&window), before);
-    click(&mut window, "New session");
-    click(&mut window, "Start");
-    window.get_by_label_contains("Simulating is still running.");
-    click(&mut window, "Cancel");
-    click(&mut window, "Stop");
-    wait_for(&mut window, "Simulating was stopped. What was made is in");
-    window.get_by_label_contains("five-pilot-2");
-    assert!(!folder.path().join("results").exists());
-}
-
-/// A file is one study, however it is named; and the field for its name is ready to be typed in.
-#[test]
-fn a_file_is_one_study() {
-    let mut window = window::home([1366.0, 900.0], 1.0 / 60.0);
-    click(&mut window, "Open a definition…");
-    assert!(window.get_by_role_and_label(window::Role::TextInput, "Definition").is_focused());
-    window::leave(&mut window);
-    let relative = "examples/tasks/yes-no.toml";
-    for path in [relative.to_owned(), format!("{}/{relative}", env!("CARGO_MANIFEST_DIR"))] {
-        open_study(&mut window, &path);
-        let rows = window.query_all_by_role(window::Role::RadioButton).filter_map(|row| {
-            let row = row.accesskit_node();
-            row.label().filter(|label| label.contains("yes-no · ")).map(|_| row.toggled())
-        });
-        assert_eq!(rows.collect::<Vec<_>>(), [Some(Toggled::True)]);
-    }
-}
-
-/// In a low window, the page scrolls, so that nothing covers the grid.
-#[test]
-fn a_low_window_has_room_for_the_grid() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = opened(folder.path(), DEFINITION);
-    for size in [[719.0, 404.0], [500.0, 357.0]] {
-        window.set_size(size.into());
-        window.run_steps(5);
-        let rect = |label: &str| window.get_by_label(label).rect();
-        let (grid, card) = (rect("P001, session 1: next"), rect("P001, session 1"));
-        assert!(rect("New session").bottom() < rect("Session 1").top(), "{size:?}");
-        assert!(grid.bottom() < card.top() && card.top() - grid.top() > 60.0, "{size:?}: {grid} {card}");
-    }
 }
 
 /// A definition that another program has just changed is looked at before a session begins with it.
@@ -408,12 +237,6 @@ fn a_definition_that_was_just_changed_is_not_begun() {
     press(&mut window, Key::Enter);
     window.get_by_label_contains("Another window or program has just changed this study.");
     assert!(!folder.path().join("results").exists());
-    // Without a definition, nobody can be suggested, which is no error of the field.
-    fs::remove_file(&path).unwrap();
-    window.event(Event::WindowFocused(true));
-    window.run_steps(3);
-    window.get_by_label_contains("Something above needs attention.");
-    assert!(!texts(&window).iter().any(|text| text.contains("is empty")), "{:?}", texts(&window));
 }
 
 /// What could not be read in the results folder is named, a line each, and the rest is shown.

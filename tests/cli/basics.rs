@@ -11,7 +11,6 @@ use std::{
 use jiff::Timestamp;
 use machband::{
     experiment::{Protocol, TrialRecord, session_seed},
-    light::{Bits, Quantizer, Transfer},
     store::definition,
 };
 
@@ -237,12 +236,6 @@ fn check_reports_every_error_in_every_file() {
     write("twice.csv", &(lines.join("\n") + "\n"));
     let error = fails(folder.path(), &["check", "twice.csv"], 1);
     assert!(error.contains("twice.csv:4:1: row S001_1_practice_0002_1 is attempt 1; expected attempt 2"), "{error}");
-    // A character for which this computer has no font is a warning: another computer may have one.
-    write("font.toml", &format!("{}[instructions]\nwelcome = \"\u{10fffd}\"\n", definition::BUILT_IN[0].text));
-    let output = machband(folder.path(), &["check", "font.toml"]);
-    let warning =
-        "warning: font.toml: No font on this computer has these characters of the participant's texts: U+10FFFD.\n";
-    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), warning));
 }
 
 /// Arguments are text; another name of a file is refused.
@@ -305,16 +298,6 @@ fn the_image_has_the_expected_plateaus_and_matches_the_profile() {
         let ends = [(sample(0, 0, 0), sample(0, 0, 2)), (sample(99, 99, 1), sample(99, 99, 2))];
         assert_eq!(ends, [(dark, 0), (bright, 0)]);
     }
-    // An upward ramp that drives all channels, on a display with codes proportional to light.
-    let drawn = |options: &str| {
-        succeeds(folder.path(), &split(&format!("stimulus --size 9 {options} --out b.png --force")));
-        (pixels(&folder.path().join("b.png")).1, fs::read(folder.path().join("b.png")).unwrap())
-    };
-    let up = drawn("--orientation 90 --color gray --transfer linear");
-    assert_eq!((&up.0[..3], &up.0[up.0.len() - 3..]), (&[191; 3][..], &[64; 3][..]), "bright at the top");
-    assert_eq!(Quantizer::new(&Transfer::Linear, Bits::Eight).channel(0).code(0.75), 191);
-    assert_eq!(drawn("--orientation 450 --color 1,1,1 --transfer gamma:1").0, up.0);
-    assert!(drawn("--orientation 90 --color gray --transfer linear") == up, "the same input gives the same bytes");
 }
 
 /// Each command that uses a measured profile prints one warning if it is old or dated in the future, and uses it

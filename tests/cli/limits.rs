@@ -523,20 +523,8 @@ fn mutated(content: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
             }
             // A number or word that has a meaning in such files.
             _ => {
-                let odd: [&[u8]; 12] = [
-                    b"0",
-                    b"-1",
-                    b"1e308",
-                    b"-1e-308",
-                    b"nan",
-                    b"inf",
-                    b"18446744073709551616",
-                    b"\"",
-                    b",",
-                    b"\n",
-                    b"\0",
-                    b"\xff",
-                ];
+                let odd = b"0 -1 1e308 -1e-308 nan inf 18446744073709551616 \" , \n \0 \xff";
+                let odd: Vec<&[u8]> = odd.split(|byte| *byte == b' ').collect();
                 let number = bytes[at..].iter().position(u8::is_ascii_digit).map_or(at, |digit| at + digit);
                 let digits = bytes[number..].iter().take_while(|byte| byte.is_ascii_digit()).count();
                 bytes.splice(number..number + digits, odd[rng.random_range(0..odd.len())].iter().copied());

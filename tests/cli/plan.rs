@@ -275,14 +275,7 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     assert!(said.contains("Effect of shader (3 logits between gouraud and "), "{said}");
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
-    // An effect that nobody can see: every rating is 0, and there is no model.
-    let blind = "quick --participants 1,2 --studies 9 --effect depth=-900 --effect lapse=0";
-    let said = succeeds(folder.path(), blind, "2");
-    assert!(said.contains("9 of 9 studies could not test width with the mixed model"), "{said}");
     // The observer has no effect of any factor, so there is no power to report.
-    let small = "shaders --participants 2 --studies 5 --effect shader:gouraud=1 --slope shader=1 --terms shader";
-    let said = succeeds(folder.path(), small, "2");
-    assert!(said.contains("(1 logit between") && said.contains("at each level of shader (sd 1 logit)"), "{said}");
     let said = succeeds(folder.path(), "shaders --participants 2 --studies 5 --terms shader", "2");
     assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }
@@ -349,14 +342,6 @@ fn a_preregistration_says_what_was_planned() {
         "    machband plan quick --participants 2,6 --effect width:0.1=1 --studies 100\n",
         "    machband analyze results/quick --terms width,depth,orientation_deg --link logit --slopes independent --out analysis",
     ] {
-        assert!(text.contains(expected), "{expected}: {text}");
-    }
-    // The effects of factors in an interaction are planned for, and without random slopes, rank tests lead.
-    let line = "quick --participants 4 --effect width:0.1=1 --studies 100 --terms width*depth --slopes none \
-                --preregistration both.md";
-    succeeds(folder.path(), line, "4");
-    let text = std::fs::read_to_string(folder.path().join("both.md")).unwrap();
-    for expected in ["- width: ratings at 0.1 are higher", "no random slopes, conclusions about", "is its mean over"] {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     // Three studies that all find the effect are no proof that most would.

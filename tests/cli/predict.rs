@@ -126,9 +126,6 @@ fn levels_of_pictures_keep_their_text() {
     succeeds(folder.path(), &split("simulate own.toml --participants 4 --results r"));
     let verified = succeeds(folder.path(), &split("verify r"));
     assert!(verified.contains("4 sessions verified; no errors"), "{verified}");
-    // A picture determines its levels, so a plan has a model of the levels, as the analysis has.
-    let planned = succeeds(folder.path(), &split("plan own.toml --participants 4 --studies 20"));
-    assert!(planned.contains("scale"), "{planned}");
     // The session's definition has the same pictures by their hashes; other pictures are other stimuli.
     let error = fails(folder.path(), &split("predict own.toml --fit r"), 1);
     assert!(!error.contains("other stimuli"), "{error}");

@@ -7,7 +7,7 @@ use machband::{
     shading::{Scene, Shade, Shader, Surface, image, shapes},
 };
 
-use crate::common::{json, machband, pixels, refuses, split, succeeds, text};
+use crate::common::{json, pixels, refuses, split, succeeds};
 
 fn metrics(folder: &Path, options: &str) -> serde_json::Value {
     succeeds(folder, &split(&format!("shade {options} --metrics m.json --force")));
@@ -164,45 +164,6 @@ fn the_smooth_surface_is_drawn_and_compared() {
     refuses(folder.path(), "shade {}", cases);
 }
 
-/// A surface in another place and the mesh itself are no truth: there is a note, and no number where nothing can be
-/// compared.
-#[test]
-fn a_doubtful_truth_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, count: usize, shift: f64| {
-        let mesh = shapes::torus(count, count / 2, 0.0);
-        let mut obj = String::new();
-        for vertex in &mesh.vertices {
-            let p = vertex.position;
-            obj += &format!("v {} {} {}\n", p.x + shift, p.y, p.z);
-        }
-        mesh.triangles.iter().for_each(|[a, b, c]| obj += &format!("f {} {} {}\n", a + 1, b + 1, c + 1));
-        fs::write(folder.path().join(name), obj).unwrap();
-    };
-    write("own.obj", 24, 0.0);
-    write("fine.obj", 80, 0.0);
-    write("far.obj", 80, 50.0);
-    let run = |truth: &str| {
-        let line = format!("shade --mesh own.obj --shader phong --truth {truth} --metrics m.json --force");
-        let output = machband(folder.path(), &split(&line));
-        assert!(output.status.success());
-        (text(&output.stdout), text(&output.stderr), json(&folder.path().join("m.json")))
-    };
-    let (_, notes, fine) = run("fine.obj");
-    assert!(notes.is_empty() && fine["difference"]["largest"].as_f64().unwrap() > 0.0, "{notes} {fine}");
-    // What was repaired in the file of the surface is told as for any mesh.
-    let turned = fs::read_to_string(folder.path().join("fine.obj")).unwrap();
-    let (rest, last) = turned.trim_end().rsplit_once("f ").unwrap();
-    let last: Vec<&str> = last.split(' ').rev().collect();
-    fs::write(folder.path().join("turned.obj"), format!("{rest}f {}\n", last.join(" "))).unwrap();
-    let (_, notes, same) = run("turned.obj");
-    assert!(notes.contains("turned.obj: 1 face was reversed") && same["residual"] == fine["residual"], "{notes}");
-    let (line, notes, far) = run("far.obj");
-    assert!(far["difference"].is_null() && far["residual"].is_null() && far["masked"] == 1.0, "{far}");
-    assert!(line.contains("nothing can be compared"), "{line} {notes}");
-    assert!(notes.contains("the outlines of far.obj and own.obj differ by 100 %"), "{notes}");
-}
-
 /// A scene replaces the options for one mesh; its errors have their places.
 #[test]
 fn a_scene_is_drawn() {
@@ -219,12 +180,6 @@ fn a_scene_is_drawn() {
         2: scene.toml --metrics x.json => cannot be used with
         1: none.toml --out x.png => none.toml: cannot be opened";
     refuses(folder.path(), "shade {}", cases);
-    let fan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n";
-    fs::write(folder.path().join("fan.obj"), fan).unwrap();
-    fs::write(folder.path().join("fan.toml"), scene.replace("\"sphere\"", "\"fan.obj\"")).unwrap();
-    let notes = text(&machband(folder.path(), &split("shade fan.toml --size 50 --out fan.png")).stderr);
-    let note = "fan.toml, mesh 2: shading is not smooth across edges that belong to more than two triangles";
-    assert!(notes.contains(note) && !notes.contains("mesh 1"), "{notes}");
     fs::write(folder.path().join("bad.toml"), scene.replace("1.5", "\"glass\"")).unwrap();
     refuses(folder.path(), "shade {} --out x.png", "1: bad.toml => bad.toml:10:1:");
 }

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::common::{command, golden_path, records, refuses, split, succeeds, table, text};
+use crate::common::{golden_path, records, refuses, split, succeeds, table};
 
 /// Writes the rows of a golden file, without comments, that `keep` chooses.
 fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
@@ -69,23 +69,6 @@ fn tables_of_other_programs_are_read() {
            2: --function weibull => --function weibull: uses logarithms of the level; expected logistic or normal, or the option --log
            2: --link probit => --link: does not apply to answers at levels"#,
     );
-    // What is said of ratings is said of answers, too.
-    fs::write(path("wrong.csv"), "x,right,n,who,x\n0.1,5,10,NA,9\n").unwrap();
-    refused("1: => wrong.csv:1:15: the column x appears twice; expected it once");
-    fs::write(path("wrong.csv"), "x,right,n,participant\n0.1,5,10,NA\n").unwrap();
-    refused(r#"1: => wrong.csv:2:10: participant is "NA"; expected a participant"#);
-    let rows: String = ["J\u{f6}rg", "S1", "s1"]
-        .iter()
-        .flat_map(|who| [1, 2, 4, 8].map(|level| format!("0,{level}\t{}\t10\t{who}\n", 5 + level / 2)))
-        .collect();
-    let all = format!("x\tright\tn\tparticipant\n{rows}{rows}");
-    fs::write(path("wrong.csv"), all.chars().map(|c| c as u8).collect::<Vec<_>>()).unwrap();
-    let output = command(folder.path(), &[&columns[..], &["--tables-only"]].concat()).output().unwrap();
-    assert!(text(&output.stdout).ends_with("files written; see wrong\n"), "{}", text(&output.stdout));
-    let told = text(&output.stderr);
-    for part in ["was read as Windows-1252", "the IDs S1, s1 differ only in capitals"] {
-        assert!(told.contains(part), "{part}: {told}");
-    }
 }
 
 /// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people

@@ -133,7 +133,7 @@ fn session(sweep: &Sweep, library: &Path, cut: Option<Duration>, table: &mut Tab
         ("unreadable files", unreadable.len()),
         ("resumed", usize::from(after.is_empty())),
     ];
-    table.line("the power fails: rows, sidecars on ext4", counts);
+    table.add(counts);
     let wrong = [lost, unreadable, after].concat();
     Ok(wrong.into_iter().map(|what| format!("after {cut:?}: {what}")).collect())
 }

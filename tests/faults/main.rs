@@ -45,14 +45,15 @@ fn no_row_is_lost_in_a_thousand_sessions_with_faults() {
     let cases = setting("MACHBAND_FAULTS", 1000) as usize;
     let started = std::time::Instant::now();
     let (table, wrong) = sweep::Sweep::new(setting("MACHBAND_FAULT_SEED", 1)).run(cases);
-    print(&format!("{table}\n{cases} sessions in {:.1} s", started.elapsed().as_secs_f64()));
+    let total = |column| table.total(column);
+    print(&format!("{table:?}\n{cases} sessions in {:.1} s", started.elapsed().as_secs_f64()));
     for what in wrong.iter().take(20) {
         print(what);
     }
     assert!(wrong.is_empty(), "{} failures", wrong.len());
-    let total = ["rows lost", "unreadable files", "silent failures", "resumed"].map(|column| table.total(column));
-    assert_eq!(total, [0, 0, 0, cases]);
-    let [struck, injected] = ["took effect", "injected"].map(|column| table.total(column));
+    let totals = ["rows lost", "unreadable files", "silent failures", "resumed"].map(total);
+    assert_eq!(totals, [0, 0, 0, cases]);
+    let [struck, injected] = ["took effect", "injected"].map(total);
     assert!(struck >= cases, "only {struck} of {injected} faults took effect");
     withstood("sessions with faults in system calls, also while they recover", cases, &ALL);
 }
@@ -65,7 +66,7 @@ fn no_row_is_lost_when_something_happens_around_a_session() {
     }
     let mut table = table::Table::default();
     scenes::play(&sweep::Sweep::new(1), &mut table);
-    print(&table.to_string());
+    print(&format!("{table:?}"));
     withstood("faults around a session", table.total("sessions"), &ALL);
 }
 
@@ -78,7 +79,7 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
     let mut table = table::Table::default();
     let cuts = setting("MACHBAND_CUTS", 50) as usize;
     let wrong = power::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table);
-    print(&format!("{table}\n{cuts} power cuts"));
+    print(&format!("{table:?}\n{cuts} power cuts"));
     for what in wrong.iter().take(20) {
         print(what);
     }
@@ -94,7 +95,7 @@ fn no_row_is_lost_in_a_power_cut_of_ext4() {
     match ext4::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table) {
         Err(why) => common::skip("ROOT", &format!("no power cuts of ext4: {why}")),
         Ok(wrong) => {
-            print(&format!("{table}\n{cuts} power cuts of ext4"));
+            print(&format!("{table:?}\n{cuts} power cuts of ext4"));
             assert!(wrong.is_empty(), "{}", wrong.join("\n"));
             withstood("power cuts of ext4", cuts as usize, &ALL);
         }
@@ -109,7 +110,6 @@ fn no_error_while_reading_passes_for_an_absence() {
         return;
     }
     let findings = reads::play(setting("MACHBAND_READS", 200) as usize, setting("MACHBAND_FAULT_SEED", 1));
-    print(&reads::table(&findings));
     let wrong = findings.iter().filter(|found| found.kind > reads::Kind::Said).count();
     assert_eq!(wrong, 0, "of {} faults", findings.len());
     withstood("faults while data are read", findings.len(), &[LIES, FILES, PANICS]);

@@ -303,16 +303,16 @@ pub fn play(sweep: &Sweep, cuts: usize, seed: u64, table: &mut Table) -> Vec<Str
                 }
             };
             let wrong: Vec<_> = wrong.into_iter().map(|what| format!("cut {number}, {name}: {what}")).collect();
-            (name, saved, wrong)
+            (saved, wrong)
         })
         .collect();
     // Everything that a command wrote was synced before it ended, and so were the folders.
     let mut all: Vec<_> = outputs.iter().flat_map(|output| output_after(output, output.cut_at_end()).2).collect();
-    for (name, saved, wrong) in found {
+    for (saved, wrong) in found {
         let whole = usize::from(wrong.is_empty());
         let one = ["injected", "took effect", "sessions"].map(|column| (column, 1));
         let counts = [("rows saved", saved), ("rows lost", wrong.len()), ("resumed", whole)];
-        table.line(&format!("the power fails: {name}"), [one.to_vec(), counts.to_vec()].concat());
+        table.add([one.to_vec(), counts.to_vec()].concat());
         all.extend(wrong);
     }
     all

@@ -391,22 +391,6 @@ fn lines(expected: &str, found: &str) -> String {
     format!("{} instead of {}", short(found), short(expected))
 }
 
-/// How many faults of each reader had which outcome.
-pub fn table(findings: &[Finding]) -> String {
-    let kinds = [Kind::Missed, Kind::Same, Kind::Told, Kind::Killed, Kind::Said, Kind::Silent, Kind::After];
-    let line = |name: &str, is_of: &dyn Fn(&Finding) -> bool| {
-        let count = |kind| findings.iter().filter(|found| is_of(found) && found.kind == kind).count().to_string();
-        format!("| {name} | {} |\n", kinds.map(count).join(" | "))
-    };
-    let readers = READERS.iter().map(|reader| line(reader.0, &|found| found.reader == reader.0));
-    let titles = "| command | no effect | as without | error | killed | warning | silent | wrong afterward |\n";
-    [titles.to_owned(), format!("|---|{}\n", "--:|".repeat(kinds.len()))]
-        .into_iter()
-        .chain(readers)
-        .chain([line("all", &|_| true)])
-        .collect()
-}
-
 /// Injects this many faults, drawn from a seed, or all of them if there are fewer; returns what became of each.
 pub fn play(most: usize, seed: u64) -> Vec<Finding> {
     let readings = Readings::new();

@@ -99,10 +99,10 @@ impl Waiting {
 /// Plays all scenes and adds them to the table.
 pub fn play(sweep: &Sweep, table: &mut Table) {
     for rows in [1, 3, 7] {
-        table.line("the folder is removed during the session", removed(sweep, rows));
-        table.line("two programs open the same session", two_at_once(sweep, rows));
-        table.line("two programs open the same session, without locks", without_locks(sweep, rows));
-        table.line("a second program resumes a session before its file is locked", resumed_at_once(sweep, rows));
+        table.add(removed(sweep, rows));
+        table.add(two_at_once(sweep, rows));
+        table.add(without_locks(sweep, rows));
+        table.add(resumed_at_once(sweep, rows));
     }
 }
 

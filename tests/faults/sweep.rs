@@ -142,7 +142,12 @@ impl Sweep {
         let found: Vec<_> = (0..cases).into_par_iter().map(|number| self.run_case(number)).collect();
         let (mut table, mut wrong) = (Table::default(), Vec::new());
         for (number, (case, hits, counts, faults)) in found.into_iter().enumerate() {
-            table.add(&case.faults, &hits, counts);
+            let is_hit = |fault: &&Fault| {
+                let what = format!("{}{}", fault.what, if fault.repeated { "+" } else { "" });
+                hits.iter().any(|hit| hit.op == fault.op && hit.what == what)
+            };
+            let struck = case.faults.iter().filter(is_hit).count();
+            table.add([counts, vec![("injected", case.faults.len()), ("took effect", struck)]].concat());
             let seed = self.seed;
             wrong.extend(faults.iter().map(|what| format!("seed {seed}, case {number}: {what}\n    {case:?}")));
         }

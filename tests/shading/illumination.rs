@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DMat3, DQuat, DVec3};
-use machband::shading::lighting::{Facets, Microfacets, attenuation, beckmann, fresnel};
+use machband::shading::lighting::{Facets, Microfacets, beckmann, fresnel};
 use machband::shading::{Lamp, LampPosition, Lighting, Material, Refraction, Specular};
 use proptest::prelude::*;
 
@@ -87,15 +87,6 @@ fn microfacets_have_limits() {
     assert_eq!((fresnel(0.0, 1.0), fresnel(0.5, 1.0)), (0.0, 0.0));
     assert!((fresnel(0.0, 1.5) - 1.0).abs() < 1e-12);
     assert_eq!((beckmann(0.0, 0.3), beckmann(-0.1, 10.0), beckmann(1e-200, 10.0)), (0.0, 0.0, 0.0));
-}
-
-#[test]
-fn lamps_weaken_with_distance_and_never_strengthen() {
-    assert_eq!(attenuation([0.0, 0.0, 1.0], 0.0), 1.0);
-    assert_eq!(attenuation([0.0, 0.0, 1.0], 0.5), 1.0);
-    assert_eq!(attenuation([0.0, 0.0, 1.0], 4.0), 1.0 / 16.0);
-    assert_eq!(attenuation([0.5, 0.25, 0.0], 6.0), 0.5);
-    assert_eq!(attenuation([1.0, 0.0, 0.0], 1e9), 1.0);
 }
 
 fn models() -> impl Strategy<Value = Specular> {

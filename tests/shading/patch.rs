@@ -3,9 +3,8 @@
 use crate::{frame, grid};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::shading::{
-    Field, Frame, Lighting, Mesh, Patches, Polygons, Scene, Surface, View,
+    Field, Frame, Lighting, Patches, Scene, Surface, View,
     cubic::Gradient,
-    mesh::newell,
     shaders::ShaderKernel as _,
     shapes::{self, Shape},
 };
@@ -40,17 +39,6 @@ fn given(frame: &Frame, gradient: impl Fn(DVec2) -> DVec2) -> Patches {
         Field::Light,
         frame.vertices.iter().map(|v| gray_gradient(gradient(v.screen))).collect(),
     )
-}
-
-/// Neighbors are weighted by 1/d². Of the two neighbors along x, one is 1 unit away with a slope of 1, the other 4
-/// units away with a slope of 0. The slope that fits is ½; without weights, it would be 1/17.
-#[test]
-fn near_neighbors_count_more() {
-    let places = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0), (-4.0, 0.0), (0.0, -2.0)].map(|(x, y)| DVec2::new(x, y));
-    let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]];
-    let frame = frame(&places, &triangles, |p| gray(if p.x > 0.0 { 1.0 } else { 0.0 }));
-    let gradient = Patches::new(&frame, Field::Light).gradients[0];
-    assert!(DVec2::from(gradient[0]).distance(DVec2::new(0.5, 0.0)) < 1e-12, "{gradient:?}");
 }
 
 /// With true gradients, a quadratic field is reproduced exactly. Errors in the gradients add at most 0.4 times the
@@ -197,67 +185,6 @@ fn lights_stay_bounded_near_the_silhouette() {
                 }
             }
         }
-    }
-}
-
-/// A box with a bevel of one face along each edge, whose normals are those of the large faces.
-fn bevelled_box(half: DVec3, bevel: f64) -> Mesh {
-    // Each octant has three vertices, one on each large face.
-    let position = |octant: usize, face: usize| {
-        let along = |axis: usize| if axis == face { half[axis] } else { half[axis] - bevel };
-        DVec3::from_array([0, 1, 2].map(|axis| if octant >> axis & 1 == 1 { along(axis) } else { -along(axis) }))
-    };
-    let mut faces: Vec<Vec<[usize; 2]>> = (0..8).map(|octant| [0, 1, 2].map(|face| [octant, face]).to_vec()).collect();
-    for axis in 0..3 {
-        let [a, b, c] = [0, 1, 2].map(|k| 1 << ((axis + k) % 3));
-        let [along_b, along_c] = [1, 2].map(|k| (axis + k) % 3);
-        for side in [0, a] {
-            faces.push([0, b, b | c, c].map(|octant| [octant | side, axis]).to_vec());
-        }
-        for edge in [0, b, c, b | c] {
-            faces.push(vec![[edge, along_b], [edge | a, along_b], [edge | a, along_c], [edge, along_c]]);
-        }
-    }
-    let positions: Vec<DVec3> = (0..24).map(|i| position(i / 3, i % 3)).collect();
-    let mut polygons = Polygons::default();
-    for mut face in faces {
-        let places: Vec<DVec3> = face.iter().map(|[octant, face]| position(*octant, *face)).collect();
-        if newell(&places).dot(places.iter().sum()) < 0.0 {
-            face.reverse();
-        }
-        let normal = |octant: usize, face: usize| DVec3::AXES[face] * position(octant, face)[face].signum();
-        polygons.push(face.into_iter().map(|[o, f]| ((3 * o + f) as u32, Some(normal(o, f)))));
-    }
-    Mesh::from_polygons(&positions, &polygons, 180.0).unwrap()
-}
-
-/// Where a corner's normal faces away, its tangent plane is not what is seen: the normals on a bevel stay between those
-/// of its corners.
-#[test]
-fn bevels_that_are_seen_from_behind_their_normals_have_no_wedges() {
-    for bevel in [0.01, 0.05, 0.2] {
-        let surface = Surface::new(bevelled_box(DVec3::new(1.0, 0.7, 0.5), bevel));
-        let (mut error, mut total) = (0.0, 0.0);
-        for turn in 0..12 {
-            let view = View::square(512).rotated([30.0 * f64::from(turn) + 4.0, 17.0, 5.0]);
-            let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let normals = Patches::new(&frame, Field::Normal);
-            for t in 0..frame.triangles.len() {
-                let corners = frame.corners(t);
-                if corners.iter().all(|corner| corner.normal.z > 0.0) {
-                    continue;
-                }
-                let [a, b, c] = corners.map(|corner| corner.screen);
-                let area = (b - a).perp_dot(c - a).abs();
-                for w in [[0.34, 0.33, 0.33], [0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]] {
-                    let between: DVec3 = (0..3).map(|k| w[k] * corners[k].normal).sum();
-                    error += area * normals.light(t, w, DVec3::ZERO).angle_between(between).to_degrees().powi(2);
-                    total += area;
-                }
-            }
-        }
-        let error = (error / total).sqrt();
-        assert!(error < 15.0, "bevel of {bevel}: {error}° from the mean of the corners' normals");
     }
 }
 

@@ -104,9 +104,3 @@ fn pictures_do_not_depend_on_the_number_of_threads() {
         }
     }
 }
-
-#[test]
-fn a_window_without_pixels_is_drawn() {
-    let nothing = Frame { width: 0, height: 0, ..frame(shapes::cube(), [33, 20], 0.9, &brown(), SKY) };
-    assert!(image(&nothing, &Shade::new(Shader::Gouraud)).data.is_empty());
-}

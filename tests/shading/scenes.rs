@@ -133,17 +133,6 @@ fn glass(mesh: Mesh, index: f64) -> Body {
     }
 }
 
-/// Where light is not bent, nothing of a ball is seen: no line of sight slips through between its triangles.
-#[test]
-fn a_ball_with_the_index_of_air_is_invisible() {
-    let ball = glass(moved(shapes::sphere(4), DVec3::new(0.1, 0.05, 0.3)), 1.0);
-    let draw = |bodies| scene(bodies).image(4 * SIDE, 4 * SIDE);
-    let with = draw(vec![behind_glass(), ball.clone()]);
-    let without = draw(vec![behind_glass(), Body { index: None, ..ball }]);
-    let worst = apart(&with, &without);
-    assert!(worst < 1e-3, "{worst}");
-}
-
 /// The index of a mesh is relative to what surrounds it: a ball of index 1 inside a ball of glass is invisible, one with
 /// the inverse index is a bubble of air, and a line of sight that leaves it is still in the glass.
 #[test]
@@ -281,13 +270,9 @@ fn scenes_are_read_and_their_errors_have_places() {
             25,
             "transmission 1.4 is outside 0…1; expected a number in this range",
         ),
-        ("index = 1.5", "index = 0", 32, "index 0 is outside 0.1…10"),
         ("direction = [0.3, 0.5, 0.8]", "direction = [0, 0, 0]", 38, "expected a vector toward the lamp"),
         ("position = [0.0, 2.0, 1.0]", "", 41, "expected either direction = [x, y, z] or position"),
-        ("vertices = 300", "vertices = 1", 12, "vertices: "),
-        ("mesh = \"torus\"", "", 10, "mesh is missing"),
         ("mesh = \"torus\"", "mesh = \"torous\"", 11, "torous"),
-        ("attenuation = [1.0, 0.2, 0.1]", "attenuation = [0, 0, 0]", 43, "attenuation is 0"),
         ("position = [1.5, 0.0, 0.0]", "position = [1e300, 0, 0]", 21, "position 1e300 is outside -1000000…1000000"),
     ] {
         fs::write(&path, SCENE.replace(from, to)).unwrap();

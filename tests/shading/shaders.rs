@@ -232,34 +232,32 @@ fn quadratic_passes_through_vertices_and_midpoints() {
 /// that faces away.
 fn ugly() -> Frame {
     let places = [
-        (20.0, 20.0),
-        (20.0, 180.0),
-        (100.0, 100.0),
-        (180.0, 20.0),
-        (180.0, 180.0),
-        (20.0, 19.996_093_75),
-        (100.003_906_25, 100.0),
-        (100.0, 100.0),
-        (150.0, 150.0),
+        20.0,
+        20.0,
+        20.0,
+        180.0,
+        100.0,
+        100.0,
+        180.0,
+        20.0,
+        180.0,
+        180.0,
+        20.0,
+        19.996_093_75,
+        100.003_906_25,
+        100.0,
+        100.0,
+        100.0,
+        150.0,
+        150.0,
     ];
-    let vertices = places.iter().enumerate().map(|(i, (x, y))| FrameVertex {
+    let vertices = places.chunks_exact(2).enumerate().map(|(i, at)| FrameVertex {
         depth: 0.1 * i as f64,
         normal: if i == 4 { DVec3::NEG_Z } else { DVec3::new((i as f64).sin(), 0.3, 0.6).normalize() },
-        ..vertex(DVec2::new(*x, *y), DVec3::splat(i as f64 / 8.0))
+        ..vertex(DVec2::new(at[0], at[1]), DVec3::splat(i as f64 / 8.0))
     });
-    let triangles = [
-        [0, 1, 2],
-        [2, 1, 4],
-        [3, 2, 4],
-        [0, 2, 3],
-        [5, 0, 3],
-        [0, 2, 6],
-        [2, 7, 6],
-        [2, 7, 2],
-        [1, 4, 8],
-        [2, 1, 8],
-        [3, 1, 0],
-    ];
+    let triangles = [0, 1, 2, 2, 1, 4, 3, 2, 4, 0, 2, 3, 5, 0, 3, 0, 2, 6, 2, 7, 6, 2, 7, 2, 1, 4, 8, 2, 1, 8, 3, 1, 0];
+    let triangles: Vec<[u32; 3]> = triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     frame(vertices.collect(), &triangles, lighting(DVec3::new(0.36, 0.48, 0.8)))
 }
 

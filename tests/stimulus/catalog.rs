@@ -1,13 +1,11 @@
 //! Every stimulus in the catalog: its light matches an independent script, its codes match their recorded hash, and its
 //! edges are sharp if they run along the pixels.
 
-use std::collections::HashSet;
-
 use glam::DVec2;
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{Frame, Scene, Shade, Shader, Surface, shapes},
-    stimulus::{KINDS, ParameterValue, Stimulus, along, catalog, emitted},
+    stimulus::{KINDS, along, catalog, emitted},
 };
 use sha2::{Digest as _, Sha256};
 
@@ -52,23 +50,6 @@ fn codes_match_their_recorded_hashes() {
     }
     assert_eq!(std::fs::read_to_string(path).unwrap(), text);
     assert!(catalog::all().iter().map(|entry| entry.kind).eq(KINDS.iter().copied()));
-}
-
-#[test]
-fn edges_along_the_pixels_are_sharp_and_oblique_ones_are_not() {
-    let levels = |stimulus: &Stimulus| {
-        stimulus.linear(90).data.iter().map(|light| light.to_bits()).collect::<HashSet<u32>>().len()
-    };
-    for (kind, parameter, count) in [("chevreul", "steps", 7), ("vasarely", "squares", 9)] {
-        let mut stimulus = Stimulus::default_of(kind).unwrap();
-        stimulus.set(parameter, &ParameterValue::Number(f64::from(count))).unwrap();
-        for degrees in [0.0, 90.0, 180.0, -90.0] {
-            stimulus.set("orientation_deg", &ParameterValue::Number(degrees)).unwrap();
-            assert_eq!(levels(&stimulus), count as usize, "{kind} at {degrees}°");
-        }
-        stimulus.set("orientation_deg", &ParameterValue::Number(20.0)).unwrap();
-        assert!(levels(&stimulus) > 4 * count as usize, "{kind}");
-    }
 }
 
 fn frame(mesh: shapes::Shape, size: u32) -> Frame {

@@ -141,22 +141,12 @@ fn invalid_texts_are_explained() {
     }
     for (text, expected) in [
         ("0,0,0", "has no light in it"),
-        ("1,1,2", "has B = 2, outside 0…1"),
-        ("1,nan,1", "has G = NaN, outside 0…1"),
-        ("hsv:60,1.5,1", "has S = 1.5, outside 0…1"),
-        ("hsv:inf,1,1", "has H = inf, outside the finite angles"),
         ("xyY:0.3,0,1", "has y = 0, outside 0…1−x, 0 excluded"),
-        ("hls:60,1.5,1", "has L = 1.5, outside 0…1"),
-        ("cmyk:0.5,0,0,0.75", "has R = -0.25, outside 0…1"),
-        ("lab:101,0,0", "has L = 101, outside 0…100"),
         ("luv:50,200,0", "is outside the gamut of sRGB"),
         ("xyY:0.64,0.33,0.5", "is outside the gamut of sRGB: red would be 2.3514"),
     ] {
         assert!(problem(text).contains(expected), "{text}: {}", problem(text));
     }
-    // A saturated green that only a laser can produce.
-    let green = problem("xyY:0.17,0.797,0.5");
-    assert!(green.contains("red would be -0.") && green.contains("blue would be -"), "{green}");
 }
 
 proptest! {

@@ -34,28 +34,6 @@ fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
     bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
 }
 
-#[test]
-fn names_read_back_and_other_texts_are_explained() {
-    for text in ["none", "ordered", "blue-noise", "random"] {
-        let dither: Dither = text.parse().unwrap();
-        assert_eq!((dither.to_string().as_str(), format!(" {text} ").parse()), (text, Ok(dither)));
-    }
-    for &matrix in DitherMatrix::ALL {
-        assert_eq!(Dither::Ordered(matrix).to_string().parse(), Ok(Dither::Ordered(matrix)));
-    }
-    assert_eq!("ordered".parse(), Ok(Dither::Ordered(DitherMatrix::Bayer8)));
-    for (text, expected) in [
-        ("bayer8", "dither \"bayer8\" is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"),
-        (
-            "ordered:bayer3",
-            "\"bayer3\" is not known; expected one of bayer2, bayer4, bayer8, bayer16, clustered2, clustered3",
-        ),
-    ] {
-        let message = text.parse::<Dither>().unwrap_err().to_string();
-        assert!(message.contains(expected), "{message}");
-    }
-}
-
 // Matrices.
 
 /// The 8 × 8 table as printed in Wikipedia, *Ordered dithering* (revision of 2024), after Bayer 1973.

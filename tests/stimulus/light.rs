@@ -3,8 +3,7 @@
 
 use machband::light::interpolation::coefficients;
 use machband::light::quantize::reference_code;
-use machband::light::transfer::{equal_brightness_levels, nearest_equal_brightness_level};
-use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, TransferTable, Transfers};
+use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, Transfers};
 use proptest::prelude::*;
 
 use super::{common::golden, transfers};
@@ -130,19 +129,6 @@ fn transfers_are_read_and_errors_are_explained() {
             assert!(message.contains(expected), "{text}: {message}");
         }
     }
-    // Tables must rise over the whole range.
-    let table = |encoded: &[f64], linear: &[f64]| TransferTable::new(encoded.to_vec(), linear.to_vec());
-    assert!(table(&[0.0, 0.5, 1.0], &[0.0, 0.2, 1.0]).is_ok());
-    for (encoded, linear, expected) in [
-        (&[0.0, 1.0][..], &[0.0][..], "2 encoded and 1 linear values; expected the same number of each"),
-        (&[], &[], "0 encoded and 0 linear values"),
-        (&[0.0, 0.5, 1.0], &[0.0, 0.0, 1.0], "linear value 0 at index 1 is not above the 0 before it; expected"),
-        (&[0.0, f64::NAN, 1.0], &[0.0, 0.5, 1.0], "encoded value NaN at index 1"),
-        (&[0.0, 1.0], &[0.01, 1.0], "linear values run from 0.01 to 1; expected 0 to 1"),
-    ] {
-        let message = table(encoded, linear).unwrap_err().to_string();
-        assert!(message.contains(expected), "{message}");
-    }
 }
 
 #[test]
@@ -210,27 +196,6 @@ fn the_quantizer_matches_the_formula() {
             }
             assert_eq!((quantizer.channel(0).code(f32::NAN), quantizer.channel(0).threshold(0)), (0, 0.0));
         }
-    }
-}
-
-/// Steps are equal ratios, and the nearest level is determined by ratio, with the boundary halfway between two levels.
-#[test]
-fn equal_brightness_steps_are_equal_ratios() {
-    let levels = equal_brightness_levels(0.02, 4).unwrap();
-    assert_eq!((levels.len(), levels[0], levels[4]), (5, 0.02, 1.0));
-    for pair in levels.windows(2) {
-        assert!((pair[1] / pair[0] - 50f64.powf(0.25)).abs() < 1e-12);
-    }
-    for (j, &level) in levels.iter().enumerate() {
-        assert_eq!(nearest_equal_brightness_level(level, 0.02, 4), j);
-        let half_way = level * 50f64.powf(0.125);
-        assert_eq!(nearest_equal_brightness_level(half_way * 1.0001, 0.02, 4), (j + 1).min(4));
-        assert_eq!(nearest_equal_brightness_level(half_way / 1.0001, 0.02, 4), j);
-    }
-    assert_eq!(nearest_equal_brightness_level(0.0, 0.02, 4), 0);
-    assert_eq!(nearest_equal_brightness_level(f64::NAN, 0.02, 4), 0);
-    for (i0, n) in [(0.0, 4), (1.0, 4), (-0.1, 4), (f64::NAN, 4), (0.1, 0)] {
-        assert!(equal_brightness_levels(i0, n).is_err());
     }
 }
 

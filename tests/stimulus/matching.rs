@@ -3,7 +3,7 @@
 use machband::{
     display::{
         Channel,
-        matching::{CHECKED, ChannelGamma, GammaError, Match, MatchSettings, Matching, Rows, estimate, transfers},
+        matching::{CHECKED, ChannelGamma, Match, MatchSettings, Matching, Rows, estimate},
     },
     light::{Bits, Quantizer, Transfer, Transfers},
 };
@@ -84,22 +84,6 @@ fn careless_matches_cause_a_warning() {
 }
 
 #[test]
-fn matches_without_a_gamma_are_explained() {
-    let rows = MatchSettings::default().rows();
-    let one = |channel, code| Match { channel, rows, code };
-    let error = |matches: &[Match]| estimate(matches)[0].1.unwrap_err();
-    assert!(estimate(&[]).is_empty() && transfers(&[]).is_none());
-    assert_eq!(error(&[one(Channel::Red, 130)]), GammaError::TooFew(1));
-    assert_eq!(error(&[one(Channel::Red, 250), one(Channel::Red, 10)]), GammaError::Open);
-    let half = Match { rows: Rows { period: 2, ..rows }, ..one(Channel::Red, 190) };
-    assert_eq!(error(&[one(Channel::Red, 130), half]), GammaError::Mixed);
-    // Gray alone is enough for all three channels; red alone is not.
-    let two = |channel| estimate(&[one(channel, 130), one(channel, 132)]);
-    assert!(transfers(&two(Channel::Gray)).unwrap().uniform().is_some());
-    assert_eq!(transfers(&two(Channel::Red)), None);
-}
-
-#[test]
 fn matches_can_be_undone_and_runs_resumed() {
     let settings = MatchSettings { row_px: 2, ..MatchSettings::default() };
     let mut matching = Matching::new(&settings, 9, Vec::new()).unwrap();
@@ -121,26 +105,6 @@ fn matches_can_be_undone_and_runs_resumed() {
     }
     let first = |seed| Matching::new(&settings, seed, Vec::new()).unwrap().shown();
     assert!((0..20).any(|seed| first(seed) != Some(shown[0])));
-}
-
-#[test]
-fn invalid_settings_are_explained() {
-    let with = |change: &dyn Fn(&mut MatchSettings)| {
-        let mut settings = MatchSettings::default();
-        change(&mut settings);
-        Matching::new(&settings, 1, Vec::new()).map_or_else(|error| error.to_string(), |_| String::new())
-    };
-    let half = MatchSettings { period: 2, ..MatchSettings::default() };
-    let done = run(&half, &power([2.2; 3]), 0.0, 1);
-    let other = Matching::new(&MatchSettings::default(), 1, done).unwrap_err().to_string();
-    for (message, expected) in [
-        (with(&|settings| settings.channels.clear()), "a profile cannot be made from these channels"),
-        (with(&|settings| settings.channels.push(Channel::Red)), "a profile cannot be made from these channels"),
-        (other, "match 1 belongs to other settings"),
-    ] {
-        assert!(message.starts_with(expected), "{message}");
-    }
-    assert_eq!(with(&|_| ()), "");
 }
 
 /// Columns do not differ, the mean of the rows is the share that the match assumes, and the patch begins and ends with

@@ -6,10 +6,10 @@ use machband::{
     app::{Monitor, TimingReport},
     display::frames::{FrameTimes, Refresh},
     experiment::{
-        Course, Effect, Event, FrameCount, FrameRun, Identity, Resumed, Schedule, Session, SessionOptions, Shown,
-        State, TrialResponse,
+        Course, Effect, Event, FrameCount, Identity, Resumed, Schedule, Session, SessionOptions, Shown, State,
+        TrialResponse,
     },
-    store::{definition, frames},
+    store::definition,
 };
 use proptest::prelude::*;
 
@@ -385,15 +385,6 @@ fn a_new_monitor_counts_from_its_first_frame_on() {
         let expected = [(Shown::Recovery, of(first)), (Shown::Recovery, of(second)), (Shown::Stimulus, of(second))];
         assert_eq!(judged, expected);
     }
-    // If the refresh is no longer known, the trial is not judged, and durations follow the clock.
-    let mut sitting = Sitting::new("", 60.0);
-    (0..20).for_each(|_| _ = sitting.frame(1, 0.0, None));
-    sitting.session.set_frame_count(FrameCount::Frames);
-    sitting.until(is_stimulus);
-    sitting.frame(5, 0.0, Some(Event::Rate(1)));
-    let row = &sitting.rows[0];
-    assert_eq!((row.dropped_frames, row.late_onset), (None, None));
-    assert!(row.recovery.as_secs_f64() >= 2.0 - 1e-9);
 }
 
 #[test]
@@ -421,13 +412,4 @@ fn a_frame_belongs_to_the_trial_whose_picture_it_shows() {
     ];
     assert_eq!(trials, expected);
     assert_eq!(sitting.session.take_frame_runs(), [], "each run is returned only once");
-    // A run of frames becomes a row according to the schedule.
-    let run = FrameRun { trial: 1, attempt: 2, shown: Shown::Stimulus, refresh: None, intervals_us: vec![1, 2] };
-    let run = FrameRun { refresh: Refresh::from_hz(59.94), ..run };
-    let (schedule, phase) = (sitting.session.schedule(), sitting.session.schedule().trials[1].phase);
-    let line = format!("3,{phase},2,2,stimulus,16683.350,1 2\n");
-    assert_eq!(frames::line(&run, schedule, 3), Some(line));
-    let line = format!("3,{phase},2,2,stimulus,,1 2\n");
-    assert_eq!(frames::line(&FrameRun { refresh: None, ..run.clone() }, schedule, 3), Some(line));
-    assert_eq!(frames::line(&FrameRun { trial: 99, ..run }, schedule, 3), None);
 }

@@ -206,34 +206,6 @@ fn pipes_next_to_a_session_do_not_stop_it() {
     assert!(check::check(&csv).unwrap().sentence.contains("6 of 6"));
 }
 
-#[test]
-fn only_temporary_files_of_this_program_are_removed() {
-    let (folder, _) = ended(2);
-    let dataset = paths(folder.path()).dataset;
-    let hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
-    let ours = dataset.join("dataset_description.json.machband-Ab12Cd34Ef56Gh78.tmp");
-    let others = [
-        "notes.machband-draft1.tmp",
-        "field-notes.tmp",
-        "~WRL0001.tmp",
-        "x.machband-.tmp",
-        "machband-1.tmp",
-        "a.machband-a b.tmp",
-    ];
-    for path in others.map(|name| dataset.join(name)).iter().chain([&ours]) {
-        fs::write(path, "kept").unwrap();
-        fs::File::options().write(true).open(path).unwrap().set_modified(hour_ago).unwrap();
-    }
-    let inside = dataset.join("folder.machband-Ab12Cd34Ef56Gh78.tmp");
-    fs::create_dir(&inside).unwrap();
-    let (mut store, found) = resume(folder.path()).unwrap();
-    sit(&mut store, Some(&found), usize::MAX);
-    assert!(!ours.exists() && inside.is_dir());
-    for name in others {
-        assert_eq!(fs::read_to_string(dataset.join(name)).unwrap(), "kept", "{name}");
-    }
-}
-
 #[cfg(feature = "window")]
 #[test]
 fn a_complete_session_is_not_run_again() {

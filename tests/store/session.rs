@@ -348,39 +348,6 @@ mod machine {
         }
     }
 
-    #[test]
-    fn a_pause_at_any_time_loses_nothing_and_repeats_the_same_trial() {
-        let mut plain = Driver::new(&ten(), FrameCount::Off, &[]);
-        plain.until(|state| *state == State::Done);
-        let mut driver = Driver::new(&ten(), FrameCount::Off, &[]);
-        while *driver.session.state() != State::Done {
-            let (state, trial) = (driver.session.state().clone(), driver.session.current());
-            driver.step(Event::Pause);
-            assert_eq!(*driver.session.state(), State::Paused(Box::new(state.clone())));
-            for event in [Event::Pause, Event::Continue, Event::Rate(1), Event::Undo] {
-                driver.step(event);
-            }
-            driver.wait(100.0);
-            assert_eq!(*driver.session.state(), State::Paused(Box::new(state.clone())));
-            driver.step(Event::Resume);
-            assert_eq!(driver.session.current(), trial);
-            match (&state, driver.session.state()) {
-                // A timed state that was interrupted starts over.
-                (State::Recovery { .. } | State::Stimulus { .. }, State::Recovery { since })
-                | (State::Closing { .. }, State::Closing { since }) => assert_eq!(*since, driver.now),
-                (before, after) => assert_eq!(before, after),
-            }
-            // The interrupted stimulus is shown again, this time without interruption.
-            let after = driver.session.state().clone();
-            driver.until(|now| *now != after);
-            if is_stimulus(&state) {
-                driver.rate(1);
-            }
-        }
-        assert_eq!(driver.rated(), plain.rated());
-        assert!(driver.records.iter().all(|record| record.recovery.as_millis() == 500));
-    }
-
     fn any_event() -> impl Strategy<Value = Event> {
         // Common events are generated more often, so that a sequence makes progress.
         prop_oneof![

@@ -385,82 +385,50 @@ const MISTAKES: &str = r##"
 [task]\nkind = "choice"\n => 6:2 => task.reference is missing
 CHOICEalternatives = 3\n => 9:1 => alternatives is 3; expected 2 or 4
 CHOICEaltern = 3\n => 9:1 => unknown key "altern" in [task]
-CHOICEduration_s = "long"\n => 9:1 => task.duration_s is the text "long"; expected a number
 [task]\nkind = "choice"\nreference = { deph = "inf" }\n => 8:15 => deph
 [task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
 [task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => all stimuli of a trial are the same
 YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
-DEPTHS[task]\nkind = "pair"\ntrials = 9\n => 12:1 => trials applies to adaptive pairs only
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHSmax_run = 2\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own; expected no max_run
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
-[task]\nkind = "adjust"\nparameter = "width"\nlow = 0.5\nhigh = 7\n => 10:1 => width 7
-[task]\nkind = "rating"\nscale = "dial"\n => 8:1 => scale
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICESTAIRSparameter = "width"\nlow = 0.1\nhigh = 0.4\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "wide"\nlevels = [0.01, 0.02]\n => 11:1 => wide is not known
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, 0.01]\n => 12:17 => level 0.01 appears twice
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [-1, 0.02]\n => 12:11 => width -1
 CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]\n => 12:11 => level 0 is not above 0
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
-YES_NO[adaptive]\nmethod = "quest-plus"\nLEVELSlapse = [0.6]\n => 13:10 => lapse 0.6 is outside 0…0.5
-QUESTfunction = "cubic"\n => 13:1 => function
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
 QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
 CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 2.5, 3]\n => 14:14 => depth 2.5 is not a whole number
-CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 3, 4]\n => 
 CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => depth has whole numbers only
-CHOICESTAIRSparameter = "vertices"\nlog = false\nstart = 4\nlow = 1\nhigh = 20\n => 11:1 => vertices is not known
-CHOICESTAIRSparameter = "depth"\nlog = false\nstart = 4\nlow = 1\nhigh = inf\n => 15:1 => adaptive.high is inf; expected a finite number
-CHOICESTAIRSparameter = "low"\nstart = 0.3\nlow = 0.1\nhigh = 0.9\nreversals = 3\n => 11:1 => high 0.75 is below low, which is 0.9
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
-ADJUST"orientation_deg"\nlow = 0.1\nhigh = 190\n => 10:1 => goes around half a turn or more
-ADJUST"orientation_deg"\nlow = 0.1\nhigh = 180\n => 
-ADJUST"low"\nlow = 0.1\nhigh = 0.9\n => 10:1 => high 0.75 is below low, which is 0.9
 ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
-HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.7\n => 12:1 => low
-HIGHSADJUST"low"\nlow = 0.1\nhigh = 0.5\n => 
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 11:1 => high 0.75 is below low, which is 0.9
-QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1] }\n => 
-QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
-QUESTslope = []\n => 13:1 => the list is empty
-QUESTlapse = []\n => 13:1 => the list is empty
-QUESTlapse = [0.5]\n => 13:1 => expected a sum below 1
-QUESTlapse = [0.49]\n => 
-CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0.01, nan]\n => 12:17 => adaptive.levels.1 is NaN; expected a finite number
 [presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to this task
 [presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to this task
-[response]\nquestion = " "\n => 7:1 => the question is empty
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
-[response]\nlabels = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"]\n => 7:1 => the number of categories is 12
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
-ORIENTEDtrials = 9\n[adaptive]\nmethod = "quest-plus"\nLEVELS => 11:1 => trials applies to adaptive pairs only
-[factors]\ndepth = ["inf"]\n[task]\nkind = "yes-no"\nreference = { tanh_k = 10 }\n => 
-[factors]\ndepth = [1, 2]\nCHOICE => 
 [factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same
-[task]\nkind = "choice"\nreference = { depth = "inf", tanh_k = 5 }\n => 
-[task]\nkind = "choice"\nreference = { low = 0.9 }\n => 8:1 => high 0.75 is below low, which is 0.9
 "##;
 
 #[test]
 fn bad_tasks_are_named_with_their_place() {
-    let oriented = "[factors]\norientation_deg = [0, 90]\n[task]\nkind = \"pair\"\nreference = { depth = \"inf\" }\n";
     let tables = [
         ("QUEST", "CHOICE[adaptive]\nmethod = \"quest-plus\"\nLEVELS"),
         ("CONSTANT", "[adaptive]\nmethod = \"constant\"\n"),
         ("STAIRS", "[adaptive]\nmethod = \"staircase\"\n"),
         ("ADJUST", "[task]\nkind = \"adjust\"\nparameter = "),
         ("HIGHS", "[factors]\nhigh = [0.6, 0.75]\n"),
-        ("ORIENTED", oriented),
         ("CHOICE", CHOICE),
         ("YES_NO", YES_NO),
         ("DEPTHS", DEPTHS),
@@ -550,24 +518,6 @@ fn answers_are_analyzed_as_they_were_recorded() {
     assert_eq!((lost.status.code(), text(&lost.stderr).contains("rating")), (Some(1), false), "{}", text(&lost.stderr));
 }
 
-/// One person is not several, what could not be computed is told, and small numbers are not 0.
-#[test]
-fn a_few_answers_are_told_as_they_are() {
-    let adjust = "[task]\nkind = \"adjust\"\nparameter = \"nulling\"\nlow = 0\nhigh = 0.001\nstep = 0.0001\n";
-    let repeated = format!("[design]\nrepetitions = 6\n{adjust}");
-    for (body, told) in
-        [(repeated, "for 1 participant."), (format!("{YES_NO}catch = 0.05\n"), "There is no d’, because")]
-    {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("tasks.toml"), format!("{HEAD}{body}")).unwrap();
-        succeeds(folder.path(), &["simulate", "tasks.toml", "--observer", "random"]);
-        let printed = succeeds(folder.path(), &["analyze", "results/tasks", "--out", "analysis"]);
-        assert!(printed.contains(told) && !printed.contains("over participants"), "{printed}");
-        let report = fs::read_to_string(folder.path().join("analysis/report.html")).unwrap();
-        assert!(!report.contains(">0.000<"), "{report}");
-    }
-}
-
 /// Where every answer is right, however hard the level, there is a threshold somewhere below, and no number for it.
 #[test]
 fn a_threshold_beyond_the_levels_is_no_number() {
@@ -614,59 +564,4 @@ fn a_session_is_no_table_of_answers() {
     let columns = ["--level=level", "--correct=correct", "--guess=0.5", "--out=a"];
     let told = fails(folder.path(), &[&["analyze", &csv], &columns[..]].concat(), 1);
     assert!(told.contains("has the rows of a session") && told.contains("expected the folder"), "{told}");
-}
-
-/// What own pictures show, only the question says: no text speaks of bands, and nothing is predicted.
-#[test]
-fn own_pictures_are_described_by_their_question() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("pictures")).unwrap();
-    for (name, width) in [("a", "0.1"), ("b", "0.4"), ("truth", "0.8")] {
-        succeeds(folder.path(), &["stimulus", "--size=16", "--width", width, "--out", &format!("pictures/{name}.png")]);
-    }
-    let write = |task: &str, further: &str| {
-        let text = format!(
-            "schema = 1\nname = \"own\"\n[stimulus]\nkind = \"image\"\nfiles = \"pictures/*.png\"\n{task}\n\
-             [response]\nquestion = \"Which grain?\"\n{further}"
-        );
-        fs::write(folder.path().join("own.toml"), text).unwrap();
-        definition::open(folder.path().join("own.toml"))
-    };
-    let reference = "reference = { picture = \"pictures/truth.png\" }";
-    for (task, said) in [
-        ("".to_owned(), "You will see one image at a time."),
-        ("[task]\nkind = \"pair\"".to_owned(), "You will see several images at the same time."),
-        (format!("[task]\nkind = \"choice\"\n{reference}"), "You will see several images, one after the other."),
-        (format!("[task]\nkind = \"yes-no\"\n{reference}"), "You will see one image at a time."),
-    ] {
-        let texts = write(&task, "").unwrap().instructions.clone();
-        assert!(texts.task.starts_with(said) && texts.task.contains("Which grain?"), "{}", texts.task);
-        assert!(!texts.task.contains("bright"), "{}", texts.task);
-        let own = write(&task, "[instructions]\ntask = \"Look.\"\n").unwrap().instructions.clone();
-        assert_eq!(own.task, "Look.");
-    }
-    let chain = "[task]\nkind = \"pair\"\npairs = \"chain\"\nalong = \"style\"";
-    for (levels, pairs) in [(["x", "y", "z"], Some(2)), (["x", "x", "x"], None)] {
-        let rows = ["a", "b", "truth"].iter().zip(levels).map(|(name, level)| format!("{name}.png;{level}\n"));
-        let rows = format!("file;style\n{}", rows.collect::<String>());
-        fs::write(folder.path().join("pictures/pictures.csv"), rows).unwrap();
-        let found = write(chain, "").map(|protocol| protocol.main_trials()).map_err(|errors| errors.to_string());
-        match pairs {
-            Some(pairs) => assert_eq!(found, Ok(pairs)),
-            None => {
-                assert!(found.as_ref().is_err_and(|told| told.contains("no two conditions to compare")), "{found:?}")
-            }
-        }
-    }
-    for (column, problem) in
-        [("simulated", "has the name of a column of the data"), ("of", "two columns are named of"), ("style", "")]
-    {
-        let table = format!("file,{column},of\na.png,x,1\nb.png,y,1\ntruth.png,y,2\n");
-        fs::write(folder.path().join("pictures/pictures.csv"), table).unwrap();
-        let told = write("", "").map(drop).map_or_else(|error| error.to_string(), |()| String::new());
-        assert!(told.contains(problem) && told.is_empty() == problem.is_empty(), "{told}");
-    }
-    succeeds(folder.path(), &["simulate", "own.toml", "--participants", "4", "--observer", "random"]);
-    let said = succeeds(folder.path(), &["analyze", "results/own", "--out=out", "--draws=99", "--items=picture"]);
-    assert!(said.contains("the stimuli are of the kind image; expected mach-band, or a mesh"), "{said}");
 }
