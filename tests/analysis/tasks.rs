@@ -7,7 +7,7 @@ use machband::{
     analysis::tasks::{
         means::Mean,
         population,
-        psychometric::{Estimate, Guess, Model, Point, estimate, fit, goodness_of_fit},
+        psychometric::{Estimate, Guess, Model, Point, fit, goodness_of_fit},
     },
     experiment::task::curve::Curve,
     statistics::Interval,
