@@ -111,9 +111,20 @@ class Transfer:
         _machband.encode(np.zeros(3), encoding(self), False)
 
     @classmethod
+    def srgb(cls) -> Transfer:
+        """Return the function of sRGB."""
+        return cls()
+
+    @classmethod
     def gamma(cls, gamma: float) -> Transfer:
         """Return a power function: light is encoded ** `gamma`."""
         return cls(f"gamma:{text('gamma', number('gamma', gamma))}")
+
+    @classmethod
+    def gog(cls, gamma: float, gain: float, offset: float) -> Transfer:
+        """Return the gain-offset-gamma model of a display."""
+        given = {"gamma": gamma, "gain": gain, "offset": offset}
+        return cls("gog:" + ",".join(text(name, number(name, one)) for name, one in given.items()))
 
     @classmethod
     def from_display(cls, profile: str | PathLike[str]) -> Transfer:

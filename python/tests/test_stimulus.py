@@ -125,8 +125,8 @@ def test_wrong_sizes_are_named(given, words):
 def test_a_transfer_is_one_object(tmp_path):
     light = np.linspace(0, 1, 30).reshape(10, 3)
     for transfer, text in [
-        (machband.Transfer(), "srgb"), (machband.Transfer.gamma(2.2), "gamma:2.2"),
-        (machband.Transfer("gog:2,0.9,0.1"), "gog:2,0.9,0.1"),
+        (machband.Transfer.srgb(), "srgb"), (machband.Transfer.gamma(2.2), "gamma:2.2"),
+        (machband.Transfer.gog(2, 0.9, 0.1), "gog:2,0.9,0.1"),
     ]:
         assert transfer == machband.Transfer(text) and np.allclose(transfer.decode(transfer.encode(light)), light)
         assert np.array_equal(machband.stimulus(size=16, transfer=transfer), machband.stimulus(size=16, transfer=text))
