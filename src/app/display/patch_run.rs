@@ -2,7 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2, emath::GuiRounding as _};
+use eframe::egui::{
+    self, Color32, Key, Rect, RichText, TextEdit, UiBuilder, Vec2,
+    emath::GuiRounding as _,
+    text::{CCursor, CCursorRange},
+};
 
 use crate::{
     app::{
@@ -43,6 +47,8 @@ pub struct PatchRun {
     path: PathBuf,
     view: PatchView,
     entry: String,
+    /// Whether the line should take keyboard focus with its text selected, so that typing replaces it.
+    select: bool,
     /// The window's time at which the displayed patch appeared, seconds.
     since: Option<f64>,
     message: Option<String>,
@@ -80,6 +86,7 @@ impl PatchRun {
             path: path.to_owned(),
             view,
             entry: String::new(),
+            select: true,
             since: None,
             message: None,
             unconfirmed: None,
@@ -109,7 +116,10 @@ impl PatchRun {
         ui.horizontal_wrapped(|ui| {
             let label = ui.label(format!("{} {} · cd/m²", patch.channel, patch.code));
             let empty = self.entry.is_empty();
-            let field = TextEdit::singleline(&mut self.entry).id_salt("reading").desired_width(110.0);
+            if std::mem::take(&mut self.select) {
+                select_all(ui.ctx(), &self.entry);
+            }
+            let field = TextEdit::singleline(&mut self.entry).id(field_id()).desired_width(110.0);
             let field = ui.add(field).labelled_by(label.id);
             accept = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             previous = empty && field.has_focus() && ui.input(|input| input.key_pressed(Key::Backspace));
@@ -142,6 +152,7 @@ impl PatchRun {
 
     /// Accepts the typed text as the reading of a patch, or says why not.
     fn accept(&mut self, at: usize, remaining_s: f64) {
+        self.select = true;
         let value = number(&self.entry).filter(|value| *value >= 0.0);
         self.message = match value {
             None => {
@@ -176,6 +187,7 @@ impl PatchRun {
     /// Prepares the line for the next patch: it is empty, or contains the patch's previous reading.
     fn prepare_line(&mut self, before: Option<f64>) {
         self.entry = before.map_or_else(String::new, |value| value.to_string());
+        self.select = true;
         self.since = None;
         self.message = None;
         self.unconfirmed = None;
@@ -229,6 +241,21 @@ impl Run for PatchRun {
 /// Returns the index of the first patch without a reading; the number of patches if there is none.
 fn first_unread(readings: &[Option<f64>]) -> usize {
     readings.iter().position(Option::is_none).unwrap_or(readings.len())
+}
+
+/// Returns the ID of the line, which is the same for all patches.
+fn field_id() -> egui::Id {
+    egui::Id::unique("reading of the photometer")
+}
+
+/// Gives the line keyboard focus and selects its text. Must be called before the line is drawn, so that text typed in
+/// the same frame also replaces the selection.
+fn select_all(ctx: &egui::Context, text: &str) {
+    ctx.memory_mut(|memory| memory.request_focus(field_id()));
+    let mut state = TextEdit::load_state(ctx, field_id()).unwrap_or_default();
+    let end = CCursor::new(text.chars().count());
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
+    TextEdit::store_state(ctx, field_id(), state);
 }
 
 /// Draws the patch in the middle of the screen, aligned to whole pixels.
