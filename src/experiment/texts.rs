@@ -96,10 +96,16 @@ texts! {
     ratings = "Your mean rating by {x}, one line for each {lines}";
     /// Label of the plot's vertical axis.
     mean_rating = "mean rating";
+    /// Label of the vertical axis of the plot: the proportion of right answers.
+    right = "proportion of right answers";
     /// Shown above the plot of the levels that an adaptive method chose.
     levels = "The levels that you saw, trial by trial: after right answers, the task became harder";
     /// Label of the horizontal axis of that plot.
     trial = "trial";
+    /// Shown above the plot of a paired comparison.
+    chosen = "How often you chose each of the images when it was compared, least often first";
+    /// Label of the vertical axis of that plot.
+    share = "proportion of comparisons";
     /// Heading of the part of the last page that is for the experimenter.
     experimenter = "For the experimenter";
     /// Shown above the path of the data.

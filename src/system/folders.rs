@@ -74,6 +74,14 @@ pub fn is_of_another_user(path: &Path) -> bool {
     return false;
 }
 
+/// Returns whether this user may create files in a folder, as far as can be known without writing to it.
+pub fn may_write(folder: &Path) -> bool {
+    #[cfg(unix)]
+    return rustix::fs::access(folder, rustix::fs::Access::WRITE_OK | rustix::fs::Access::EXEC_OK).is_ok();
+    #[cfg(not(unix))]
+    return fs::metadata(folder).is_ok_and(|found| !found.permissions().readonly());
+}
+
 /// Returns the paths of everything in a folder, sorted.
 ///
 /// # Errors

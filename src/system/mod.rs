@@ -10,6 +10,6 @@ mod threads;
 pub use clock::{after, before, check_clock, now};
 pub use folders::{
     config_folder, data_folder, entries, found, identified, is_of_another_user, link_target, make_private_folder,
-    remove_tree, unless_missing,
+    may_write, remove_tree, unless_missing,
 };
 pub use threads::{Stopped, checkpoint, run_on_thread, start_threads, stop_with, threads};

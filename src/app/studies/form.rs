@@ -21,6 +21,7 @@ use crate::{
         definition,
         session::{Changes, SessionStore},
     },
+    system::{found, may_write},
 };
 
 /// Width of the column of labels, points.
@@ -120,8 +121,8 @@ impl SessionForm {
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
-        if results.as_os_str().is_empty() {
-            errors.insert(SessionField::Results, "Enter the path of a folder.".to_owned());
+        if let Some(error) = results_error(&results) {
+            errors.insert(SessionField::Results, error);
         }
         let mut resume = false;
         let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
@@ -204,4 +205,21 @@ impl SessionForm {
             .map_err(|error| errors.insert(SessionField::Distance, error.to_string()))
             .ok()
     }
+}
+
+/// Returns the reason why results cannot be saved in this folder; `None` if no reason can be found without writing to
+/// it.
+fn results_error(results: &Path) -> Option<String> {
+    if results.as_os_str().is_empty() {
+        return Some("Enter the path of a folder.".to_owned());
+    }
+    let mut folders = results.ancestors().map(|folder| (folder, found(folder)));
+    let (existing, metadata) = match folders.find(|(_, found)| !matches!(found, Ok(None)))? {
+        (existing, Ok(metadata)) => (existing, metadata?),
+        (folder, Err(error)) => return Some(format!("{} cannot be read: {error}.", folder.display())),
+    };
+    if !metadata.is_dir() {
+        return Some(format!("{} is a file. Enter the path of a folder.", existing.display()));
+    }
+    (!may_write(existing)).then(|| format!("You may not write to {}. Choose another folder.", existing.display()))
 }

@@ -35,8 +35,7 @@ pub struct OwnPlot {
 }
 
 impl OwnPlot {
-    /// Plots the mean ratings or settings of the main trials or, of an adaptive method, the levels; `None` if there is
-    /// nothing to plot. The last attempts count.
+    /// Plots the last attempts of the main trials; `None` if there is nothing to plot.
     pub fn new(protocol: &Protocol, rows: &[TrialRecord]) -> Option<Self> {
         // Later attempts overwrite earlier ones, because rows are in chronological order.
         let last: BTreeMap<u32, &TrialRecord> =
@@ -56,8 +55,14 @@ impl OwnPlot {
                     Answer::Key(_) => None,
                 })
             }
-            Measures::Proportions | Measures::Detection => levels(protocol, &rows),
-            Measures::Comparisons => None,
+            Measures::Comparisons => chosen(protocol, &rows),
+            Measures::Proportions | Measures::Detection if protocol.adaptive.is_some() => levels(protocol, &rows),
+            Measures::Proportions | Measures::Detection => {
+                let label = protocol.instructions.right.clone();
+                means(protocol, &rows, (label, [0.0, 1.0]), |row| {
+                    row.answer.as_ref()?.correct.map(|right| f64::from(u8::from(right)))
+                })
+            }
         };
         plot.filter(|plot| !plot.lines.is_empty())
     }
@@ -84,8 +89,11 @@ impl OwnPlot {
         }
         if log {
             plot = plot
-                .y_grid_spacer(move |_| {
-                    [low, (low + high) / 2.0, high].map(|value| GridMark { value, step_size: 1.0 }).to_vec()
+                .y_grid_spacer(move |grid| {
+                    let round: Vec<f64> = round_levels(grid.bounds).collect();
+                    // A short axis has no two round levels, so its ends are marked.
+                    let marks = if round.len() < 2 { vec![low, high] } else { round };
+                    marks.into_iter().map(|value| GridMark { value, step_size: 1.0 }).collect()
                 })
                 .y_axis_formatter(|mark, _| significant(f64::powf(10.0, mark.value)).to_string());
         }
@@ -107,6 +115,13 @@ impl OwnPlot {
             }
         });
     }
+}
+
+/// Returns the logarithms of 1, 2 and 5 times the powers of ten between the ends of an axis.
+fn round_levels((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    let decades = (low.floor() as i32)..=(high.ceil() as i32);
+    let all = decades.flat_map(|decade| [1.0_f64, 2.0, 5.0].map(|digit| f64::from(decade) + digit.log10()));
+    all.filter(move |level| (low..=high).contains(level))
 }
 
 fn mark(at: i64) -> GridMark {
@@ -192,5 +207,31 @@ fn levels(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
         y,
         log: common.log,
         lines: lines.into_iter().collect(),
+    })
+}
+
+/// Plots the share of comparisons that each condition won, lowest first.
+fn chosen(protocol: &Protocol, rows: &[&TrialRecord]) -> Option<OwnPlot> {
+    let mut tallies: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+    for row in rows {
+        let answer = row.given(protocol)?;
+        for (place, suffix) in [(Answer::Key(0), ""), (Answer::Key(1), "_2")] {
+            let level = |factor: &Factor| row.level(protocol, &format!("{}{suffix}", factor.name));
+            let name = protocol.factors.iter().filter_map(level).collect::<Vec<_>>().join(", ");
+            let [won, all] = tallies.entry(name).or_default();
+            (*won, *all) = (*won + f64::from(u8::from(answer == place)), *all + 1.0);
+        }
+    }
+    let mut shares: Vec<(String, f64)> = tallies.into_iter().map(|(name, [won, all])| (name, won / all)).collect();
+    shares.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let points = shares.iter().enumerate().map(|(x, (_, share))| [x as f64, *share]).collect();
+    Some(OwnPlot {
+        caption: protocol.instructions.chosen.clone(),
+        x_label: protocol.factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", "),
+        y_label: protocol.instructions.share.clone(),
+        places: shares.into_iter().map(|(name, _)| name).collect(),
+        y: [0.0, 1.0],
+        log: false,
+        lines: vec![(protocol.instructions.share.clone(), points)],
     })
 }

@@ -108,6 +108,18 @@ impl QuestPlus {
         }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");
+            let mut thresholds = self.grid(common, guess).thresholds;
+            thresholds.sort_by(f64::total_cmp);
+            let at = |share: f64| thresholds[((share * thresholds.len() as f64).ceil() as usize).saturating_sub(1)];
+            let before = if thresholds.is_empty() { 0.0 } else { at((1.0 + SHARE) / 2.0) - at((1.0 - SHARE) / 2.0) };
+            if width >= before {
+                let unit = if common.log { " (base-10 logarithms)" } else { "" };
+                let message = format!(
+                    "stop_width {width} is reached before the first trial; expected less than {before:.3}{unit}, the width of the \
+                     interval of the possible thresholds"
+                );
+                errors.add("adaptive.stop_width", message);
+            }
         }
         if let Some(second) = &self.second
             && (second.levels.len() < 2 || second.gradient.is_empty())

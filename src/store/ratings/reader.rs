@@ -178,11 +178,12 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
 /// such rows.
 fn lacking(
     reports: &[FileRead],
-    (of, all): (&dyn Fn(&FileRead) -> u64, &dyn Fn(&FileRead) -> u64),
+    of: &dyn Fn(&FileRead) -> u64,
+    all: fn(&FileRead) -> u64,
     (rows, what, [one, more]): (&str, &str, [&str; 2]),
 ) -> Option<FileError> {
     let first = reports.iter().find(|report| of(report) > 0)?;
-    let [found, all] = [of, all].map(|of| reports.iter().map(of).sum::<u64>());
+    let (found, all) = (reports.iter().map(of).sum::<u64>(), reports.iter().map(all).sum::<u64>());
     let (have, fate) = if found == 1 { ("has", one) } else { ("have", more) };
     let message = format!("{found} of {all} {rows} {have} no {what}{fate}; expected one in every row");
     Some(FileError::whole(&first.path, message))
@@ -197,11 +198,11 @@ fn missing(selection: &Selection, reports: &[FileRead], named: &[String]) -> Vec
         |(why, what)| {
             let of = |report: &FileRead| report.left_out.get(&why).map_or(0, |people| people.values().sum());
             let what = format!("{what} (an empty cell, NA, {named}or another text for a missing value)");
-            lacking(reports, (&of, &|report| report.rows), ("rows", &what, [" and is left out", " and are left out"]))
+            lacking(reports, &of, |report| report.rows, ("rows", &what, [" and is left out", " and are left out"]))
         },
     );
     let ratings = |of: &dyn Fn(&FileRead) -> u64, what: &str, fate: [&str; 2]| {
-        lacking(reports, (of, &|report| report.ratings), ("ratings", what, fate))
+        lacking(reports, of, |report| report.ratings, ("ratings", what, fate))
     };
     let factors = selection.shape.factors.iter().enumerate().filter(|_| !selection.shape.guessed);
     let levels = factors
