@@ -23,9 +23,7 @@ use machband::{
 
 use crate::{
     common::succeeds,
-    window::{
-        Role, Window, choose, click, export_to, home, leave, press, session_form, texts, type_into, value, wait_for,
-    },
+    window::{Role, Window, choose, click, export_to, home, press, texts, type_into, value, wait_for},
 };
 
 const DEFINITION: &str = "schema = 1\nname = \"tiny\"\ntitle = \"A tiny study\"\n[stimulus]\nkind = \"mach-band\"\n\
