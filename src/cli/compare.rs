@@ -59,7 +59,13 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<bool
     let Arguments { request, json, junit, .. } = arguments;
     let is_folder = request.is_folder()?;
     let bar = Bar::new(if is_folder { "pairs" } else { "comparing" });
-    let cases = judged(arguments, writer, is_folder, &bar)?;
+    let cases = match judged(arguments, writer, is_folder, &bar) {
+        // JUnit also tells of what cannot be judged: an older file would look current.
+        Err(error) if junit.is_some() && !error.is::<RequestError>() => {
+            vec![Case::of_pair(&request.picture, request.picture.display().to_string(), Err(error))?]
+        }
+        cases => cases?,
+    };
     bar.clear();
     if let Some(path) = junit {
         writer.write(path, document(&cases, request.max).as_bytes())?;

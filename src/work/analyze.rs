@@ -1,6 +1,9 @@
 //! The analysis of ratings.
 
-use std::{collections::BTreeSet, path::Path};
+use std::{
+    collections::{BTreeSet, HashSet},
+    path::Path,
+};
 
 use serde::Serialize;
 
@@ -269,7 +272,7 @@ impl Analyze {
         }
     }
 
-    /// Checks that the columns with a role are there and suit it.
+    /// Checks that the columns with a role are there and suit it, and that each trial has a place of its own.
     fn check(&self, study: &Study) -> Result<(), RequestError> {
         let counts = &study.measured.counts;
         if let Some((option, name)) = self.roles().find(|(_, name)| counts.factor(name).is_none()) {
@@ -281,6 +284,16 @@ impl Analyze {
         let twice = terms.as_ref().and_then(|terms| twice(counts, terms));
         if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {
             return Err(RequestError::value("terms", message));
+        }
+        let Some(order) = &self.ratings.order else { return Ok(()) };
+        let mut known = HashSet::new();
+        let placed = study.measured.trials.iter().filter_map(|trial| Some((trial, trial.position?)));
+        for (trial, place) in placed {
+            if !known.insert((trial.subject, trial.session, place.to_bits())) {
+                let who = &counts.subjects[trial.subject as usize];
+                let message = format!("{order}: several ratings by {who} have the place {place}; expected one");
+                return Err(RequestError::value("order", message));
+            }
         }
         Ok(())
     }

@@ -182,6 +182,13 @@ impl Plan {
     /// A file cannot be read, an effect or a term does not exist, there is nothing to test, or the study is too large.
     pub fn plan(&self, watcher: &dyn Watcher) -> anyhow::Result<Found> {
         let protocol = definition::open(&self.experiment)?;
+        for (field, given) in [("effects", &self.effects), ("deviations", &self.deviations)] {
+            let is_known = |i: usize| given[..i].iter().any(|other| other.name == given[i].name);
+            if let Some(i) = (0..given.len()).find(|i| is_known(*i)) {
+                let message = format!("{}: {} is given twice; expected it once", given[i], given[i].name);
+                return Err(RequestError::value(field, message).into());
+            }
+        }
         if protocol.adaptive.is_some() {
             return Ok(Found::Thresholds(Box::new(self.thresholds(protocol, watcher)?)));
         }

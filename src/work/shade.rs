@@ -171,6 +171,10 @@ impl Shade {
             let message = "draws the smooth surface itself; expected no --shader, or a file of the smooth surface, with which the picture is compared";
             return Err(RequestError::new("truth", message).into());
         }
+        if one.shader.is_some() && one.truth.is_some() && !wanted.metrics {
+            let message = "is compared only by the metrics; expected metrics, or no smooth surface";
+            return Err(RequestError::new("truth", message).into());
+        }
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let mut notes = Vec::new();

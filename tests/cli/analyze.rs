@@ -467,6 +467,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("word.csv", &rows(&|i| if i == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("words.csv", &rows(&|i| if i % 9 == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("usual.csv", &usual);
+    write("twice.csv", &(usual.clone() + usual.split_once('\n').unwrap().1));
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
     write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
@@ -485,6 +486,8 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
+        ("usual.csv", &["--terms", "count", "--order", "y"], 2, "y: several ratings by p0 have the place"),
+        ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
         ("q.csv", &["--terms", "a"], 1, "remove its second and third rows"),

@@ -160,7 +160,8 @@ fn folders_are_compared_in_pairs() {
     assert!(error.contains("old: lacks d.png") && lacks.contains("old: lacks d.png"), "{error} {lacks}");
     assert!(lacks.contains("tests=\"3\" failures=\"0\" errors=\"1\""), "{lacks}");
     fs::create_dir(pictures.at("empty")).unwrap();
-    pictures.refused("compare empty empty --window 3", 1);
+    pictures.refused("compare empty empty --window 3 --junit empty.xml", 1);
+    assert!(xml("empty.xml").contains("errors=\"1\"") && xml("empty.xml").contains("contains no PNG"));
     fs::write(pictures.at("old/d.png"), "no picture").unwrap();
     let (found, _) = pictures.run("compare new old --window 3 --json");
     assert_eq!([&found[0]["picture"], &found[2]["picture"]], ["new/a.png", "new/d.png"]);
@@ -168,6 +169,8 @@ fn folders_are_compared_in_pairs() {
     let errors = text(&mixed.stderr);
     assert_eq!(mixed.status.code(), Some(1));
     assert!(errors.contains("old/d.png: is not a PNG; expected a PNG"), "{errors}");
+    pictures.refused("compare new/d.png old/d.png --window 3 --junit d.xml", 1);
+    assert!(xml("d.xml").contains("errors=\"1\"") && xml("d.xml").contains("is not a PNG"));
     assert_eq!(text(&mixed.stdout).lines().count(), 2, "the other pairs are compared");
 }
 
@@ -354,6 +357,12 @@ fn impossible_comparisons_are_refused() {
     pictures.gray("black.png", [64; 2], |_| 0);
     with("alpha.png", png::ColorType::Rgba, &[128; 64 * 64 * 4], |_| {});
     with("profile.png", gray, &waves, |info| info.icc_profile = Some(b"no profile".as_slice().into()));
+    with("palette.png", png::ColorType::Indexed, &[3; 64 * 64], |info| {
+        info.palette = Some([0, 0, 0, 9, 9, 9].as_slice().into());
+    });
+    with("turned.png", gray, &waves, |info| {
+        info.exif_metadata = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0".as_slice().into());
+    });
     fs::write(at("text.png"), "no picture").unwrap();
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
     with("colored.png", png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
@@ -366,6 +375,8 @@ fn impossible_comparisons_are_refused() {
         2: gray.png gray.png --window 2 --max=-1 => outside 0…1000000
         1: alpha.png gray.png --window 2 => transparent pixels
         1: profile.png gray.png --window 2 => has a color profile that is damaged
+        1: palette.png gray.png --window 2 => has a pixel whose color is not in its palette
+        1: turned.png gray.png --window 2 --transfer srgb => orientation 6 in its eXIf chunk
         1: text.png gray.png --window 2 => text.png: is not a PNG; expected a PNG
         1: photo.png gray.png --window 2 => photo.png: is a JPEG; expected a PNG
         2: gray.png gray.png --window 2 --mask black.png => black.png selects no pixel

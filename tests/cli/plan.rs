@@ -312,6 +312,7 @@ fn wrong_usage_is_reported() {
         2: --participants 2 --effect width=2 => the observer has no such parameter
         2: --participants 2 --effect widht:0.1=2 => no such factor; expected one of width, depth
         2: --participants 2 --effect width:0.3=2 => --effect width:0.3: no such level; expected one of 0.02
+        2: --participants 2 --effect fall=1 --effect fall=2 => --effect fall=2: fall is given twice
         2: --participants 2 --slope width=inf => 'width=inf' for '--slope <FACTOR=SD>': the value is not a finite number
         2: --participants 2 --slope width=-1 => '--slope <FACTOR=SD>': the value is out of range; expected 0…1000 logits
         2: --participants 2 --terms widht => did you mean width?

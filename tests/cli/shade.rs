@@ -158,6 +158,7 @@ fn the_smooth_surface_is_drawn_and_compared() {
         2: --mesh cube --truth --out x.png => the smooth surface behind cube is not known
         2: --mesh torus --truth --metrics x.json => --shader is missing, but the measurements need one
         2: --mesh torus --shader phong --truth --out x.png => --truth: draws the smooth surface itself; expected no
+        2: --mesh torus --shader phong --truth fine.obj --out x.png => --truth: is compared only by the metrics
         2: --mesh torus --out x.png => --shader
         2: --mesh torus --shader phong --normals mean --out x.png => [possible values: given, averaged, max, cubic, best]
         1: --mesh torus --truth none.obj --out x.png => none.obj";

@@ -258,6 +258,7 @@ fn every_kind_of_ply_file_gives_the_same_mesh() {
         ("4 0 1 2 3", "2 0 1", "face 0 has 2 corners; expected 3…1024"),
         ("4 0 1 2 3", "4 0 1 2.5 3", "it:18:1: vertex_indices is \"2.5\"; expected a whole number"),
         ("-1 -1 0", "-1 one 0", "it:14:1: y is \"one\"; expected a number"),
+        (" 255 255\n", " 255 256\n", "it:14:1: blue is 256; expected 0…255"),
         ("property uchar red", "property int red", "it:14:1: red has another type; expected uchar, ushort or float"),
     ] {
         let message = message(ascii.replace(from, to).as_bytes());

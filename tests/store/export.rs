@@ -252,7 +252,7 @@ fn errors_are_reported_and_nothing_is_written() {
     }
     let error = export(&results, &at("out"), Format::PsychDs, Choice::default()).unwrap_err().to_string();
     assert!(error.contains("S001_session") && error.contains("S002_session"), "{error}");
-    assert!(error.contains("is not planned"), "{error}");
+    assert!(error.contains("treat as a formula") && error.contains("is not planned"), "{error}");
     assert!(!at("out").exists());
     for (path, text) in files.iter().zip(&before) {
         fs::write(path, text).unwrap();
@@ -301,6 +301,7 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
         description["author"] =
             json!([{ "@type": "Person", "givenName": "Ada", "familyName": "Beispiel" }, "B. Muster"]);
         description["license"] = "CC0".into();
+        description["identifier"] = "https://doi.org/10.1234/abc".into();
     });
     let bids = scratch.path().join("bids");
     written(&results, &bids, Format::Bids);
@@ -313,7 +314,7 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
     assert_eq!(screen["ScreenRefreshRate"], 59.94);
     let description = read_json(&bids.join("dataset_description.json"));
     assert_eq!(description["Authors"], json!(["Ada Beispiel", "B. Muster"]));
-    assert_eq!(description["License"], "CC0");
+    assert_eq!((&description["License"], &description["DatasetDOI"]), (&json!("CC0"), &json!("doi:10.1234/abc")));
     let participants = fs::read_to_string(bids.join("participants.tsv")).unwrap();
     assert!(participants.ends_with("sub-S001\tperson\t1\t1\n"), "{participants}");
     // Every column of the table is described.

@@ -92,6 +92,23 @@ mod layout {
         assert_eq!(kept, small());
     }
 
+    /// The session is worth more than the description of its folder.
+    #[test]
+    fn a_description_that_cannot_be_extended_stays_and_is_an_incident() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = paths(folder.path());
+        fs::create_dir(&paths.dataset).unwrap();
+        let description = paths.dataset.join("dataset_description.json");
+        for text in ["torn", "{}"] {
+            fs::write(&description, text).unwrap();
+            create(folder.path()).unwrap();
+            let incidents = json(&paths.sidecar)["sittings"][0]["incidents"].to_string();
+            assert!(incidents.contains("dataset_description.json is not JSON with a list"), "{incidents}");
+            assert_eq!(fs::read_to_string(&description).unwrap(), text);
+            fs::remove_dir_all(paths.dataset.join("data")).unwrap();
+        }
+    }
+
     #[test]
     fn the_next_free_participant_has_no_files() {
         let folder = tempfile::tempdir().unwrap();

@@ -241,6 +241,7 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         ("Keywords", "keywords"),
         ("License", "license"),
         ("HowToAcknowledge", "citation"),
+        ("DatasetDOI", "identifier"),
     ] {
         let is_list = matches!(theirs, "Authors" | "Funding" | "Keywords");
         let mut all: Vec<String> = Vec::new();
@@ -252,6 +253,10 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
         let value = match &all[..] {
             [] => None,
             _ if is_list => Some(all.into()),
+            [one] if theirs == "DatasetDOI" => {
+                let bare = one.rsplit_once("doi.org/").map_or(&**one, |(_, bare)| bare).trim_start_matches("doi:");
+                bare.starts_with("10.").then(|| format!("doi:{bare}").into())
+            }
             [one] => Some(one.as_str().into()),
             several => {
                 let count = several.len();

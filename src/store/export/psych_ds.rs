@@ -37,7 +37,8 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
                 let (rows, _) = results::whole(&session.csv, session.data.clone(), &columns(&session.protocol))?;
                 write_file(&to, &rows)?;
             }
-            describe(&folder, &session.protocol)?;
+            let undescribed = describe(&folder, &session.protocol)?;
+            notes.extend(undescribed.map(|note| format!("{}: {note}", experiment.name)));
         }
     }
     Ok(())

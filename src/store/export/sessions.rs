@@ -8,7 +8,7 @@ use std::{
 use rayon::prelude::*;
 
 use crate::{
-    experiment::name_error,
+    experiment::{columns, name_error},
     store::{
         FileError, FileErrors, StoreError,
         dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
@@ -16,6 +16,7 @@ use crate::{
         recorded::Recorded,
         session::{lock, seal},
     },
+    text::is_formula,
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
@@ -109,7 +110,16 @@ pub(super) fn read(
 fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
-    name.into_iter().chain(session.row_errors.iter().cloned()).collect()
+    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors.iter().cloned()).collect();
+    let columns = columns(&session.protocol);
+    for (row, line) in session.rows.iter().zip(2..) {
+        for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
+            let message =
+                format!("{} is {cell:?}, which spreadsheets treat as a formula; expected other text", column.name);
+            errors.push(FileError::at(&session.csv, (line, 1), message));
+        }
+    }
+    errors
 }
 
 /// Notes every incomplete session, and excludes it if requested. Notes every change that was accepted.

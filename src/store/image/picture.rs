@@ -91,7 +91,8 @@ const BRADFORD: Matrix3<f64> = Matrix3::new(
 ///
 /// # Errors
 /// The file is not readable, not a complete PNG, too large, or not opaque, and its background is unknown; or its codes
-/// mean something that is not supported (a cICP chunk; a color profile that is neither gray nor a matrix with curves).
+/// mean something that is not supported (a cICP chunk; a color profile that is neither gray nor a matrix with curves); or
+/// it is not stored upright.
 pub fn read_picture(path: &Path, transfers: Option<&Transfers>, pixels: u64) -> Result<Picture, StoreError> {
     parse_picture(&path.display().to_string(), &content(path)?, transfers, pixels)
 }
@@ -107,6 +108,13 @@ pub fn parse_picture(
     pixels: u64,
 ) -> Result<Picture, StoreError> {
     let (codes, info) = decode(name, content, pixels, transfers.is_none(), |_| Ok(MAX_SIZE))?;
+    let exif = chunks(content).find(|(kind, _)| *kind == b"eXIf");
+    if let Some(orientation @ 2..=8) = exif.and_then(|(_, exif)| orientation(exif)) {
+        let message = format!(
+            "must be rotated or mirrored for display (orientation {orientation} in its eXIf chunk); expected a picture that is stored upright"
+        );
+        return Err(FileErrors::whole(name, message).into());
+    }
     // The bits of a palette's indices are not those of its colors.
     let bits = if info.color_type == ColorType::Indexed { 8 } else { info.bit_depth as u32 };
     let said = info.sbit.as_ref().and_then(|said| said.iter().max());
@@ -149,6 +157,18 @@ fn chunks(content: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
         rest = after.get(4..).unwrap_or_default();
         Some((kind, data))
     })
+}
+
+/// Returns the orientation that EXIF data state: 1 if the picture is stored upright.
+fn orientation(exif: &[u8]) -> Option<usize> {
+    let is_little = exif.starts_with(b"II");
+    let number = |bytes: &[u8]| {
+        let add = |sum: usize, byte: &u8| sum << 8 | usize::from(*byte);
+        if is_little { bytes.iter().rev().fold(0, add) } else { bytes.iter().fold(0, add) }
+    };
+    let (count, entries) = exif.get(number(exif.get(4..8)?)..)?.split_first_chunk::<2>()?;
+    let mut entries = entries.chunks_exact(12).take(number(count));
+    Some(number(&entries.find(|entry| number(&entry[..2]) == 0x112)?[8..10]))
 }
 
 /// Returns what a file says about its codes.

@@ -96,6 +96,10 @@ fn of_line(line: &str, definition: &ElementDef) -> Result<Element, String> {
         let property = match &property.data_type {
             PropertyType::Scalar(kind) => {
                 let number = next(name, !is_real(kind))?;
+                let most = if *kind == ScalarType::UChar { 255.0 } else { 65_535.0 };
+                if matches!(kind, ScalarType::UChar | ScalarType::UShort) && !(0.0..=most).contains(&number) {
+                    return Err(format!("{name} is {number}; expected 0…{most}"));
+                }
                 match kind {
                     ScalarType::UChar => Property::UChar(number as u8),
                     ScalarType::UShort => Property::UShort(number as u16),

@@ -22,6 +22,8 @@ pub(super) struct Converted {
     pub note: Option<[String; 2]>,
     /// Whether it is the sheet of a workbook.
     pub is_sheet: bool,
+    /// Row and column, counted from 0, of each cell of a sheet that has no exact value, and what is wrong.
+    pub unusable: Vec<(usize, usize, &'static str)>,
 }
 
 /// Converts a file that begins with `head`: unpacks gzip, takes the first sheet of an Excel workbook, decodes UTF-16, and
@@ -41,7 +43,7 @@ pub(super) fn converted(path: &Path, head: &[u8]) -> Result<Option<Converted>, S
     if is_gzip {
         converted.bytes = unpacked(MultiGzDecoder::new(&converted.bytes[..]), MAX_UNPACKED).map_err(failed)?;
     } else if is_workbook {
-        (converted.bytes, converted.note) = first_sheet(&converted.bytes).map_err(failed)?;
+        (converted.bytes, converted.note, converted.unusable) = first_sheet(&converted.bytes).map_err(failed)?;
     }
     if let Some(encoding) = utf16(&converted.bytes) {
         converted.bytes = encoding.decode(&converted.bytes).0.into_owned().into_bytes();
@@ -67,8 +69,8 @@ const MAX_COLUMNS: u32 = 16_384;
 /// Whole numbers below this are exact in a workbook.
 const EXACT: f64 = (1_u64 << 53) as f64;
 
-/// The rows of a sheet as CSV, and what a user should know about how it was read.
-type Sheet = (Vec<u8>, Option<[String; 2]>);
+/// The rows of a sheet as CSV, what a user should know about how it was read, and the cells without an exact value.
+type Sheet = (Vec<u8>, Option<[String; 2]>, Vec<(usize, usize, &'static str)>);
 
 /// Returns the first sheet as CSV with commas. Line numbers are those of the sheet, and every row has as many cells as the
 /// first one that is not empty.
@@ -90,7 +92,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
     let name = names.first().ok_or_else(|| unreadable(&"it has no sheets"))?;
     let mut cells = workbook.worksheet_cells_reader(name).map_err(|error| unreadable(&error))?;
     let (mut bytes, mut row, mut width, mut at) = (Vec::new(), Vec::<String>::new(), 0, 0);
-    let mut characters = 0;
+    let (mut characters, mut unusable) = (0, Vec::new());
     let limited = |size: usize| match size as u64 > MAX_UNPACKED {
         true => Err(format!("the sheet has more than {MAX_UNPACKED} bytes as CSV; expected fewer")),
         false => Ok(()),
@@ -105,15 +107,19 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         }
         limited(bytes.len())
     };
-    while let Some(cell) = cells.next_cell().map_err(|error| unreadable(&error))? {
-        let ((found, column), text) = (cell.get_position(), text(&cell.get_value().clone().into()));
-        if matches!(cell.get_value(), DataRef::Float(number) if number.abs() >= EXACT) {
-            return Err(format!(
-                "row {}, column {}: is a number of 2^53 or more, whose last digits a workbook does not keep; expected text",
-                found + 1,
-                column + 1
-            ));
-        }
+    // The formulas are not asked for as a range, which has a place for every cell between the first and the last one.
+    while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(|error| unreadable(&error))? {
+        let ((found, column), text) = (cell.pos, text(&cell.value.clone().into()));
+        let problem = match cell.value {
+            DataRef::Float(number) if number.abs() >= EXACT => {
+                Some("is a number of 2^53 or more, whose last digits a workbook does not keep; expected text")
+            }
+            DataRef::Empty if cell.formula.is_some() => {
+                Some("is a formula without a value; expected the value, which a spreadsheet program stores with it")
+            }
+            _ => None,
+        };
+        unusable.extend(problem.map(|problem| (found as usize, column as usize, problem)));
         if text.is_empty() {
             continue;
         }
@@ -134,7 +140,7 @@ fn read(file: &[u8]) -> Result<Sheet, String> {
         let expected = format!("expected one sheet (the others were ignored: {others})");
         [format!("only the first sheet, {name}, was read"), expected]
     });
-    Ok((bytes, note))
+    Ok((bytes, note, unusable))
 }
 
 /// Returns the text of a cell: a date, a time of day or both as in ISO 8601, and a duration in hours, minutes and seconds.

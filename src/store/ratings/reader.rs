@@ -116,7 +116,9 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        let content = content(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
+        read.sha256 = content.as_deref().map(file::sha256);
+        notes.extend(content.and_then(|bytes| doubled(input, &bytes)));
         let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
         if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
             && let Some(other) = contents.insert(hash, &input.name)
@@ -398,13 +400,22 @@ fn read_attempts<'a>(
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
-/// Returns the hash of a file, unless it is large.
-fn hash(input: &Input) -> Result<Option<String>, StoreError> {
+/// Returns the content of a file, unless it is large.
+pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
-    Ok(Some(file::sha256(&bytes)))
+    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
+}
+
+/// Says that the second half of the lines below the header repeats the first half.
+pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
+    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
+    let header = bytes.iter().position(|byte| *byte == b'\n')? + 1;
+    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
+    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
+    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
+    is_doubled.then(|| FileError::whole(&input.name, message))
 }
 
 /// Returns the error that no row counts, with the reasons.

@@ -107,6 +107,10 @@ impl Rows {
             rows.unwrap_answers(input);
             return Ok(rows);
         }
+        let mut unusable = header.converted.iter().flat_map(|converted| &converted.unusable);
+        if let Some((row, column, problem)) = unusable.find(|(_, column, _)| used.contains(column)) {
+            return Err(FileError::at(&input.name, (row + 1, column + 1), *problem));
+        }
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;

@@ -65,11 +65,12 @@ impl SessionPaths {
         }
     }
 
-    /// Creates the folders and the description of the data set, if they do not exist.
+    /// Creates the folders and the description of the data set, if they do not exist. If the existing description
+    /// cannot be extended, returns a sentence that says so.
     ///
     /// # Errors
     /// The folder cannot be created or written, or there is a link.
-    pub fn prepare(&self, protocol: &Protocol) -> Result<(), StoreError> {
+    pub fn prepare(&self, protocol: &Protocol) -> Result<Option<String>, StoreError> {
         self.refuse_links()?;
         let data = self.dataset.join("data");
         make_folder(&data)?;
@@ -217,11 +218,11 @@ pub const DESCRIPTION: &str = "dataset_description.json";
 const IGNORE: [&str; 2] = [".psychds-ignore", ".psychdsignore"];
 
 /// Writes missing files, and adds missing columns to the description. Manual entries are kept. A description without a list of
-/// columns stays as it is: the session is worth more.
+/// columns stays as it is, which a sentence says: the session is worth more.
 ///
 /// # Errors
 /// I/O errors.
-pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<(), StoreError> {
+pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<Option<String>, StoreError> {
     let [by_text, by_validator] = IGNORE;
     for (name, text) in [
         ("README.md", readme(protocol)),
@@ -233,11 +234,15 @@ pub(crate) fn describe(dataset: &Path, protocol: &Protocol) -> Result<(), StoreE
     }
     let path = dataset.join(DESCRIPTION);
     if !exists(&path)? {
-        return write_json(&path, &description(protocol));
+        return write_json(&path, &description(protocol)).map(|()| None);
     }
     let found = read_regular(&path, MAX_DESCRIPTION).map_err(io(&path, "read"))?;
     let mut described = serde_json::from_slice::<Value>(&found).unwrap_or_default();
-    if add_columns(&mut described, &columns(protocol)) { write_json(&path, &described) } else { Ok(()) }
+    match add_columns(&mut described, &columns(protocol)) {
+        Some(true) => write_json(&path, &described).map(|()| None),
+        Some(false) => Ok(None),
+        None => Ok(Some(format!("{DESCRIPTION} is not JSON with a list variableMeasured; it was not changed"))),
+    }
 }
 
 /// Returns a data set's description: its name, its title, and every column.
@@ -251,13 +256,13 @@ fn description(protocol: &Protocol) -> Value {
     })
 }
 
-/// Adds the columns that a description lacks, and returns whether there were any.
-fn add_columns(described: &mut Value, columns: &[Column]) -> bool {
-    let Some(variables) = described.get_mut("variableMeasured").and_then(Value::as_array_mut) else { return false };
+/// Adds the columns that a description lacks, and returns whether there were any; `None` if it has no list of columns.
+fn add_columns(described: &mut Value, columns: &[Column]) -> Option<bool> {
+    let variables = described.get_mut("variableMeasured")?.as_array_mut()?;
     let missing: Vec<Value> =
         columns.iter().filter(|column| !variables.iter().any(|v| names(v, column))).map(variable).collect();
     variables.extend_from_slice(&missing);
-    !missing.is_empty()
+    Some(!missing.is_empty())
 }
 
 /// True if an entry describes this column. The entry may be an object or only the column's name.

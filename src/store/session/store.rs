@@ -93,9 +93,10 @@ impl SessionStore {
                 return Err(StoreError::Exists(taken.clone()));
             }
         }
-        paths.prepare(protocol)?;
+        let undescribed = paths.prepare(protocol)?;
         let rows = results::create(&paths.csv, &columns(protocol))?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
+        sidecar.sittings[0].incidents.extend(undescribed);
         let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|(lock, incident)| {
             sidecar.sittings[0].incidents.extend(incident);
             sidecar.write(&paths.sidecar)?;
@@ -260,7 +261,8 @@ impl SessionStore {
             if exists(&self.paths.csv)? {
                 return Err(error);
             }
-            self.paths.prepare(&self.protocol)?;
+            let undescribed = self.paths.prepare(&self.protocol)?;
+            self.sitting().incidents.extend(undescribed);
             self.rows.continue_in(&self.paths.csv)?;
             self.lock_again();
             self.enter_participant();
@@ -279,7 +281,7 @@ impl SessionStore {
             self.retry()?;
             return self.sidecar.write(&self.paths.sidecar);
         }
-        paths.prepare(&self.protocol)?;
+        let undescribed = paths.prepare(&self.protocol)?;
         let from = self.paths.csv.display().to_string();
         self.rows.continue_in(&paths.csv)?;
         if let Some(Err(error)) = self.frames.as_mut().map(|frames| frames.continue_in(&paths.frames)) {
@@ -290,6 +292,7 @@ impl SessionStore {
         }
         self.paths = paths;
         self.lock_again();
+        self.sitting().incidents.extend(undescribed);
         self.note(format!("a row could not be saved; the session was moved from {from}"));
         self.enter_participant();
         self.sidecar.write(&self.paths.sidecar)
