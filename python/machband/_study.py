@@ -76,6 +76,14 @@ def _order(factor: str, given: Any) -> list[str]:
     return listed(f"factors[{factor!r}]", np.fromiter(given, object), "NA")
 
 
+def _plain(value: Any) -> Any:
+    """Return a value whose `repr` can be pasted: without arrays and scalars of NumPy."""
+    if isinstance(value, Mapping):
+        return {_plain(key): _plain(one) for key, one in value.items()}
+    value = getattr(value, "tolist", lambda: value)()
+    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value
+
+
 def _located(error: Error, responses: list[Cells]) -> Error:
     """Return an error with the rows of its numbers if they look like codes for a missing answer, such as -99."""
     if isinstance(error, DataError) or not (codes := re.search(", such as missing '?([^']+)'?$", str(error))):
@@ -264,10 +272,10 @@ def analyze(
     # A generator draws another one each time.
     seed = int(str(given["seed"]))
     usual, own = options(analyze, {}, "factors", "on_error"), locals()
-    call = "".join(f", {name}={own[name]!r}" for name, one in given.items() if one != usual.get(name))
+    call = "".join(f", {name}={_plain(own[name])!r}" for name, one in given.items() if one != usual.get(name))
     if factors is not None:
         given["factors"] = texts("factors", factors)
-        call += f", factors={factors!r}"
+        call += f", factors={_plain(factors)!r}"
     if isinstance(factors, Mapping):
         given["levels"] = levels("factors", {name: _order(name, order) for name, order in factors.items()})
     with progress("simulated studies") as show:

@@ -49,6 +49,9 @@ def _columns(data: Any) -> list[tuple[Any, Any]] | None:
             import pandas  # noqa: F401
             import pyarrow
         except ImportError:
+            if hasattr(data, "get_columns"):
+                # A DataFrame of polars needs neither.
+                return [(column.name, column) for column in data.get_columns()]
             raise TypeError(f"{type(data).__name__} needs pyarrow and pandas, which are not installed") from None
         try:
             data = pyarrow.table(data).to_pandas(ignore_metadata=True)
@@ -76,6 +79,8 @@ def encoded(name: str, column: Any) -> Cells:
     if hasattr(dtype, "categories") and hasattr(dtype, "ordered"):
         codes = np.asarray(getattr(column, "cat", column).codes, np.int64)
         return Levels(listed(name, np.asarray(dtype.categories)), codes, bool(dtype.ordered))
+    if hasattr(column, "to_physical") and type(dtype).__name__ == "Enum":
+        return Levels(dtype.categories.to_list(), column.to_physical().cast(int).fill_null(-1).to_numpy(), True)
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
     masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None
@@ -132,7 +137,7 @@ def _factorized(name: str, array: npt.NDArray[Any]) -> tuple[Whole, Any]:
             return np.array(numbers, np.int64), list(index)
         codes, found = pandas.factorize(array.astype(object))
         return codes.astype(np.int64), found
-    except TypeError:
+    except (TypeError, ValueError):
         kinds = sorted({type(cell).__name__ for cell in array if type(cell).__hash__ is None} or {"mixed values"})
         raise TypeError(f"column {name!r} has cells of {', '.join(kinds)}; expected numbers, texts or times") from None
 

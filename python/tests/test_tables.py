@@ -1,6 +1,8 @@
 """Data enter from any table without detours, wrong ones are refused with their positions, and nothing is forgotten."""
 
+import html
 import io
+import sys
 import time
 import warnings
 
@@ -52,6 +54,31 @@ def test_every_kind_of_table_is_the_same():
         assert found.files == expected
     assert found.tables["subjects"]["subject_id"].tolist() == ["007", "8", "=c", "@d"]
     assert found.tables["cells"]["n"].tolist() == [48, 48]
+
+
+def test_polars_needs_neither_pandas_nor_pyarrow(monkeypatch):
+    needs("polars")
+    import polars
+
+    words, doses = ["low", "mid, or so", "high"], ["none", "a lot"]
+    rows = {"who": ["007", "8", "=c", "@d"] * 12, "answer": ["low", "mid, or so", "high", None, "high", "high"] * 8}
+    frame = polars.DataFrame({**rows, "dose": ["none"] * 24 + ["a lot"] * 24, "n": [1, 2, 3, None] * 12})
+    frame = frame.with_columns(answer=polars.col("answer").cast(polars.Enum(words)), dose=polars.col("dose").cast(polars.Enum(doses)))
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.warns(machband.DataWarning, match="8 of 48 rows have no response"):
+        found = machband.analyze(frame.drop("n"), **GIVEN)
+    with pytest.warns(machband.DataWarning, match="8 of 48 rows have no response"):
+        assert machband.analyze({**rows, "dose": frame["dose"]}, categories=words, **GIVEN).files == found.files
+    assert [*dict.fromkeys(found.tables["cells"]["dose"])] == doses
+    with pytest.raises(machband.DataError, match="n is "):
+        machband.analyze(frame, count="n", **GIVEN)
+
+
+def test_the_call_that_repeats_an_analysis_has_plain_values():
+    given = {**GIVEN, "factors": {"dose": np.array(["none", "a lot"])}, "draws": np.int64(99)}
+    report = html.unescape(machband.analyze(study(), **given).report)
+    assert "draws=99" in report and "factors={'dose': ['none', 'a lot']}" in report
 
 
 def test_a_frame_is_its_csv(command, tmp_path):

@@ -229,6 +229,9 @@ impl ParticipantField {
         if name == "consent" && spec.text.is_none() {
             errors.add(&path, "consent has no text; expected text = …, the text to agree to");
         }
+        if name == "age" && spec.text.is_none() && !spec.choices.is_empty() {
+            errors.add(format!("{path}.choices"), "age has choices; expected none, because age is a number");
+        }
         let kinds = [spec.text.is_some(), !spec.choices.is_empty(), spec.number];
         if kinds.into_iter().filter(|is| *is).count() > 1 {
             errors.add(&path, format!("{name} has more than one of text, choices and number; expected one of them"));

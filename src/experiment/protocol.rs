@@ -9,7 +9,7 @@ use super::{
     definition::{Definition, Order},
     faults::{DefinitionError, DefinitionErrors},
     scale::CATEGORIES,
-    task::{Given, Layout, Turn, at_level},
+    task::{Adaptive, Given, Layout, Turn, at_level},
 };
 use crate::{stimulus::Stimulus, text::names::expected_one_of};
 
@@ -70,6 +70,40 @@ impl Protocol {
             definition.check_shown(&conditions, &mut errors);
         }
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
+    }
+
+    /// Checks that the parameters that the task adjusts or adapts change what it shows. This draws stimuli, so it is for
+    /// definitions that are written; those of recorded sessions were checked.
+    ///
+    /// # Errors
+    /// Returns an error for each parameter that changes nothing.
+    pub fn with_effect(self) -> Result<Self, Vec<DefinitionError>> {
+        // A direction can come back to where it began.
+        let between = |[low, high]: [f64; 2]| vec![low, f64::midpoint(low, high), high];
+        let adjusted = self.task.dial().and_then(|dial| Some(("task.parameter", dial.parameter?, between(dial.range))));
+        let adapted = |it: &Adaptive| ("adaptive.parameter", it.common.parameter.clone(), between(it.range()));
+        let second = self.adaptive.as_ref().and_then(Adaptive::second);
+        let second = second.map(|it| ("adaptive.second.parameter", it.parameter.clone(), it.levels.clone()));
+        let reference = self.task.reference().cloned().unwrap_or_default();
+        let (picks, mut errors) = (self.picks(), DefinitionErrors::default());
+        for (path, name, levels) in adjusted.into_iter().chain(self.adaptive.as_ref().map(adapted)).chain(second) {
+            let light = |shown: &Stimulus, level: f64, side: u32| {
+                let mut changed = shown.clone();
+                changed.set(&name, &level.into()).ok().map(|()| changed.linear(side))
+            };
+            // Most differences are seen in few pixels; only more pixels tell that there is none.
+            let differs = |shown: &Stimulus, side: u32| {
+                let first = light(shown, levels[0], side);
+                levels[1..].iter().any(|level| light(shown, *level, side) != first)
+            };
+            let targets = self.conditions.iter().flat_map(|condition| targets(condition, &picks));
+            let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
+            if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(&shown, side))) {
+                let message = "changes nothing that is shown; expected a parameter that has an effect here";
+                errors.add(path, format!("{name} {message}"));
+            }
+        }
+        if errors.0.is_empty() { Ok(self) } else { Err(errors.0) }
     }
 
     /// Returns a protocol whose definition differs in what `change` does to it.

@@ -220,7 +220,7 @@ impl Written {
     /// # Errors
     /// Returns every error.
     fn protocol(mut self, place: Option<Place<'_>>) -> Result<Protocol, Vec<DefinitionError>> {
-        let mut errors = DefinitionErrors::default();
+        let (mut errors, is_recorded) = (DefinitionErrors::default(), place.is_none());
         let stimulus = if self.stimulus.get("kind").and_then(Value::as_str) == Some(Picture::KIND) {
             self.pictures(place, &mut errors).into()
         } else {
@@ -255,6 +255,7 @@ impl Written {
             plan: self.plan,
             ..Definition::new(name, stimulus)
         });
+        let protocol = if is_recorded { protocol } else { protocol.and_then(Protocol::with_effect) };
         if errors.0.is_empty() {
             return protocol;
         }

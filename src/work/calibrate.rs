@@ -59,10 +59,13 @@ impl Calibrate {
     /// Fits the models; `name` is the display's unless the request has one.
     ///
     /// # Errors
-    /// The readings are not valid.
+    /// The readings are not valid, or the light hardly rises at the top and no table is asked for.
     pub fn calibrate(&self, name: &str) -> anyhow::Result<Calibrated> {
         let readings = readings::open(&self.readings)?;
         let calibration = Calibration::new(&readings);
+        if let Some(message) = calibration.refusal(self.model) {
+            anyhow::bail!("{}: {message}", self.readings.display());
+        }
         let family = self.model.unwrap_or(calibration.chosen);
         let measured =
             Measurement { on: Some(self.on.unwrap_or_else(today)), by: self.by.clone(), with: Some(self.with.clone()) };

@@ -149,6 +149,7 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 # The participant.
 [instructions] => [participant]\nage = 3\n[instructions] => 36:1 => participant.age is 3 | a table
 [instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
+[instructions] => [participant]\nage = { choices = ["old"] }\n[instructions] => 36:9 => age has choices
 [instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
 [instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
 [instructions] => [participant]\nx = { choices = ["a", "a"] }\n[instructions] => 36:23 => choice "a" appears twice

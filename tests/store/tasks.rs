@@ -396,7 +396,9 @@ DEPTHSmax_run = 2\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of th
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
+[task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown
 CHOICE[adaptive]\nparameter = "width"\n => 9:2 => adaptive.method is missing
+[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "constant"\nparameter = "tanh_k"\nlevels = [1, 9]\n => 11:1 => tanh_k changes nothing
 CHOICE[adaptive]\nmethod = "quest"\n => 10:1 => method "quest" is not known; expected one of staircase, quest-plus, constant
 CHOICESTAIRSparameter = "width"\nlow = 0.1\nhigh = 0.4\n => 9:2 => adaptive.start is missing
 CHOICE[adaptive]\nmethod = "constant"\nLEVELStrials = 7\n => 13:1 => trials 7 is not a multiple of the 5 levels
@@ -414,6 +416,11 @@ ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
 ADJUST"foo"\nlow = 0.1\nhigh = 0.5\n => 8:1 => foo = 0.1 sets a parameter that mach-band does not have
 ADJUST"low"\nlow = 0.1\nhigh = 0.5\n[response]\nkeys = ["1"]\n => 12:1 => expected none
 QUESTsecond = { parameter = "low", levels = [0.1, 0.9], gradient = [1] }\n => 11:1 => high 0.75 is below low, which is 0.9
+QUESTsecond = { parameter = "low", levels = [0.1, 0.2], gradient = [0, 1, 0] }\n => 13:70 => 0 appears twice
+QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 
+[task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
+QUESTslope = [2, 3, 2]\n => 13:16 => 2 appears twice
+QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
 [presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to this task
 [presentation]\nduration_s = 1\nADJUST"width"\nlow = 0.1\nhigh = 0.5\n => 6:2 => [presentation] does not apply to this task
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, figure::FigureView, note},
+        ui::{Field, figure::FigureView, note, show_error},
     },
     display::{
         Channel, DisplayProfile, Measurement, Viewing,
@@ -116,6 +116,7 @@ impl Findings for PhotometerFindings {
             ui.label(format!("Gray differs from the sum of the three channels by at most {percent:.1} %."));
         }
         calibration.notes.iter().for_each(|text| note(ui, text));
+        calibration.refusal(None).iter().for_each(|message| show_error(ui, message));
         let chosen = calibration.chosen;
         ui.strong(format!("Chosen: {chosen}, the simplest of the models that predict left-out levels best."));
     }
@@ -126,6 +127,9 @@ impl Findings for PhotometerFindings {
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {
+        if self.calibration.refusal(None).is_some() {
+            return None;
+        }
         let made = self.calibration.profile(self.calibration.chosen, "", Measurement::default());
         let DisplayProfile { primaries, bits, screen_width_cm, native_px, .. } = known.clone();
         Some(DisplayProfile { primaries, bits, screen_width_cm, native_px, ..made })

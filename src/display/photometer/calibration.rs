@@ -124,6 +124,19 @@ impl Calibration {
         &self.models[Family::ALL.iter().position(|one| *one == family).unwrap_or(0)]
     }
 
+    /// Returns why there is no profile unless a table was asked for: the light hardly rises at the top. That may be how the
+    /// screen is, or a fault.
+    pub fn refusal(&self, asked: Option<Family>) -> Option<String> {
+        let hardly = self.readings.hardly_rising().join("; ");
+        let is_refused = asked != Some(Family::Table) && !hardly.is_empty();
+        is_refused.then(|| {
+            format!(
+                "{hardly}; expected more (lower the screen's contrast, turn off dynamic contrast, or set the photometer to a \
+                 wider range), or --model table of machband calibrate, if the screen is like that"
+            )
+        })
+    }
+
     /// Returns black and white according to a model, in cd/m².
     pub fn luminance_of(&self, family: Family) -> LuminanceRange {
         let channels = &self.model(family).channels;
@@ -243,7 +256,7 @@ fn fitted_channel(sample: &Sample, channel: Channel, curve: &Curve, gamma_se: Op
 }
 
 fn notes(calibration: &Calibration) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes = calibration.readings.hardly_rising();
     let read = calibration.readings.channels();
     let unread: Vec<&str> =
         Channel::ALL[..3].iter().filter(|channel| !read.contains(channel)).map(|channel| channel.name()).collect();

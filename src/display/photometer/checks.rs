@@ -8,6 +8,9 @@ pub const MIN_LEVELS: usize = 5;
 /// The decrease that noise could explain: a share of the reading, steps of the photometer, and a share of the maximum
 /// light.
 const NOISE_FALL: (f64, f64, f64) = (0.05, 3.0, 5e-5);
+/// The light has stopped rising at the top if its exponent there, which is 1 on a linear screen, is less than this. Levels
+/// nearer to 1 than the second number do not tell it from noise.
+const STOPPED: (f64, f64) = (0.35, 0.05);
 /// The ratio by which the channel that should be dimmer must be brighter to indicate swapped channels.
 const SWAPPED: f64 = 1.05;
 
@@ -54,6 +57,20 @@ impl Readings {
             }
         }
         if errors.is_empty() { Ok(readings) } else { Err(errors) }
+    }
+
+    /// Says for each channel how far the light rises at the top, where it rises too little for a screen.
+    pub fn hardly_rising(&self) -> Vec<String> {
+        let said = |channel: &Channel| {
+            let (means, (exponent, apart)) = (self.means(*channel), STOPPED);
+            let (white, below) = (means.last()?, means.iter().rfind(|one| one.level <= 1.0 - apart)?);
+            let [top, light] = [white, below].map(|at| at.luminance_cd_m2 - self.black_cd_m2());
+            let percent = 100.0 * (white.luminance_cd_m2 / below.luminance_cd_m2 - 1.0);
+            let level = (1e4 * below.level).round() / 1e4;
+            let is_flat = (top / light).ln() < exponent * below.level.recip().ln();
+            is_flat.then(|| format!("{channel}: the light rises by only {percent:.1} % above level {level}"))
+        };
+        self.channels().iter().filter_map(said).collect()
     }
 }
 

@@ -91,6 +91,9 @@ impl QuestPlus {
             for (i, value) in values.iter().enumerate() {
                 let path = format!("adaptive.{key}.{i}");
                 errors.check_range(&path, *value, least, most, "a number in this range");
+                if values[..i].contains(value) {
+                    errors.add(path, format!("{value} appears twice; expected each value once"));
+                }
             }
         }
         if let (Some(of_task), false) = (guess, self.guess.is_empty()) {
@@ -105,6 +108,11 @@ impl QuestPlus {
                 most(&self.lapse)
             );
             errors.add("adaptive.lapse", message);
+        }
+        let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
+        if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
+            let message = format!("no threshold lies within the levels; expected values from {low} to {high}");
+            errors.add("adaptive.threshold", message);
         }
         if let Some(width) = self.stop_width {
             errors.check_range("adaptive.stop_width", width, 1e-6, 1e6, "the width of an interval");

@@ -189,8 +189,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model; those of factors in an interaction are at each level of the other factor \
-         (simple effects) and on average over them. Their p values and intervals come from the likelihood ratio of each \
+        "Differences on the latent scale, in the model; those of factors in an interaction are on average over the other \
+         factors and, in an interaction of two that is not part of a larger one, at each level of the other (simple effects). Their p values and intervals come from the likelihood ratio of each \
          difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among \
          the coefficients above; others are profile intervals where there is one. Holm’s method corrects p for all comparisons \
          of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
