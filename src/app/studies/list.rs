@@ -129,7 +129,7 @@ impl Row {
         let picture = egui::Atom::custom(place, Vec2::splat(PICTURE));
         let fill = if chosen { ink.raised } else { Color32::TRANSPARENT };
         let button = filled_with(Button::new((picture, text, egui::Atom::grow())), fill);
-        let shown = button.wrap().min_size(Vec2::new(ui.available_width(), 0.0)).atom_ui(ui);
+        let shown = button.wrap().gap(GAP).min_size(Vec2::new(ui.available_width(), 0.0)).atom_ui(ui);
         if let Some(rect) = shown.rect(place) {
             self.draw_picture(ui, rect);
         }
