@@ -22,7 +22,7 @@ use machband::{
     },
     system::now,
     text::{Cell, Column, Table},
-    work::{Analyze, Export, Only, Watcher as _, verify::Verify, words},
+    work::{Analyze, Export, Watcher as _, verify::Verify, words},
 };
 use numpy::{IntoPyArray as _, PyArrayMethods as _};
 use pyo3::{
@@ -127,7 +127,7 @@ pub fn analyze(
     };
     fields.insert("paths".to_owned(), Field::List(paths));
     let mut asked: Analyze = request(fields)?;
-    asked.ratings.orders = orders.into_iter().map(|(factor, levels)| Only { factor, levels }).collect();
+    asked.ratings.how.orders = orders;
     let words = std::iter::once("analyze".to_owned()).chain(words(&asked));
     let table = format!("# The data came as a table from Python.\nmachband.analyze({TABLE}{call})");
     let command = if columns.is_some() { table } else { shell_command(words) };

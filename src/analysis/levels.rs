@@ -3,17 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::text::names::natural;
-
-/// Returns the number that the text of a level represents: a decimal number, or `inf` or `-inf` in any case. `nan` and
-/// hexadecimal numbers count as other strings.
-pub fn number_of(text: &str) -> Option<f64> {
-    text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())
-}
-
-/// Returns the numbers of all levels, or `None` if any level is not a number.
-pub fn numbers_of<S: AsRef<str>>(levels: &[S]) -> Option<Vec<f64>> {
-    levels.iter().map(|level| number_of(level.as_ref())).collect()
-}
+pub use crate::text::number::{number_of, numbers_of};
 
 /// Returns the number that each category represents: its own number or, if the categories are not finite numbers, its
 /// position, starting at 0.

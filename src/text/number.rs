@@ -1,6 +1,17 @@
-//! Numbers that people type, with what was expected.
+//! Numbers that people type.
 
 use std::{fmt::Display, ops::RangeInclusive, str::FromStr};
+
+/// Returns the number that a text represents: a decimal number, or `inf` or `-inf` in any case. `nan` and
+/// hexadecimal numbers are none.
+pub fn number_of(text: &str) -> Option<f64> {
+    text.trim().parse::<f64>().ok().filter(|number| !number.is_nan())
+}
+
+/// Returns the numbers of all texts, or `None` if any of them is not a number.
+pub fn numbers_of<S: AsRef<str>>(texts: &[S]) -> Option<Vec<f64>> {
+    texts.iter().map(|text| number_of(text.as_ref())).collect()
+}
 
 /// Returns a parser that accepts only numbers from `least` to `most`.
 pub fn within(least: f64, most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync {

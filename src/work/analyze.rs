@@ -8,7 +8,7 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    Model, Only, Ratings, RequestError, Watcher,
+    Model, Ratings, RequestError, Watcher,
     ratings::{check_order, explained},
     request::allow_only,
 };
@@ -163,7 +163,7 @@ impl Analyze {
         let Some((_, task)) = TaskStudy::task_at(paths)? else { return Ok(None) };
         let message = format!("does not apply to {}; expected only --exclude and --seed", tasks::answers(&task));
         allow_only(self, &OF_TASKS, &message)?;
-        let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
+        let exclude = self.ratings.how.exclude.clone().unwrap_or_default().0;
         Ok(Some(TaskStudy::read(paths, &exclude)?))
     }
 
@@ -191,17 +191,17 @@ impl Analyze {
             let message = "weibull: uses logarithms of the level; expected logistic or normal";
             return Err(RequestError::value("function", message).unless("log").into());
         }
-        let factors = self.ratings.factors.clone().unwrap_or_default().0;
+        let factors = self.ratings.how.factors.clone().unwrap_or_default().0;
         let columns = AnswerColumns {
             level: given.level.unwrap_or_default(),
             correct: given.correct.unwrap_or_default(),
             total: given.total,
-            subject: self.ratings.subject.clone(),
+            subject: self.ratings.how.subject.clone(),
             factors: factors.clone(),
         };
         let AnswersRead { mut rows, missing, notes, errors } = read(&columns)?;
         let all = rows.len() + missing;
-        let exclude = self.ratings.exclude.clone().unwrap_or_default().0;
+        let exclude = self.ratings.how.exclude.clone().unwrap_or_default().0;
         let people: BTreeSet<&str> = rows.iter().map(|row| row.subject.as_str()).collect();
         if let Some(unknown) = exclude.iter().find(|id| !people.contains(id.as_str())) {
             let expected = expected_one_of(unknown, &Vec::from_iter(people));
@@ -228,7 +228,7 @@ impl Analyze {
             // Each person's levels in a condition say in which range the priors place a threshold, as in psignifit.
             range: None,
         };
-        for Only { factor, levels } in &self.ratings.levels {
+        for (factor, levels) in &self.ratings.how.levels {
             let place = factors.iter().position(|name| name == factor);
             let occurs =
                 |level: &&String| place.is_some_and(|place| rows.iter().any(|row| row.factors[place] == **level));
@@ -239,8 +239,8 @@ impl Analyze {
             }
         }
         let order = |factor: String| {
-            let known = self.ratings.levels.iter().chain(&self.ratings.orders).find(|one| one.factor == factor);
-            let levels = known.map_or_else(Vec::new, |one| one.levels.clone());
+            let known = self.ratings.how.levels.iter().chain(&self.ratings.how.orders).find(|one| one.0 == factor);
+            let levels = known.map_or_else(Vec::new, |one| one.1.clone());
             (factor, levels)
         };
         let factors = factors.into_iter().map(order).collect();
@@ -285,7 +285,7 @@ impl Analyze {
         if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {
             return Err(RequestError::value("terms", message));
         }
-        let Some(order) = &self.ratings.order else { return Ok(()) };
+        let Some(order) = &self.ratings.how.order else { return Ok(()) };
         let mut known = HashSet::new();
         let placed = study.measured.trials.iter().filter_map(|trial| Some((trial, trial.position?)));
         for (trial, place) in placed {
@@ -302,7 +302,7 @@ impl Analyze {
     fn check_factors(&self, counts: &Counts) -> Result<(), RequestError> {
         let lists = |list: &Option<List>| list.iter().flat_map(|list| list.0.clone()).collect::<Vec<String>>();
         if let Some(items) = &self.items {
-            if lists(&self.ratings.factors).contains(items) {
+            if lists(&self.ratings.how.factors).contains(items) {
                 let message = format!("{items}: is also a factor; expected a column that is not one");
                 return Err(RequestError::value("items", message));
             }
@@ -312,7 +312,7 @@ impl Analyze {
             }
         }
         let is_words = |name: &String| counts.factor(name).is_some_and(|(_, own)| numbers_of(&own.levels).is_none());
-        for (option, names) in [("covariate", &self.covariate), ("direction", &self.ratings.direction)] {
+        for (option, names) in [("covariate", &self.covariate), ("direction", &self.ratings.how.direction)] {
             if let Some(name) = lists(names).into_iter().find(is_words) {
                 let message = format!("{name}: has levels that are not numbers; expected numbers");
                 return Err(RequestError::value(option, message));

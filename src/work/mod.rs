@@ -35,7 +35,7 @@ pub use export::Export;
 pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use model::Model;
 pub use paths::{FittedPath, NewFolder, OutPath};
-pub use ratings::{Only, Ratings, check_order, explained};
+pub use ratings::{Ratings, check_order, explained};
 pub use repair::Repair;
 pub use request::{Request, RequestError, from_names, told, words};
 pub use watcher::{Found, Watcher};

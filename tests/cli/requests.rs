@@ -38,7 +38,7 @@ fn words_repeat_a_request_and_leave_out_defaults() {
     assert_eq!(parsed::<Analyze>(&line), request, "{line:?}");
     assert!(line.contains(&u64::MAX.to_string()) && line.contains(&"--complete-only".to_owned()), "{line:?}");
     assert!(!line.iter().any(|word| word.contains("slopes") || word.contains("large")), "{line:?}");
-    assert_eq!((request.ratings.only[0].factor.as_str(), request.ratings.only[0].levels.len()), ("kind=x", 2));
+    assert_eq!((request.ratings.how.only[0].0.as_str(), request.ratings.how.only[0].1.len()), ("kind=x", 2));
     assert!(line.contains(&"--missing=-99,n".to_owned()) && line.contains(&"0.25".to_owned()), "{line:?}");
     let wide: Analyze = from_names(&fields(json!({ "paths": ["r"], "wide": ["near", "far"] }))).unwrap();
     assert_eq!(words(&wide), ["r", "--wide", "condition=near,far"]);

@@ -18,6 +18,7 @@ use machband::{
         recorded::Recorded,
         sidecar::Sidecar,
         sitting::{FrameSummary, Geometry},
+        table::List,
     },
 };
 use serde_json::{Value, json};
@@ -153,7 +154,7 @@ fn every_cell_and_every_picture_is_exported() {
     }
     // An analysis reads these tables as it reads the sessions, also in memory.
     let factors = ["width", "depth", "orientation_deg"].map(str::to_owned);
-    let how = ReadOptions { factors: Some(factors.to_vec()), details: true, ..ReadOptions::default() };
+    let how = ReadOptions { factors: Some(List(factors.to_vec())), details: true, ..ReadOptions::default() };
     let named = ReadOptions { subject: Some("participant_id".to_owned()), ..how.clone() };
     let recorded = Study::read(&[results.join("quick")], &how).unwrap();
     let files = everything(&bids).into_iter().map(|(path, _)| bids.join(path));

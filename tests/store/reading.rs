@@ -16,6 +16,7 @@ use machband::{
         definition,
         ratings::{self, FileRead, Layout, ReadOptions, Reason, Source},
         session::SessionStore,
+        table::List,
     },
 };
 
@@ -123,8 +124,12 @@ fn file(folder: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> Pa
     path
 }
 
+fn list(names: &[&str]) -> List {
+    List(names.iter().map(|name| (*name).to_owned()).collect())
+}
+
 fn with_factors(names: &[&str]) -> ReadOptions {
-    ReadOptions { factors: Some(names.iter().map(|name| (*name).to_owned()).collect()), ..ReadOptions::default() }
+    ReadOptions { factors: Some(list(names)), ..ReadOptions::default() }
 }
 
 /// The options of a table that names no program: its response and its factors.
@@ -306,7 +311,7 @@ mod layouts {
         let rows = rows + &"A,2,high,1,1\n".repeat(91) + "A,3,None,1,1\nA,2,high,9,1\nNA,2,high,1,1\n";
         let path = file(&folder, "t.csv", format!("who,size,mask,answer,response_time_s\n{rows}"));
         let how = ReadOptions { count: None, factors: with_factors(&["size", "mask"]).factors, ..long() };
-        let how = ReadOptions { details: true, missing: vec!["9.0".to_owned()], ..how };
+        let how = ReadOptions { details: true, missing: Some(list(&["9.0"])), ..how };
         let study = Study::read(std::slice::from_ref(&path), &how).unwrap();
         let counts = &study.measured.counts;
         assert_eq!(
@@ -398,8 +403,7 @@ mod layouts {
         let unequal = columns.clone().with_numbers("answer", [1.0]);
         let answers: Vec<i64> = (0..60).map(|row| i64::from(row == 1)).collect();
         let columns = columns.with_levels("answer", &["1", "{"], &answers).with_levels("depth", &["1\0"], &[0; 60]);
-        let named = ["0", "1"].map(str::to_owned).to_vec();
-        let how = ReadOptions { categories: Some(named), factors: with_factors(&["width"]).factors, ..how };
+        let how = ReadOptions { categories: Some(list(&["0", "1"])), factors: with_factors(&["width"]).factors, ..how };
         let study = Study::from_columns("ratings", columns, &how).unwrap();
         let [error] = &study.source.errors[..] else { panic!("{:?}", study.source.errors) };
         assert_eq!(error.to_string(), "ratings, row 1 (counted from 0): rating {; expected one of 0, 1");
@@ -637,7 +641,8 @@ mod elsewhere {
     fn trials_with_extreme_times_are_left_out_on_request() {
         let folder = tempfile::tempdir().unwrap();
         let path = file(&folder, "t.csv", "subject,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
-        let how = ReadOptions { time: Some("rt".to_owned()), time_limits: (Some(0.2), Some(8.5)), ..of("y", &["c"]) };
+        let how =
+            ReadOptions { time: Some("rt".to_owned()), min_time: Some(0.2), max_time: Some(8.5), ..of("y", &["c"]) };
         let read = Study::read(std::slice::from_ref(&path), &how).unwrap();
         assert_eq!(read.measured.counts.categories, ["2", "3", "5"]);
         assert_eq!((read.source.left_out(Reason::TooFast), read.source.left_out(Reason::TooSlow)), ((1, 1), (1, 1)));

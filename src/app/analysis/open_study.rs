@@ -11,7 +11,7 @@ use super::{
     query::{Filters, ModelControls},
 };
 use crate::{
-    analysis::{Results, analyze_with},
+    analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
         Step, hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Lost, Steps},
@@ -303,7 +303,7 @@ impl Opened for OpenStudy {
         let unfinished = source.sessions.iter().any(SessionRead::is_unfinished);
         if unfinished || source.left_out(Reason::Unfinished).0 > 0 {
             let mut asked = self.files.asked.clone();
-            if ui.checkbox(&mut asked.ratings.complete_only, "Exclude unfinished sessions").changed() {
+            if ui.checkbox(&mut asked.ratings.how.complete_only, "Exclude unfinished sessions").changed() {
                 self.request = Some(Request::Read(Box::new(asked)));
             }
         }
@@ -311,7 +311,7 @@ impl Opened for OpenStudy {
             if ui.button("Other data…").clicked() {
                 self.request = Some(Request::OtherData);
             }
-            if self.files.asked.ratings.subject.is_some() && ui.button("Columns…").clicked() {
+            if self.files.asked.ratings.how.subject.is_some() && ui.button("Columns…").clicked() {
                 self.request = Some(Request::Columns);
             }
         });
@@ -377,7 +377,7 @@ impl Outcome {
         stage: Stage,
         simulated: &Steps,
     ) -> Option<(Self, Document)> {
-        let measured = study.measured.narrowed(&request.ratings.exclusions()).ok()?;
+        let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
         if measured.counts.total() == 0 {
             return None;
         }

@@ -179,7 +179,7 @@ impl Analysis {
             Err(error) => {
                 self.columns = Columns::needed(&asked.ratings);
                 // A missing selection is not an error before the user has seen the form.
-                let is_first = self.columns.is_some() && asked.ratings.subject.is_none();
+                let is_first = self.columns.is_some() && asked.ratings.how.subject.is_none();
                 self.error = (!is_first).then_some(error);
             }
         }

@@ -7,7 +7,10 @@ use eframe::egui::{self, Button, ScrollArea};
 use crate::{
     app::ui::{Field, hint, paragraph, primary, section, show_error, text::name as label},
     report::Study,
-    store::{ratings::column_names, table::List},
+    store::{
+        ratings::{ReadOptions, column_names},
+        table::List,
+    },
     system::{entries, found},
     work::Ratings,
 };
@@ -36,8 +39,8 @@ impl Columns {
     pub fn needed(ratings: &Ratings) -> Option<Self> {
         let form = Self::of(ratings)?;
         let has = |name: &Option<String>, ours: &str| form.header.iter().any(|h| h == name.as_deref().unwrap_or(ours));
-        let known = has(&ratings.subject, "subject_id") && has(&ratings.response, "rating");
-        let with_factors = has(&ratings.count, "count") || has(&None, "phase");
+        let known = has(&ratings.how.subject, "subject_id") && has(&ratings.how.response, "rating");
+        let with_factors = has(&ratings.how.count, "count") || has(&None, "phase");
         (!known || !with_factors).then_some(form)
     }
 
@@ -50,14 +53,14 @@ impl Columns {
             names.iter().find_map(|name| header.iter().find(|column| column.to_lowercase().contains(name))).cloned()
         };
         let count = header.iter().find(|column| COUNTS.contains(&column.to_lowercase().as_str())).cloned();
-        let chosen = ratings.factors.clone().unwrap_or_default().0;
-        let ratings = Ratings {
-            paths: ratings.paths.clone(),
-            subject: known(&ratings.subject).or_else(|| like(&SUBJECTS)),
-            response: known(&ratings.response).or_else(|| like(&RESPONSES)),
-            count: known(&ratings.count).or(count),
-            ..Ratings::default()
+        let chosen = ratings.how.factors.clone().unwrap_or_default().0;
+        let how = ReadOptions {
+            subject: known(&ratings.how.subject).or_else(|| like(&SUBJECTS)),
+            response: known(&ratings.how.response).or_else(|| like(&RESPONSES)),
+            count: known(&ratings.how.count).or(count),
+            ..ReadOptions::default()
         };
+        let ratings = Ratings { paths: ratings.paths.clone(), how };
         let factors = header.iter().map(|name| chosen.contains(name)).collect();
         Some(Self { ratings, file, header, factors })
     }
@@ -72,11 +75,11 @@ impl Columns {
             let text = |name: &Option<String>| name.clone().unwrap_or_else(|| none.to_owned());
             Field::new(label).column(150.0).width(300.0).choice(ui, chosen, all, text);
         };
-        let Ratings { subject, response, count, .. } = &mut self.ratings;
+        let ReadOptions { subject, response, count, .. } = &mut self.ratings.how;
         choice("Participant", subject, &columns[1..], "choose…");
         choice("Rating", response, &columns[1..], "choose…");
         choice("Number of trials", count, &columns, "one per row");
-        let Ratings { subject, response, count, .. } = &self.ratings;
+        let ReadOptions { subject, response, count, .. } = &self.ratings.how;
         // A column with another meaning is not a factor.
         let is_factor = |name: &&String| ![subject, response, count].into_iter().flatten().any(|other| other == *name);
         ui.label("Factors");
@@ -98,7 +101,9 @@ impl Columns {
         let hint = if ready { "" } else { "Choose at least the participant and the rating." };
         primary(ui, "Read these columns", ready, hint).then(|| {
             let checked = self.header.iter().zip(&self.factors).filter(|(_, checked)| **checked).map(|(name, _)| name);
-            Ratings { factors: Some(List(checked.filter(is_factor).cloned().collect())), ..self.ratings.clone() }
+            let mut ratings = self.ratings.clone();
+            ratings.how.factors = Some(List(checked.filter(is_factor).cloned().collect()));
+            ratings
         })
     }
 }
@@ -181,8 +186,10 @@ impl CategoryOrder {
         if let Some((from, to)) = moved {
             self.categories.swap(from, to);
         }
-        let categories = || Some(List(self.categories.clone()));
-        let confirmed = primary(ui, "Analyze in this order", true, "");
-        confirmed.then(|| Ratings { categories: categories(), ..self.ratings.clone() })
+        primary(ui, "Analyze in this order", true, "").then(|| {
+            let mut ratings = self.ratings.clone();
+            ratings.how.categories = Some(List(self.categories.clone()));
+            ratings
+        })
     }
 }

@@ -60,7 +60,7 @@ impl OpenTask {
     pub fn new(read: TaskRead, files: Arc<Files>, before: Option<Self>) -> Self {
         let TaskRead { study, results, document } = read;
         let asked = &files.asked.ratings;
-        let excluded = asked.exclude.clone().unwrap_or_default().0;
+        let excluded = asked.how.exclude.clone().unwrap_or_default().0;
         // Those who are left out were not read.
         let mut people = [&study.people[..], &excluded].concat();
         people.sort_by(|a, b| natural(a, b));
@@ -117,7 +117,7 @@ impl Opened for OpenTask {
         }
         if self.excluded != before {
             let mut asked = self.files.asked.clone();
-            asked.ratings.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
+            asked.ratings.how.exclude = (!self.excluded.is_empty()).then(|| List(self.excluded.clone()));
             self.request = Some(Request::Read(Box::new(asked)));
         }
     }

@@ -124,17 +124,18 @@ impl Study {
             let error = FileError { rows, ..FileError::whole(file, message) };
             return Err(FileErrors([source.errors, vec![error]].concat()).into());
         }
-        let exclusions = Exclusions { exclude: options.exclude.clone(), only: options.only.clone() };
+        let exclusions = Exclusions::from(options);
         let codes = if source.shape.categories.is_none() { all.counts.codes() } else { Vec::new() };
         if !codes.is_empty() {
             let codes = codes.into_iter().map(|(code, n)| (code.to_owned(), n)).collect();
             return Err(StudyError::Codes { response: source.shape.response, codes });
         }
         all.counts.check_levels(&options.levels).map_err(StudyError::Levels)?;
-        let directions: Vec<_> = options.direction.iter().map(|name| (name.clone(), Vec::new())).collect();
+        let directions: Vec<_> =
+            options.direction.iter().flat_map(|list| &list.0).map(|name| (name.clone(), Vec::new())).collect();
         all.counts.check_levels(&directions).map_err(StudyError::Direction)?;
         let measured = all.narrowed(&exclusions)?;
-        if !options.large {
+        if !options.unlimited {
             // A number or an item is not listed level by level.
             let is_unlisted = |name: &String| options.roles.contains(name) && !options.also.contains(name);
             let factors = measured.counts.factors.iter().enumerate();
@@ -152,6 +153,12 @@ impl Study {
     /// A name is not known, or no ratings are left.
     pub fn narrowed(&self, exclusions: &Exclusions) -> Result<Self, ExclusionError> {
         Ok(Self { source: self.source.clone(), measured: self.measured.narrowed(exclusions)? })
+    }
+}
+
+impl From<&ReadOptions> for Exclusions {
+    fn from(options: &ReadOptions) -> Self {
+        Self { exclude: options.exclude.clone().unwrap_or_default().0, only: options.only.clone() }
     }
 }
 

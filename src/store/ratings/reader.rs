@@ -11,9 +11,10 @@ use rayon::{iter::Either, prelude::*};
 use super::{
     cells::{Known, add_rows},
     files::{self, Header},
+    options::ReadOptions,
     rows::{MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
-    source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
+    source::{Definitions, FileRead, Layout, Reason, SessionRead, Shape, Source},
     trials::{self, Attempt},
     values,
 };
@@ -111,7 +112,8 @@ fn read_inputs<T>(
     let mut sessions = sessions(&selection, &mut tables);
     let unfinished: Vec<bool> =
         sessions.iter().map(|session| options.complete_only && session.is_unfinished()).collect();
-    let known = Known::new(&selection, &tables, &options.missing, unfinished);
+    let words = options.missing.as_ref().map_or(&[][..], |list| &list.0);
+    let known = Known::new(&selection, &tables, words, unfinished);
     let mut all = new(&selection.shape);
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
@@ -136,7 +138,7 @@ fn read_inputs<T>(
     let errors = in_order(errors, files).0;
     let mut warnings = warnings(&selection.inputs)?;
     warnings.extend(gaps(&selection, &sessions, &reports));
-    warnings.extend(notes.into_iter().chain(missing(&selection, &reports, &options.missing)));
+    warnings.extend(notes.into_iter().chain(missing(&selection, &reports, words)));
     sessions.sort_by(|a, b| natural(&a.subject, &b.subject).then_with(|| natural(&a.session, &b.session)));
     let Selection { shape, protocol, definition_sha256, .. } = selection;
     let files = reports;

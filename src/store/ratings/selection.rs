@@ -10,7 +10,8 @@ use serde_json::{Map, Value};
 
 use super::{
     files::{Header, SUBJECT},
-    source::{Definitions, Layout, ReadOptions, Shape},
+    options::ReadOptions,
+    source::{Definitions, Layout, Shape},
 };
 use crate::{
     experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
@@ -449,7 +450,11 @@ fn directions(factors: &[String], protocol: Option<&Protocol>, options: &ReadOpt
         }
         None => is_direction(name),
     };
-    factors.iter().filter(|name| options.direction.contains(name) || of_stimulus(name)).cloned().collect()
+    factors
+        .iter()
+        .filter(|name| options.direction.iter().any(|list| list.0.contains(name)) || of_stimulus(name))
+        .cloned()
+        .collect()
 }
 
 fn shape(
@@ -461,7 +466,7 @@ fn shape(
     let has = |name: &str| files.iter().any(|file| file.header.position(name).is_some());
     let mut guessed = false;
     let mut factors: Vec<String> = match (&options.factors, protocol, first.layout) {
-        (Some(named), ..) => named.clone(),
+        (Some(named), ..) => named.0.clone(),
         (None, Some(protocol), _) => protocol.factors.iter().map(|factor| factor.name.clone()).collect(),
         (None, None, Layout::Results) => {
             guessed = true;
@@ -488,9 +493,9 @@ fn shape(
         factors,
         subject: first.subject(options).to_owned(),
         response: options.response().to_owned(),
-        categories: own_scale.map(scale).or_else(|| options.categories.clone()),
+        categories: own_scale.map(scale).or_else(|| options.categories.clone().map(|list| list.0)),
         guessed,
-        time_limits: options.time_limits,
+        time_limits: (options.min_time, options.max_time),
     }
 }
 
@@ -510,7 +515,8 @@ fn columns(file: &Input, factors: &[String], options: &ReadOptions) -> Result<Co
     let is_results = file.is_results();
     let details = options.details && file.layout != Layout::Counts;
     let [session, repetition, time] = ["session_id", "repetition", options.time()].map(|name| {
-        let must = name == options.time() && (options.time.is_some() || options.time_limits != (None, None));
+        let must = name == options.time()
+            && [options.time.is_some(), options.min_time.is_some(), options.max_time.is_some()].contains(&true);
         (must || details && header.position(name).is_some()).then(|| needed(name))
     });
     let order = match &options.order {

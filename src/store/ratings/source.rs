@@ -1,4 +1,4 @@
-//! The options for reading ratings, and the description of what was read.
+//! The description of what was read.
 
 use std::{
     collections::{BTreeMap, BTreeSet, HashMap},
@@ -14,92 +14,6 @@ use crate::{
     store::{FileError, FileErrors, definition, sidecar::Sidecar},
     text::names::named,
 };
-
-/// Options for reading files.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Column with the participant ID; by default `subject_id` or, if a table from elsewhere lacks it, the only column
-    /// with another usual name.
-    pub subject: Option<String>,
-    /// Column with the response; by default `rating`, on the scale 0…3.
-    pub response: Option<String>,
-    /// Name of a factor whose levels are columns, each of which has the responses at this level; and these columns.
-    pub wide: Option<(String, Vec<String>)>,
-    /// Texts that mean that a response is missing, in addition to an empty cell and the usual words.
-    pub missing: Vec<String>,
-    /// The categories of the given response column, lowest first, if they are known.
-    pub categories: Option<Vec<String>>,
-    /// Column with the number of trials per row; by default `count`, if present.
-    pub count: Option<String>,
-    /// Columns with the factors. `None` means the factors of the definition; for a table of counts, all other columns;
-    /// for result files without a sidecar, all columns with stimulus parameters.
-    pub factors: Option<Vec<String>>,
-    /// Additional columns to read as factors, such as the ones in a model's terms. A column that no file has is
-    /// ignored, except that `inv_n` then means `depth`.
-    pub also: Vec<String>,
-    /// Columns of covariates and items: read as factors beside those that are declared.
-    pub roles: Vec<String>,
-    /// Column with the response time in seconds; `response_time_s` by default.
-    pub time: Option<String>,
-    /// Column with the place of each row in its session: numbers that increase from trial to trial. In result files, it is
-    /// the number of the trial.
-    pub order: Option<String>,
-    /// Rows answered faster or slower than this, in seconds, are left out. A row without a time stays.
-    pub time_limits: TimeLimits,
-    /// True if sessions with unrated trials are excluded.
-    pub complete_only: bool,
-    /// True if the session, repetition and response time of each row are also read.
-    pub details: bool,
-    /// Factors, each with the order of its levels; those that are not named follow.
-    pub levels: Vec<(String, Vec<String>)>,
-    /// Columns of a table in memory, each with the order that it has by itself, unless `levels` names it.
-    pub orders: Vec<(String, Vec<String>)>,
-    /// Factors that are directions, in addition to stimulus parameters that are.
-    pub direction: Vec<String>,
-    /// Participants to leave out after reading.
-    pub exclude: Vec<String>,
-    /// Factors, each with the levels to keep after reading. `NA` stands for a missing value.
-    pub only: Vec<(String, Vec<String>)>,
-    /// True if the size of the study has no limit.
-    pub large: bool,
-}
-
-impl ReadOptions {
-    /// Returns the names of the columns that are read as factors beside those that are declared.
-    pub(super) fn also(&self) -> impl Iterator<Item = &String> {
-        self.also.iter().chain(&self.roles)
-    }
-
-    /// Returns whether a column is named as a factor.
-    pub(super) fn is_factor(&self, name: &str) -> bool {
-        self.factors.iter().flatten().chain(self.also()).any(|factor| factor == name)
-    }
-
-    /// Returns the name of the column with the response.
-    pub(super) fn response(&self) -> &str {
-        self.response.as_deref().unwrap_or("rating")
-    }
-
-    /// True if the response is a rating on our own scale, 0…3.
-    pub(super) fn own_scale(&self) -> bool {
-        self.response.is_none() && self.wide.is_none()
-    }
-
-    /// Returns the name of the factor whose levels are columns.
-    pub(super) fn wide_factor(&self) -> Option<&String> {
-        self.wide.as_ref().map(|(name, _)| name)
-    }
-
-    /// Returns the name of the column with the response time.
-    pub(super) fn time(&self) -> &str {
-        self.time.as_deref().unwrap_or("response_time_s")
-    }
-
-    /// Returns the name of the column with the count.
-    pub(super) fn count(&self) -> &str {
-        self.count.as_deref().unwrap_or("count")
-    }
-}
 
 /// The shortest and the longest response time of rows that count, in seconds, if there is a limit.
 pub type TimeLimits = (Option<f64>, Option<f64>);
@@ -170,11 +84,11 @@ named! {
         NoResponse = "without a response",
         /// There is no participant.
         NoParticipant = "without a participant",
-        /// The answer came before the lower limit of [`ReadOptions::time_limits`].
+        /// The answer came before the lower limit of [`ReadOptions::min_time`](super::ReadOptions::min_time).
         TooFast = "answered too fast",
         /// The answer came after the upper limit.
         TooSlow = "answered too slowly",
-        /// The session is unfinished, and [`ReadOptions::complete_only`] is true.
+        /// The session is unfinished, and [`ReadOptions::complete_only`](super::ReadOptions::complete_only) is true.
         Unfinished = "from unfinished sessions",
     }
 }
