@@ -88,18 +88,8 @@ fn uniform_chromaticity([x, y, z]: [f64; 3]) -> [f64; 2] {
     [4.0 * x / total, 9.0 * y / total]
 }
 
-/// L\* as in Lab, u\* = 13 L\* (u′ − u′n) and v\* = 13 L\* (v′ − v′n). CIE 15:2004 §8.2.2.1. Black has u\* = v\* = 0.
-pub fn luv_from_xyz(xyz: [f64; 3]) -> [f64; 3] {
-    let lightness = 116.0 * lab_root(xyz[1] / WHITE[1]) - 16.0;
-    let ([u, v], [white_u, white_v]) = (uniform_chromaticity(xyz), uniform_chromaticity(WHITE));
-    if u.is_nan() {
-        [lightness, 0.0, 0.0]
-    } else {
-        [lightness, 13.0 * lightness * (u - white_u), 13.0 * lightness * (v - white_v)]
-    }
-}
-
-/// The inverse of [`luv_from_xyz`]; an L\* of 0 gives black.
+/// Returns XYZ from L\* as in Lab, u\* = 13 L\* (u′ − u′n) and v\* = 13 L\* (v′ − v′n). CIE 15:2004 §8.2.2.1 and appendix D.
+/// An L\* of 0 gives black.
 pub fn xyz_from_luv([lightness, u, v]: [f64; 3]) -> [f64; 3] {
     if lightness == 0.0 {
         return [0.0; 3];
@@ -174,16 +164,7 @@ fn arranged(sector: f64, max: f64, min: f64, rising: f64, falling: f64) -> [f64;
 /// Hue, lightness and saturation: two six-sided pyramids base to base, with black and white at the tips. L = (max +
 /// min)/2, S = (max − min)/(max + min) in the lower half and (max − min)/(2 − max − min) in the upper half. Shoaff
 /// §2.2.7, corrected: the code printed there divides by (2 − max + min), so saturated colors in the upper half never
-/// reach S = 1.
-pub fn hls_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
-    let (max, min) = extremes(rgb);
-    let lightness = 0.5 * (max + min);
-    let range = if lightness < 0.5 { max + min } else { 2.0 - max - min };
-    let saturation = if max > min && range > 0.0 { ((max - min) / range).min(1.0) } else { 0.0 };
-    [hue(rgb).unwrap_or(0.0), lightness, saturation]
-}
-
-/// The inverse of [`hls_from_rgb`] (Foley, van Dam, Feiner and Hughes 1990, fig. 13.37); accepts any angle as a hue.
+/// reach S = 1. Converted as by Foley, van Dam, Feiner and Hughes 1990, fig. 13.37; accepts any angle as a hue.
 pub fn rgb_from_hls([hue, lightness, saturation]: [f64; 3]) -> [f64; 3] {
     let sixth = wrapped_deg(hue) / 60.0;
     let (sector, part) = (sixth.floor(), sixth - sixth.floor());
@@ -199,13 +180,8 @@ pub fn cmy_from_rgb(rgb: [f64; 3]) -> [f64; 3] {
     rgb.map(|value| 1.0 - value)
 }
 
-/// Cyan, magenta, yellow and black: K = min(C, M, Y) is subtracted from each of the three inks. Shoaff §2.2.5.
-pub fn cmyk_from_rgb(rgb: [f64; 3]) -> [f64; 4] {
-    let (cmy, (_, black)) = (cmy_from_rgb(rgb), extremes(cmy_from_rgb(rgb)));
-    [cmy[0] - black, cmy[1] - black, cmy[2] - black, black]
-}
-
-/// The inverse of [`cmyk_from_rgb`]: adds black back to each of the three inks. Shoaff §2.2.5.
+/// Cyan, magenta, yellow and black: K = min(C, M, Y) was subtracted from each of the three inks, and is added back. Shoaff
+/// §2.2.5.
 pub fn rgb_from_cmyk([cyan, magenta, yellow, black]: [f64; 4]) -> [f64; 3] {
     cmy_from_rgb([cyan + black, magenta + black, yellow + black])
 }

@@ -31,13 +31,13 @@ fn hsv_and_hls_agree_with_colorsys() {
     assert_eq!(rows.len(), 73);
     for (_, row) in rows {
         let rgb = three(&row, 0);
-        let (hsv, hls) = (hsv_from_rgb(rgb), hls_from_rgb(rgb));
+        let hsv = hsv_from_rgb(rgb);
         assert!(near_by_hue(hsv, three(&row, 3), 1e-14), "{rgb:?}: {hsv:?}");
-        assert!(near_by_hue(hls, three(&row, 6), 1e-13), "{rgb:?}: {hls:?}");
-        assert_eq!(hue(rgb).is_none(), hsv[1] == 0.0 && hls[2] == 0.0, "{rgb:?}: a gray has no hue");
+        assert_near(&rgb_from_hls(three(&row, 6)), &rgb, 1e-12, "HLS");
+        assert_eq!(hue(rgb).is_none(), hsv[1] == 0.0, "{rgb:?}: a gray has no hue");
     }
     // The formula as printed in Shoaff, 1 − …/(2 − max + min), would give a saturation of 0.25/1.75 here.
-    assert_eq!(hls_from_rgb([1.0, 0.75, 0.75]), [0.0, 0.875, 1.0]);
+    assert_eq!(rgb_from_hls([0.0, 0.875, 1.0]), [1.0, 0.75, 0.75]);
 }
 
 /// IEC 61966-2-1 prints the matrix with four digits.
@@ -58,7 +58,7 @@ fn cie_spaces_agree_with_colour_science_and_the_standard() {
             assert_near(&xyy_from_xyz(xyz), &[row[6], row[7], row[4]], 1e-13, &what);
         }
         assert_near(&lab_from_xyz(xyz), &row[8..11], 1e-11, &what);
-        assert_near(&luv_from_xyz(xyz), &[row[8], row[11], row[12]], 1e-11, &what);
+        assert_near(&xyz_from_luv([row[8], row[11], row[12]]), &xyz, 1e-13, &what);
     }
 }
 
@@ -75,16 +75,16 @@ proptest! {
 
     #[test]
     fn every_model_converts_back(rgb in rgb()) {
-        let (hsv, hls, cmyk) = (hsv_from_rgb(rgb), hls_from_rgb(rgb), cmyk_from_rgb(rgb));
+        let (hsv, [cyan, magenta, yellow]) = (hsv_from_rgb(rgb), cmy_from_rgb(rgb));
+        let black = cyan.min(magenta).min(yellow);
+        let cmyk = [cyan - black, magenta - black, yellow - black, black];
         prop_assert!(near(&rgb_from_hsv(hsv), &rgb, 1e-14));
-        prop_assert!(near(&rgb_from_hls(hls), &rgb, 1e-14));
         prop_assert!(near(&cmy_from_rgb(cmy_from_rgb(rgb)), &rgb, 1e-15));
-        prop_assert!(near(&rgb_from_cmyk(cmyk), &rgb, 1e-15) && cmyk[0].min(cmyk[1]).min(cmyk[2]) == 0.0);
-        prop_assert!((0.0..=1.0).contains(&hsv[1]) && (0.0..=1.0).contains(&hls[2]));
+        prop_assert!(near(&rgb_from_cmyk(cmyk), &rgb, 1e-15));
+        prop_assert!((0.0..=1.0).contains(&hsv[1]));
         let xyz = xyz_from_rgb(rgb);
         prop_assert!(near(&rgb_from_xyz(xyz), &rgb, 1e-14));
         prop_assert!(near(&xyz_from_lab(lab_from_xyz(xyz)), &xyz, 1e-14));
-        prop_assert!(near(&xyz_from_luv(luv_from_xyz(xyz)), &xyz, 1e-12));
         prop_assert!(rgb == [0.0; 3] || near(&xyz_from_xyy(xyy_from_xyz(xyz)), &xyz, 1e-14));
         prop_assert!((0.0..=100.0 + 1e-12).contains(&lab_from_xyz(xyz)[0]));
     }
