@@ -99,11 +99,9 @@ impl Display {
     }
 
     fn profile_field(&mut self, ui: &mut egui::Ui, fields: &mut ScreenFields, found: &Result<DisplayProfile, String>) {
-        Field::new("Profile in use").show(ui, |ui, label| {
-            let field = egui::TextEdit::singleline(&mut fields.profile).desired_width(300.0);
-            ui.add(field.hint_text("sRGB, assumed")).labelled_by(label);
-            self.dialog.browse(ui, FileKind::Toml, "Choose a profile…", &mut fields.profile);
-        });
+        let browse = (FileKind::Toml, "Choose a profile…");
+        let field = Field::new("Profile in use").hint("sRGB, assumed").width(300.0);
+        field.path(ui, &mut fields.profile, &mut self.dialog, browse);
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));

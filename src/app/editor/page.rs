@@ -224,15 +224,10 @@ impl Editor {
     }
 
     fn folder_field(&mut self, ui: &mut Ui) {
-        let Self { folder, dialog, .. } = self;
-        Field::new("Folder").column(FOLDER).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let width = (ui.available_width() - 120.0).clamp(120.0, 420.0);
-                let field = eframe::egui::TextEdit::singleline(folder).id_salt("folder").desired_width(width);
-                ui.add(field).labelled_by(label).on_hover_text("The folder for the new file.");
-                dialog.browse(ui, FileKind::Folder, "Choose the folder…", folder);
-            });
-        });
+        let field = Field::new("Folder").column(FOLDER).width((ui.available_width() - 200.0).clamp(120.0, 420.0));
+        let browse = (FileKind::Folder, "Choose the folder…");
+        let (field, _) = field.path(ui, &mut self.folder, &mut self.dialog, browse);
+        field.on_hover_text("The folder for the new file.");
     }
 
     fn conditions(&mut self, ui: &mut Ui) {

@@ -1,6 +1,6 @@
 //! The stimuli of all conditions, drawn in the background.
 
-use eframe::egui::{self, Context, Sense, TextureHandle, Ui, Vec2};
+use eframe::egui::{self, Sense, TextureHandle, Ui, Vec2};
 
 use crate::{
     app::ui::{
@@ -18,13 +18,11 @@ const MAX_THUMBNAILS: usize = 200;
 /// Side of a thumbnail, and of one in a line, points.
 const SIDE: f32 = 96.0;
 const STRIP: f32 = 48.0;
-/// Number of thumbnails that are drawn at a time, so that the first ones appear soon.
-const BATCH: usize = 8;
 
 #[derive(Default)]
 pub struct Thumbnails {
-    /// The revision of the form and the side of a thumbnail in pixels.
-    of: Option<(u64, u32)>,
+    /// The revision of the form.
+    of: Option<u64>,
     all: Vec<Thumbnail>,
     conditions: usize,
     /// The names of the factors, as captions list their levels.
@@ -43,7 +41,7 @@ struct Thumbnail {
 impl Thumbnails {
     /// Draws the number of conditions, followed by `when`, and their stimuli.
     pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
-        self.update(ui.ctx(), protocol, revision, SIDE, MAX_THUMBNAILS);
+        self.update(ui, protocol, revision, SIDE, MAX_THUMBNAILS);
         let n = self.conditions;
         ui::section(ui, count(n as u64, "condition") + when);
         let mut hint = Vec::new();
@@ -66,28 +64,32 @@ impl Thumbnails {
         let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
         let revision = egui::Id::unique(format!("{key:?}")).value();
         let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
-        self.update(ui.ctx(), protocol, revision, STRIP, shown);
+        self.update(ui, protocol, revision, STRIP, shown);
         ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
     }
 
     /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
-    /// pictures with this side, points. Those that were already listed keep theirs.
-    fn update(&mut self, ctx: &Context, protocol: &Protocol, revision: u64, side: f32, most: usize) {
-        let px = (side * ctx.pixels_per_point()).round() as u32;
-        let before = self.of.replace((revision, px));
-        if before != self.of {
-            self.list(protocol, most, before.is_some_and(|(_, before)| before == px));
+    /// pictures with this side, points. Until they are ready, those of the same stimuli stay.
+    fn update(&mut self, ui: &Ui, protocol: &Protocol, revision: u64, side: f32, most: usize) {
+        if self.of.replace(revision) != Some(revision) {
+            self.list(protocol, most);
         }
-        self.draw_next(ctx, px);
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        let stimuli: Vec<Stimulus> = self.all.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
+        let drawn = self.drawn.get(ui.ctx(), (stimuli.clone(), px), px, || stimuli);
+        let drawn = drawn.into_iter().flat_map(|((stimuli, _), textures)| stimuli.iter().zip(textures));
+        self.all.iter_mut().for_each(|thumbnail| thumbnail.texture = None);
+        for (thumbnail, (stimulus, texture)) in self.all.iter_mut().zip(drawn) {
+            thumbnail.texture = Some(texture.clone()).filter(|_| thumbnail.stimulus == *stimulus);
+        }
     }
 
-    fn list(&mut self, protocol: &Protocol, most: usize, keep: bool) {
+    fn list(&mut self, protocol: &Protocol, most: usize) {
         let conditions = protocol.conditions();
         self.conditions = conditions.len();
         let known = Some(protocol.stimulus.parameters());
         let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
         self.factors = names.join("; ");
-        let old = std::mem::take(&mut self.all);
         let thumbnail = |condition: &Condition| {
             let level = |(factor, index): (&Factor, &usize)| {
                 names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
@@ -95,33 +97,10 @@ impl Thumbnails {
             let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
             let described: Vec<String> =
                 names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
-            let before = old.iter().find(|old| keep && old.stimulus == condition.stimulus);
-            Thumbnail {
-                texture: before.and_then(|before| before.texture.clone()),
-                description: described.join("; "),
-                levels,
-                stimulus: condition.stimulus.clone(),
-            }
+            Thumbnail { texture: None, description: described.join("; "), levels, stimulus: condition.stimulus.clone() }
         };
         let step = conditions.len().div_ceil(most).max(1);
         self.all = conditions.iter().step_by(step).map(thumbnail).collect();
-    }
-
-    /// Draws the next stimuli that have no picture yet on another thread.
-    fn draw_next(&mut self, ctx: &Context, side: u32) {
-        let missing = self.all.iter().filter(|thumbnail| thumbnail.texture.is_none());
-        let stimuli: Vec<Stimulus> = missing.take(BATCH).map(|thumbnail| thumbnail.stimulus.clone()).collect();
-        if stimuli.is_empty() {
-            return;
-        }
-        let key = (stimuli.clone(), side);
-        let drawn = self.drawn.get(ctx, key.clone(), side, || stimuli);
-        let Some((_, textures)) = drawn.filter(|(drawn, _)| *drawn == key) else { return };
-        for (stimulus, texture) in key.0.iter().zip(textures) {
-            let same = self.all.iter_mut().filter(|thumbnail| thumbnail.stimulus == *stimulus);
-            same.for_each(|thumbnail| thumbnail.texture = Some(texture.clone()));
-        }
-        ctx.request_repaint();
     }
 }
 

@@ -153,8 +153,8 @@ impl<'a> Field<'a> {
         let mut line = |ui: &mut Ui, label| {
             let room = ui.available_width() - BROWSE;
             let width = self.width.unwrap_or(if room < PATH { ui.available_width() - GAP } else { room });
-            let edit = TextEdit::singleline(path).desired_width(width).hint_text(self.hint);
-            let field = ui.add(edit).labelled_by(label);
+            let edit = TextEdit::singleline(path).id_salt(("field", self.label));
+            let field = ui.add(edit.desired_width(width).hint_text(self.hint)).labelled_by(label);
             (field, dialog.browse(ui, kind, browse, path))
         };
         self.show(ui, |ui, label| ui.horizontal_wrapped(|ui| line(ui, label)).inner)
