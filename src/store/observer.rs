@@ -30,18 +30,18 @@ pub fn open(path: &Path) -> Result<OrderedLogit, FileErrors> {
 pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileErrors> {
     let (observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
     check_thresholds(&mut document, observer.thresholds, f64::NEG_INFINITY, "[0.0, 1.5, 3.5]");
-    for (key, value, least, most) in [
-        ("subject_sd", observer.subject_sd, 0.0, 100.0),
-        ("depth", observer.depth, -1000.0, 1000.0),
-        ("infinite_as", observer.infinite_as, 1.0, 1000.0),
-        ("strongest_width", observer.strongest_width, 1e-6, 1.0),
-        ("fall", observer.fall, -1000.0, 1000.0),
-        ("narrow", observer.narrow, -1000.0, 1000.0),
-        ("oblique", observer.oblique, -1000.0, 1000.0),
-        ("contrast", observer.contrast, -1000.0, 1000.0),
-        ("lapse", observer.lapse, 0.0, 1.0),
+    for (key, value, range) in [
+        ("subject_sd", observer.subject_sd, 0.0..=100.0),
+        ("depth", observer.depth, -1000.0..=1000.0),
+        ("infinite_as", observer.infinite_as, 1.0..=1000.0),
+        ("strongest_width", observer.strongest_width, 1e-6..=1.0),
+        ("fall", observer.fall, -1000.0..=1000.0),
+        ("narrow", observer.narrow, -1000.0..=1000.0),
+        ("oblique", observer.oblique, -1000.0..=1000.0),
+        ("contrast", observer.contrast, -1000.0..=1000.0),
+        ("lapse", observer.lapse, 0.0..=1.0),
     ] {
-        document.check_range(key, &[value], least, most);
+        document.check_range(key, &[value], range);
     }
     document.finish(observer)
 }
@@ -61,9 +61,9 @@ pub fn open_vision(path: &Path) -> Result<VisionRater, FileErrors> {
 pub fn parse_vision(file: &str, text: &str) -> Result<VisionRater, FileErrors> {
     let (rater, mut document) = toml::read::<VisionRater>(file, text)?;
     check_thresholds(&mut document, rater.thresholds, 0.0, "[0.25, 1.0, 4.0]");
-    document.check_range("spread", &[rater.spread], 1e-6, 1000.0);
-    document.check_range("subject_sd", &[rater.subject_sd], 0.0, 100.0);
-    document.check_range("lapse", &[rater.lapse], 0.0, 1.0);
+    document.check_range("spread", &[rater.spread], 1e-6..=1000.0);
+    document.check_range("subject_sd", &[rater.subject_sd], 0.0..=100.0);
+    document.check_range("lapse", &[rater.lapse], 0.0..=1.0);
     document.finish(rater)
 }
 

@@ -70,13 +70,13 @@ pub fn parse(file: &str, text: &str) -> Result<DisplayProfile, FileErrors> {
         native_px: form.native_px,
     };
     let [darkest, brightest] = LuminanceRange::WHITE_CD_M2;
-    for (key, value, least, most) in [
-        ("black_cd_m2", form.black_cd_m2, 0.0, brightest),
-        ("white_cd_m2", form.white_cd_m2, darkest, brightest),
-        ("bits", form.bits.map(f64::from), 1.0, 16.0),
-        ("screen_width_cm", profile.screen_width_cm, 1.0, 1000.0),
+    for (key, value, range) in [
+        ("black_cd_m2", form.black_cd_m2, 0.0..=brightest),
+        ("white_cd_m2", form.white_cd_m2, darkest..=brightest),
+        ("bits", form.bits.map(f64::from), 1.0..=16.0),
+        ("screen_width_cm", profile.screen_width_cm, 1.0..=1000.0),
     ] {
-        document.check_range(key, value.as_slice(), least, most);
+        document.check_range(key, value.as_slice(), range);
     }
     if let Some(size) = profile.native_px.filter(|size| size.iter().any(|side| !(16..=65_536).contains(side))) {
         document.error("native_px", format!("native_px is {size:?}; expected columns and rows, such as [2560, 1440]"));

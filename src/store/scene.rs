@@ -33,37 +33,6 @@ pub struct SceneFile {
     pub notes: Vec<String>,
 }
 
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct SceneTable {
-    background: [f64; 3],
-    ambient: [f64; 3],
-    view: ViewTable,
-    mesh: Vec<MeshTable>,
-    lamp: Vec<LampTable>,
-}
-
-impl Default for SceneTable {
-    fn default() -> Self {
-        let (view, mesh, lamp) = Default::default();
-        Self { background: [0.05; 3], ambient: [1.0; 3], view, mesh, lamp }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct ViewTable {
-    rotate: [f64; 3],
-    fill: f64,
-    distance: Option<f64>,
-}
-
-impl Default for ViewTable {
-    fn default() -> Self {
-        Self { rotate: [25.0, -35.0, 0.0], fill: 0.9, distance: None }
-    }
-}
-
 named! {
     /// Which of the two formulas of transparency applies.
     Transmits, UnknownTransparency {
@@ -76,88 +45,113 @@ named! {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct MeshTable {
-    mesh: String,
-    vertices: usize,
-    crease: f64,
-    normals: Normals,
-    position: [f64; 3],
-    rotate: [f64; 3],
-    scale: f64,
-    shader: Shader,
-    depth: Option<Depth>,
-    boundary: Option<f64>,
-    vertex: Correction,
-    reweight: Correction,
-    color: [f64; 3],
-    specular_color: [f64; 3],
-    ambient: f64,
-    diffuse: f64,
-    specular: f64,
-    highlight: Highlight,
-    shininess: f64,
-    facet_slope: Option<f64>,
-    facet_c1: Option<f64>,
-    facet_index: Option<f64>,
-    transparency: Transmits,
-    transmission: f64,
-    filter: [f64; 3],
-    index: Option<f64>,
-}
-
-impl Default for MeshTable {
-    fn default() -> Self {
-        let material = Material::standard();
-        Self {
-            mesh: String::new(),
-            vertices: 313,
-            crease: 180.0,
-            normals: Normals::Given,
-            position: [0.0; 3],
-            rotate: [0.0; 3],
-            scale: 1.0,
-            shader: Shader::C1Phong,
-            depth: None,
-            boundary: None,
-            vertex: Correction::Off,
-            reweight: Correction::Off,
-            color: [1.0; 3],
-            specular_color: [1.0; 3],
-            ambient: material.ambient,
-            diffuse: material.diffuse,
-            specular: material.specular,
-            highlight: Highlight::Phong,
-            shininess: material.shininess,
-            facet_slope: None,
-            facet_c1: None,
-            facet_index: None,
-            transparency: Transmits::Opaque,
-            transmission: 0.5,
-            filter: [1.0; 3],
-            index: None,
-        }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct LampTable {
-    direction: Option<[f64; 3]>,
-    position: Option<[f64; 3]>,
-    attenuation: [f64; 3],
-    intensity: [f64; 3],
-}
-
-impl Default for LampTable {
-    fn default() -> Self {
-        Self { direction: None, position: None, attenuation: [1.0, 0.0, 0.0], intensity: [1.0; 3] }
-    }
-}
-
 /// The largest coordinate, intensity or factor.
 const MOST: f64 = 1e6;
+
+/// Declares a table of the file: its keys with their types, their defaults and, for numbers, their range.
+macro_rules! table {
+    ($name:ident { $($key:ident: $type:ty = $default:expr $(, $range:expr)?;)* }) => {
+        #[derive(Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        struct $name {
+            $($key: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($key: $default,)* }
+            }
+        }
+
+        impl $name {
+            /// Reports every number that is out of range; `path` is that of the table, with a dot at its end.
+            fn check_ranges(&self, path: &str, document: &mut Document<'_>) {
+                $($(document.check_range(&[path, stringify!($key)].concat(), self.$key.numbers(), $range);)?)*
+            }
+        }
+    };
+}
+
+/// What has a range.
+trait Numbers {
+    fn numbers(&self) -> &[f64];
+}
+
+impl Numbers for f64 {
+    fn numbers(&self) -> &[f64] {
+        std::slice::from_ref(self)
+    }
+}
+
+impl Numbers for [f64; 3] {
+    fn numbers(&self) -> &[f64] {
+        self
+    }
+}
+
+impl<T: Numbers> Numbers for Option<T> {
+    fn numbers(&self) -> &[f64] {
+        self.as_ref().map_or(&[], T::numbers)
+    }
+}
+
+table! {
+    SceneTable {
+        background: [f64; 3] = [0.05; 3], 0.0..=1.0;
+        ambient: [f64; 3] = [1.0; 3], 0.0..=MOST;
+        view: ViewTable = ViewTable::default();
+        mesh: Vec<MeshTable> = Vec::new();
+        lamp: Vec<LampTable> = Vec::new();
+    }
+}
+
+table! {
+    ViewTable {
+        rotate: [f64; 3] = [25.0, -35.0, 0.0], -MOST..=MOST;
+        fill: f64 = 0.9, 0.01..=100.0;
+        distance: Option<f64> = None, 1.05..=MOST;
+    }
+}
+
+table! {
+    MeshTable {
+        mesh: String = String::new();
+        vertices: usize = 313;
+        crease: f64 = 180.0, 0.0..=180.0;
+        normals: Normals = Normals::Given;
+        position: [f64; 3] = [0.0; 3], -MOST..=MOST;
+        rotate: [f64; 3] = [0.0; 3], -MOST..=MOST;
+        scale: f64 = 1.0, 1e-6..=MOST;
+        shader: Shader = Shader::C1Phong;
+        depth: Option<Depth> = None;
+        boundary: Option<f64> = None, 0.0..=1.0;
+        vertex: Correction = Correction::Off;
+        reweight: Correction = Correction::Off;
+        color: [f64; 3] = [1.0; 3], 0.0..=1.0;
+        specular_color: [f64; 3] = [1.0; 3], 0.0..=1.0;
+        ambient: f64 = Material::standard().ambient, 0.0..=1.0;
+        diffuse: f64 = Material::standard().diffuse, 0.0..=1.0;
+        specular: f64 = Material::standard().specular, 0.0..=1.0;
+        highlight: Highlight = Highlight::Phong;
+        shininess: f64 = Material::standard().shininess, 1.0..=1000.0;
+        facet_slope: Option<f64> = None, 0.001..=10.0;
+        facet_c1: Option<f64> = None, 0.0..=1e6;
+        facet_index: Option<f64> = None, 1.0..=1000.0;
+        transparency: Transmits = Transmits::Opaque;
+        transmission: f64 = 0.5, 0.0..=1.0;
+        filter: [f64; 3] = [1.0; 3], 0.0..=1.0;
+        index: Option<f64> = None, 0.1..=10.0;
+    }
+}
+
+table! {
+    LampTable {
+        direction: Option<[f64; 3]> = None, -MOST..=MOST;
+        position: Option<[f64; 3]> = None, -MOST..=MOST;
+        attenuation: [f64; 3] = [1.0, 0.0, 0.0], 0.0..=MOST;
+        intensity: [f64; 3] = [1.0; 3], 0.0..=MOST;
+    }
+}
 
 /// Reads a scene. Mesh files are found relative to it.
 ///
@@ -213,43 +207,19 @@ pub fn read(path: &Path) -> Result<SceneFile, FileErrors> {
     Ok(SceneFile { composition, text, notes })
 }
 
-/// Reports every value that is out of range.
+/// Reports every value that is not possible.
 fn check(scene: &SceneTable, document: &mut Document<'_>) {
-    document.check_range("background", &scene.background, 0.0, 1.0);
-    document.check_range("ambient", &scene.ambient, 0.0, MOST);
-    document.check_range("view.rotate", &scene.view.rotate, -MOST, MOST);
-    document.check_range("view.fill", &[scene.view.fill], 0.01, 100.0);
-    document.check_range("view.distance", scene.view.distance.as_slice(), 1.05, MOST);
+    scene.check_ranges("", document);
+    scene.view.check_ranges("view.", document);
     for (i, mesh) in scene.mesh.iter().enumerate() {
-        let of = |key: &str| format!("mesh.{i}.{key}");
-        document.check_range(&of("crease"), &[mesh.crease], 0.0, 180.0);
-        document.check_range(&of("position"), &mesh.position, -MOST, MOST);
-        document.check_range(&of("rotate"), &mesh.rotate, -MOST, MOST);
-        document.check_range(&of("scale"), &[mesh.scale], 1e-6, MOST);
-        document.check_range(&of("boundary"), mesh.boundary.as_slice(), 0.0, 1.0);
-        for (key, color) in [("color", mesh.color), ("specular_color", mesh.specular_color), ("filter", mesh.filter)] {
-            document.check_range(&of(key), &color, 0.0, 1.0);
-        }
-        document.check_range(&of("ambient"), &[mesh.ambient], 0.0, 1.0);
-        document.check_range(&of("diffuse"), &[mesh.diffuse], 0.0, 1.0);
-        document.check_range(&of("specular"), &[mesh.specular], 0.0, 1.0);
-        document.check_range(&of("transmission"), &[mesh.transmission], 0.0, 1.0);
-        document.check_range(&of("shininess"), &[mesh.shininess], 1.0, 1000.0);
-        document.check_range(&of("facet_slope"), mesh.facet_slope.as_slice(), 0.001, 10.0);
-        document.check_range(&of("facet_c1"), mesh.facet_c1.as_slice(), 0.0, 1e6);
-        document.check_range(&of("facet_index"), mesh.facet_index.as_slice(), 1.0, 1000.0);
-        document.check_range(&of("index"), mesh.index.as_slice(), 0.1, 10.0);
+        mesh.check_ranges(&format!("mesh.{i}."), document);
         if mesh.mesh.is_empty() {
             document.error(&format!("mesh.{i}"), "mesh is missing; expected mesh = \"torus\", or the path to a file");
         }
     }
     for (i, lamp) in scene.lamp.iter().enumerate() {
         let of = |key: &str| format!("lamp.{i}.{key}");
-        for (key, place) in [("direction", lamp.direction), ("position", lamp.position)] {
-            document.check_range(&of(key), place.as_slice().as_flattened(), -MOST, MOST);
-        }
-        document.check_range(&of("attenuation"), &lamp.attenuation, 0.0, MOST);
-        document.check_range(&of("intensity"), &lamp.intensity, 0.0, MOST);
+        lamp.check_ranges(&of(""), document);
         let length = lamp.direction.map(|toward| DVec3::from_array(toward).length());
         if lamp.direction.is_some() == lamp.position.is_some() {
             let message = "the lamp needs one place; expected either direction = [x, y, z] or position = …";

@@ -142,6 +142,6 @@ const HEADER: &str =
 
 fn parse(file: &str, text: &str) -> Result<Settings, FileErrors> {
     let (settings, mut document) = toml::read::<Settings>(file, text)?;
-    document.check_range("zoom", &[settings.zoom.into()], 0.2, 5.0);
+    document.check_range("zoom", &[settings.zoom.into()], 0.2..=5.0);
     document.finish(settings)
 }

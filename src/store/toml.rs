@@ -1,6 +1,8 @@
 //! Reads TOML files into types that derive `Deserialize`. Each error has its line and column, and all errors in a file
 //! are reported together: a value that cannot be read is reported and then skipped, as if its key were absent.
 
+use std::ops::RangeInclusive;
+
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use toml::de::{DeTable, DeValue};
@@ -127,12 +129,15 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// Reports an error at a dotted path if one of its numbers is outside `least…most`.
-    pub(super) fn check_range(&mut self, path: &str, values: &[f64], least: f64, most: f64) {
+    /// Reports an error at a dotted path if one of its numbers is outside `range`.
+    pub(super) fn check_range(&mut self, path: &str, values: &[f64], range: RangeInclusive<f64>) {
         // NaN is not in any range.
-        if let Some(value) = values.iter().find(|value| !(least..=most).contains(*value)) {
+        if let Some(value) = values.iter().find(|value| !range.contains(value)) {
             let (key, value) = (path.rsplit('.').next().unwrap_or(path), Cell::Number(*value));
-            self.error(path, format!("{key} {value} is outside {least}…{most}; expected a number in this range"));
+            self.error(
+                path,
+                format!("{key} {value} is outside {}…{}; expected a number in this range", range.start(), range.end()),
+            );
         }
     }
 
