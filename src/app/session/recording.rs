@@ -17,7 +17,7 @@ use super::{
 use crate::{
     app::ui::Monitor,
     experiment::{
-        Answers, Course, Identity, Phase, Resumed, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
+        Answers, Course, Identity, Phase, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
         TrialResponse, session_seed,
     },
     light::CodeImage,
@@ -25,7 +25,7 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileErrors, StoreError, frames, image,
-        session::SessionStore,
+        session::{Interrupted, SessionStore},
         sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
@@ -73,25 +73,23 @@ impl Recording {
             pictures: Some(Pictures::new(protocol, prepared.geometry.stimulus_px, &display.transfers, Some(hash))),
             ..Sitting::default()
         };
-        let (mut store, course, resumed, elapsed_s, number, rows) = if request.resume {
-            let (store, found) =
-                SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?;
-            let mut resumed = found.resumed;
-            let hours_ago = |row: &TrialRecord| now().duration_since(row.started_at).as_secs_f64() / 3600.0;
-            let hours = found.rows.last().map(hours_ago);
-            if protocol.session.refresh_after_h.zip(hours).is_some_and(|(after, hours)| after == 0.0 || hours > after) {
-                let practice = found.rows.iter().filter(|row| row.phase == Phase::Practice);
-                let attempts = practice.map(|row| (row.trial as usize - 1, row.attempt));
-                resumed.repeat_practice(protocol.design.practice as usize, attempts);
-            }
-            (store, found.course, resumed, found.elapsed_s, found.sitting, found.rows)
+        let (mut store, found) = if request.resume {
+            SessionStore::resume(results, protocol, identity, request.seed, sitting, request.changes)?
         } else {
             let seed = request.seed.unwrap_or_else(fresh_seed);
             let store = SessionStore::create(results, protocol, identity, seed, sitting)?;
             let schedule = Schedule::new(protocol, identity, seed)
                 .map_err(|error| FileErrors::whole(store.csv(), error.to_string()))?;
-            (store, Course::new(protocol.clone(), schedule), Resumed::default(), 0.0, 1, Vec::new())
+            (store, Interrupted::before_the_first_trial(Course::new(protocol.clone(), schedule)))
         };
+        let Interrupted { course, mut resumed, elapsed_s, rows, sitting, .. } = found;
+        let hours_ago = |row: &TrialRecord| now().duration_since(row.started_at).as_secs_f64() / 3600.0;
+        let hours = rows.last().map(hours_ago);
+        if protocol.session.refresh_after_h.zip(hours).is_some_and(|(after, hours)| after == 0.0 || hours > after) {
+            let practice = rows.iter().filter(|row| row.phase == Phase::Practice);
+            let attempts = practice.map(|row| (row.trial as usize - 1, row.attempt));
+            resumed.repeat_practice(protocol.design.practice as usize, attempts);
+        }
         if let Some(answers) = answers {
             store.keep_participant(answers);
         }
@@ -101,7 +99,7 @@ impl Recording {
         let recording = Self {
             store,
             identity: identity.clone(),
-            sitting: number,
+            sitting,
             rows,
             origin: before(now(), offset),
             hasher: Hasher::start(),

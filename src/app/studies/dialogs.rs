@@ -107,7 +107,7 @@ impl Studies {
                 self.found = found;
             }
             Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
-            Ok(Made::Exported(text) | Made::Stopped(text)) => ui::say(ctx, text),
+            Ok(Made::Told(text)) => ui::say(ctx, text),
             Ok(Made::Pilot(folder)) => {
                 ui::say(ctx, format!("Simulated in {}", folder.display()));
                 return Some(Destination::Analysis(folder));

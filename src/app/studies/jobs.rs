@@ -42,9 +42,8 @@ pub enum Made {
     Checked(Checked),
     /// The folder of a simulated study.
     Pilot(PathBuf),
-    Exported(String),
-    /// The user stopped it.
-    Stopped(String),
+    /// A message: what was exported, or that the user stopped it.
+    Told(String),
     /// What a plan found, in sentences.
     Planned(Vec<String>),
 }
@@ -162,7 +161,7 @@ impl Job {
     pub fn export(ctx: &Context, request: Export) -> Self {
         Self::start(ctx, "Exporting", true, move |watcher| {
             request.export(watcher)?;
-            Ok(Made::Exported(format!("Exported to {}", ui::full(&request.out).display())))
+            Ok(Made::Told(format!("Exported to {}", ui::full(&request.out).display())))
         })
     }
 
@@ -174,7 +173,7 @@ impl Job {
         let kept = self.folder.as_ref().map(|folder| format!(" What was made is in {}.", folder.display()));
         Some(match made {
             Err(error) if error == STOPPED => {
-                Ok(Made::Stopped(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))
+                Ok(Made::Told(format!("{} was stopped.{}", self.what, kept.unwrap_or_default())))
             }
             made => made,
         })
