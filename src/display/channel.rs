@@ -50,11 +50,11 @@ impl Channel {
     /// # Errors
     /// Returns an error if `channels` contains neither gray nor all of red, green and blue, or if it contains a channel
     /// twice.
-    pub fn check_for_profile(channels: &[Self]) -> Result<(), SettingsError> {
+    pub fn check_for_profile(channels: &[Self]) -> Result<(), String> {
         let [red, green, blue, gray] = Self::ALL.map(|one| channels.iter().filter(|channel| **channel == one).count());
         let enough = (gray == 1 || red + green + blue == 3) && [red, green, blue, gray].iter().all(|count| *count < 2);
         let message = "a profile cannot be made from these channels; expected red, green, and blue, or gray, each once";
-        if enough { Ok(()) } else { Err(SettingsError(message.to_owned())) }
+        if enough { Ok(()) } else { Err(message.to_owned()) }
     }
 
     /// Returns the pixel with `code` in this channel (in all three for gray) and 0 in the others.
@@ -84,23 +84,16 @@ impl fmt::Display for Channel {
     }
 }
 
-/// Why a measurement cannot be run with these settings, and what is expected instead.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct SettingsError(pub String);
-
-/// The error for a text that names no channel.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("channel {0:?} is not known; expected r, g, b or gray")]
-pub struct UnknownChannel(pub String);
-
 impl FromStr for Channel {
-    type Err = UnknownChannel;
+    type Err = String;
 
     /// Accepts r, g, b, gray, red, green and blue, in upper or lower case.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let lower = text.trim().to_ascii_lowercase();
         let is_named = |channel: &Self| channel.names().contains(&lower.as_str());
-        Self::ALL.into_iter().find(is_named).ok_or_else(|| UnknownChannel(text.to_owned()))
+        Self::ALL
+            .into_iter()
+            .find(is_named)
+            .ok_or_else(|| format!("channel {text:?} is not known; expected r, g, b or gray"))
     }
 }

@@ -17,11 +17,6 @@ const DISTANCE_CM: std::ops::RangeInclusive<f64> = 10.0..=2000.0;
 const MIN_PX_PER_DEGREE: f64 = 10.0;
 const MIN_STIMULUS_PX: f64 = 64.0;
 
-/// A quantity outside its plausible range.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct GeometryError(String);
-
 /// Writes a number without hundreds of digits.
 fn short(value: f64) -> String {
     if value == 0.0 || (1e-4..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:.1e}") }
@@ -33,12 +28,12 @@ fn check(
     range: &std::ops::RangeInclusive<f64>,
     unit: &str,
     expected: &str,
-) -> Result<f64, GeometryError> {
+) -> Result<f64, String> {
     if range.contains(&value) {
         return Ok(value);
     }
     let (value, lowest, highest) = (short(value), range.start(), range.end());
-    Err(GeometryError(format!("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}")))
+    Err(format!("{quantity} {value} is outside {lowest}…{highest} {unit}; expected {expected}"))
 }
 
 /// Returns the distance in cm from which `size_cm` subtends `deg` degrees.
@@ -63,7 +58,7 @@ impl Screen {
     ///
     /// # Errors
     /// Returns an error if a side is not within 16…65536 pixels or the width is not within 5…500 cm.
-    pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, GeometryError> {
+    pub fn new(width_px: u32, height_px: u32, width_cm: f64) -> Result<Screen, String> {
         for (quantity, side) in [("screen width", width_px), ("screen height", height_px)] {
             check(quantity, side.into(), &SIDE_PX, "pixels", "the screen's physical pixels")?;
         }
@@ -96,7 +91,7 @@ impl Viewing {
     ///
     /// # Errors
     /// Returns an error if the distance is not within 10…2000 cm.
-    pub fn new(screen: Screen, distance_cm: f64) -> Result<Viewing, GeometryError> {
+    pub fn new(screen: Screen, distance_cm: f64) -> Result<Viewing, String> {
         let expected = "the distance from the eye to the screen";
         Ok(Viewing { screen, distance_cm: check("distance", distance_cm, &DISTANCE_CM, "cm", expected)? })
     }
@@ -152,7 +147,7 @@ impl Viewing {
 /// # Errors
 /// Returns an error if the card covers less than one pixel or more pixels than the screen has, or if the resulting
 /// width is implausible for a screen.
-pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, GeometryError> {
+pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, String> {
     let screen_px = f64::from(screen_width_px);
     let expected = "the width of the card's outline on the screen";
     check("card width", card_px, &(1.0..=screen_px), "pixels", expected)?;

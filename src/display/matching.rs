@@ -23,9 +23,9 @@ use rand_chacha::{
     rand_core::{Rng as _, SeedableRng as _},
 };
 
-use super::channel::{Channel, SettingsError};
+use super::channel::Channel;
 use crate::{
-    light::{CodeImage, Samples, Transfer, TransferError, Transfers},
+    light::{CodeImage, Samples, Transfer, Transfers},
     statistics::{mean_and_sd, shuffle, t_quantile},
 };
 
@@ -171,17 +171,17 @@ impl Matching {
     ///
     /// # Errors
     /// Returns an error if the settings cannot be run or if `done` comes from other settings.
-    pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, SettingsError> {
+    pub fn new(settings: &MatchSettings, seed: u64, done: Vec<Match>) -> Result<Self, String> {
         Channel::check_for_profile(&settings.channels)?;
         let starts = starts(settings, &mut ChaCha8Rng::seed_from_u64(seed));
         let is_other = |at: usize, one: &Match| {
             starts.get(at).is_none_or(|start| (start.channel, start.rows) != (one.channel, one.rows))
         };
         if let Some(at) = done.iter().enumerate().position(|(at, one)| is_other(at, one)) {
-            return Err(SettingsError(format!(
+            return Err(format!(
                 "match {} belongs to other settings; expected the settings that the file was started with, or another file",
                 at + 1
-            )));
+            ));
         }
         let shown = starts.get(done.len()).copied();
         Ok(Self { starts, done, shown })
@@ -264,22 +264,8 @@ pub struct ChannelGamma {
     pub code_sd: f64,
 }
 
-/// Why γ cannot be estimated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum GammaError {
-    /// Too few matches.
-    #[error("{0} matches; expected at least 2")]
-    TooFew(usize),
-    /// Matches to different fields.
-    #[error("the matches have different rows; expected matches of one run")]
-    Mixed,
-    /// Matches that differ so much, or are so close to black or white, that they do not determine γ.
-    #[error("the matches do not determine γ; expected codes that agree with each other")]
-    Open,
-}
-
 /// Estimates γ of each channel that has matches, in the order of [`Channel::ALL`].
-pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaError>)> {
+pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, String>)> {
     let of = |channel: Channel| {
         let own: Vec<Match> = matches.iter().filter(|one| one.channel == channel).copied().collect();
         (!own.is_empty()).then(|| (channel, channel_gamma(channel, &own)))
@@ -288,21 +274,22 @@ pub fn estimate(matches: &[Match]) -> Vec<(Channel, Result<ChannelGamma, GammaEr
 }
 
 /// A match means (c/255)^γ = share, so ln(255/c), the quantity that varies from match to match, equals |ln share|/γ.
-fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, GammaError> {
+fn channel_gamma(channel: Channel, own: &[Match]) -> Result<ChannelGamma, String> {
     let n = own.len() as f64;
     if own.len() < 2 {
-        return Err(GammaError::TooFew(own.len()));
+        return Err(format!("{} matches; expected at least 2", own.len()));
     }
     if own.iter().any(|one| one.rows != own[0].rows) {
-        return Err(GammaError::Mixed);
+        return Err("the matches have different rows; expected matches of one run".to_owned());
     }
     let codes: Vec<f64> = own.iter().map(|one| f64::from(one.code.max(1))).collect();
     let (mean, sd) = mean_and_sd(&codes.iter().map(|code| (255.0 / code).ln()).collect::<Vec<_>>());
     // Equal codes do not mean zero uncertainty: a match is precise to one code at best.
     let rounding = codes.iter().sum::<f64>().recip() * n / 12f64.sqrt();
     let half = t_quantile(n - 1.0) * sd.hypot(rounding) / n.sqrt();
+    // They differ too much, or are too close to black or white.
     if mean - half <= 0.0 {
-        return Err(GammaError::Open);
+        return Err("the matches do not determine γ; expected codes that agree with each other".to_owned());
     }
     let share = own[0].rows.share();
     let gamma = |mean: f64| -share.ln() / mean;
@@ -328,14 +315,14 @@ impl ChannelGamma {
     ///
     /// # Errors
     /// Returns an error if γ is implausible for a display.
-    fn transfer(&self) -> Result<Transfer, TransferError> {
+    fn transfer(&self) -> Result<Transfer, String> {
         Transfer::gamma((self.gamma * 1e3).round() / 1e3)
     }
 }
 
 /// Returns the display's transfer functions: one each for red, green, and blue if all were matched, otherwise the
 /// transfer function of gray for all three. `None` if a required channel is missing or has no γ.
-pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, GammaError>)]) -> Option<Transfers> {
+pub fn transfers(estimates: &[(Channel, Result<ChannelGamma, String>)]) -> Option<Transfers> {
     let of = |wanted: Channel| {
         let (_, found) = estimates.iter().find(|(channel, _)| *channel == wanted)?;
         found.as_ref().ok()?.transfer().ok()

@@ -9,7 +9,7 @@ pub mod photometer;
 pub mod profile;
 pub mod steps;
 
-pub use channel::{Channel, SettingsError, UnknownChannel};
-pub use geometry::{GeometryError, Screen, Viewing};
+pub use channel::Channel;
+pub use geometry::{Screen, Viewing};
 pub use monitor::Monitor;
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

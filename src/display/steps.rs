@@ -3,7 +3,7 @@
 
 use super::DisplayProfile;
 use crate::light::{
-    Bits, Quantizer, TransferError,
+    Bits, Quantizer,
     transfer::{equal_brightness_levels, nearest_equal_brightness_level},
 };
 
@@ -31,7 +31,7 @@ pub struct Step {
 ///
 /// # Errors
 /// Returns an error if `i0` is not strictly between 0 and 1, or if `n` is 0.
-pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, TransferError> {
+pub fn steps(profile: &DisplayProfile, i0: f64, n: usize) -> Result<Vec<Step>, String> {
     let quantizer = Quantizer::new(&profile.transfers, Bits::Eight);
     let step = |(level, intensity): (usize, f64)| {
         let linear = ((intensity - i0) / (1.0 - i0)).clamp(0.0, 1.0);

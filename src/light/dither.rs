@@ -41,17 +41,6 @@ pub enum Dither {
     },
 }
 
-/// Why a string is not a valid [`Dither`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DitherError {
-    /// The text is not the name of a dither.
-    #[error("dither {0:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random")]
-    Unknown(String),
-    /// The text names a matrix that does not exist.
-    #[error(transparent)]
-    Matrix(#[from] DitherMatrixError),
-}
-
 impl Dither {
     /// The seed of `random` if none is given.
     pub const DEFAULT_SEED: u64 = 1;
@@ -79,7 +68,7 @@ impl fmt::Display for Dither {
 }
 
 impl FromStr for Dither {
-    type Err = DitherError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
@@ -89,8 +78,12 @@ impl FromStr for Dither {
             "blue-noise" => Ok(Dither::BlueNoise),
             "random" => Ok(Dither::Random { seed: Dither::DEFAULT_SEED }),
             _ => match text.strip_prefix("ordered:") {
-                Some(matrix) => Ok(Dither::Ordered(matrix.parse()?)),
-                None => Err(DitherError::Unknown(text.to_owned())),
+                Some(matrix) => {
+                    matrix.parse().map(Dither::Ordered).map_err(|error: DitherMatrixError| error.to_string())
+                }
+                None => Err(format!(
+                    "dither {text:?} is not known; expected none, ordered, ordered:MATRIX, blue-noise or random"
+                )),
             },
         }
     }

@@ -31,13 +31,6 @@ pub struct Screen {
     pub bits: u32,
 }
 
-/// The error for a text that is not a [`Screen`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{0:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
-)]
-pub struct ScreenError(String);
-
 impl fmt::Display for Screen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.matrix, self.bits)
@@ -45,11 +38,15 @@ impl fmt::Display for Screen {
 }
 
 impl FromStr for Screen {
-    type Err = ScreenError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = with_number(text, 1..=MAX_BITS).map(|(matrix, bits)| Self { matrix, bits });
-        parsed.ok_or_else(|| ScreenError(text.to_owned()))
+        parsed.ok_or_else(|| {
+            format!(
+                "{text:?} is not a halftone; expected bayer2, bayer4, bayer8, bayer16, clustered2 or clustered3, a colon and 1…8 bits, such as clustered3:1"
+            )
+        })
     }
 }
 

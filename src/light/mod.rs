@@ -18,10 +18,10 @@ pub mod palette;
 pub mod quantize;
 pub mod transfer;
 
-pub use dither::{Dither, DitherError, DitherMatrix, DitherMatrixError, Thresholds};
+pub use dither::{Dither, DitherMatrix, DitherMatrixError, Thresholds};
 pub use halftone::Halftone;
 pub use image::{CodeImage, LinearImage, Samples};
 pub use interpolation::{Depth, DepthError, Interpolation};
 pub use levels::{Levels, reaches};
 pub use quantize::{Bits, ChannelQuantizer, Quantizer};
-pub use transfer::{Gog, Transfer, TransferError, TransferTable, Transfers};
+pub use transfer::{Gog, Transfer, TransferTable, Transfers};

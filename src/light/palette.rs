@@ -101,13 +101,6 @@ pub struct Reduction {
     pub colors: u32,
 }
 
-/// The error for a text that is not a [`Reduction`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{0:?} is not a palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
-)]
-pub struct ReductionError(String);
-
 impl fmt::Display for Reduction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.reducer, self.colors)
@@ -115,11 +108,15 @@ impl fmt::Display for Reduction {
 }
 
 impl FromStr for Reduction {
-    type Err = ReductionError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parsed = with_number(text, 1..=MAX_COLORS).map(|(reducer, colors)| Self { reducer, colors });
-        parsed.ok_or_else(|| ReductionError(text.to_owned()))
+        parsed.ok_or_else(|| {
+            format!(
+                "{text:?} is not a palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
+            )
+        })
     }
 }
 

@@ -34,36 +34,9 @@ pub enum Transfer {
     Table(TransferTable),
 }
 
-/// Why a string or a set of values is not a valid [`Transfer`].
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TransferError {
-    /// The text is not a transfer function.
-    #[error("transfer {0:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET")]
-    Unknown(String),
-    /// An exponent that is implausible for a display.
-    #[error("gamma {0} is outside 0.1…10; expected the display's exponent, such as 2.2")]
-    Gamma(String),
-    /// A gain or an offset that is implausible for a display.
-    #[error(
-        "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
-    )]
-    Gain { gain: f64, offset: f64 },
-    /// Several transfer functions, but not one for each channel.
-    #[error("{0:?} has {1} transfer functions; expected one, or three joined by / for red, green and blue")]
-    Channels(String, usize),
-    /// A table that does not rise from 0 to 1.
-    #[error("{0}")]
-    Table(String),
-    /// Equal-brightness steps that are impossible for a display.
-    #[error(
-        "lowest intensity {lowest} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
-    )]
-    EqualSteps {
-        /// Number of steps.
-        n: usize,
-        /// The lowest intensity, relative to the highest.
-        lowest: f64,
-    },
+/// Says that an exponent is implausible for a display.
+fn not_a_gamma(gamma: impl fmt::Display) -> String {
+    format!("gamma {gamma} is outside 0.1…10; expected the display's exponent, such as 2.2")
 }
 
 impl Transfer {
@@ -71,12 +44,8 @@ impl Transfer {
     ///
     /// # Errors
     /// Returns an error if `gamma` is not within 0.1…10.
-    pub fn gamma(gamma: f64) -> Result<Transfer, TransferError> {
-        if GAMMA_RANGE.contains(&gamma) {
-            Ok(Transfer::Gamma(gamma))
-        } else {
-            Err(TransferError::Gamma(gamma.to_string()))
-        }
+    pub fn gamma(gamma: f64) -> Result<Transfer, String> {
+        if GAMMA_RANGE.contains(&gamma) { Ok(Transfer::Gamma(gamma)) } else { Err(not_a_gamma(gamma)) }
     }
 
     /// Makes linear ∝ max(`gain`·encoded + `offset`, 0)^`gamma`, the model of gain, offset and gamma; see [`Gog`].
@@ -84,14 +53,16 @@ impl Transfer {
     /// # Errors
     /// Returns an error if `gamma` is not within 0.1…10, if `gain` is not above 0 and at most 10, if `offset` is not
     /// within −1…1, or if gain and offset together leave the largest code dark.
-    pub fn gog(gamma: f64, gain: f64, offset: f64) -> Result<Transfer, TransferError> {
+    pub fn gog(gamma: f64, gain: f64, offset: f64) -> Result<Transfer, String> {
         if !GAMMA_RANGE.contains(&gamma) {
-            return Err(TransferError::Gamma(gamma.to_string()));
+            return Err(not_a_gamma(gamma));
         }
         if gain > 0.0 && gain <= 10.0 && (-1.0..=1.0).contains(&offset) && gain + offset > 0.0 {
             Ok(Transfer::Gog(Gog { gamma, gain, offset }))
         } else {
-            Err(TransferError::Gain { gain, offset })
+            Err(format!(
+                "gain {gain} with offset {offset} describes no display; expected a gain above 0 and up to 10, an offset of -1…1, and light at the largest code (gain + offset above 0)"
+            ))
         }
     }
 
@@ -145,7 +116,7 @@ impl fmt::Display for Transfer {
 }
 
 impl FromStr for Transfer {
-    type Err = TransferError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let text = text.trim();
@@ -156,8 +127,10 @@ impl FromStr for Transfer {
             ("srgb", _) if name == text => Ok(Transfer::Srgb),
             ("gog", Some(&[gamma, gain, offset])) => Transfer::gog(gamma, gain, offset),
             ("gamma", Some(&[gamma])) => Transfer::gamma(gamma),
-            ("gamma", _) => Err(TransferError::Gamma(format!("{list:?}"))),
-            _ => Err(TransferError::Unknown(text.to_owned())),
+            ("gamma", _) => Err(not_a_gamma(format!("{list:?}"))),
+            _ => Err(format!(
+                "transfer {text:?} is not known; expected srgb, linear, gamma:G such as gamma:2.2, or gog:GAMMA,GAIN,OFFSET"
+            )),
         }
     }
 }
@@ -217,30 +190,30 @@ impl TransferTable {
     /// # Errors
     /// Returns an error if the columns differ in length or have fewer than two values, if one of them does not rise at
     /// every step (NaN included), or if one of them does not run from 0 to 1.
-    pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, TransferError> {
+    pub fn new(encoded: Vec<f64>, linear: Vec<f64>) -> Result<Self, String> {
         if encoded.len() != linear.len() || encoded.len() < 2 {
-            return Err(TransferError::Table(format!(
+            return Err(format!(
                 "the table has {} encoded and {} linear values; expected the same number of each, at least 2",
                 encoded.len(),
                 linear.len()
-            )));
+            ));
         }
         for (column, values) in [("encoded", &encoded), ("linear", &linear)] {
             for (i, pair) in values.windows(2).enumerate() {
                 if pair[0].partial_cmp(&pair[1]) != Some(Ordering::Less) {
-                    return Err(TransferError::Table(format!(
+                    return Err(format!(
                         "{column} value {} at index {} is not above the {} before it; expected strictly rising values",
                         pair[1],
                         i + 1,
                         pair[0]
-                    )));
+                    ));
                 }
             }
             let (first, last) = (values[0], values[values.len() - 1]);
             if (first, last) != (0.0, 1.0) {
-                return Err(TransferError::Table(format!(
+                return Err(format!(
                     "the {column} values run from {first} to {last}; expected 0 to 1, relative to the display's range"
-                )));
+                ));
             }
         }
         Ok(Self { encoded, linear })
@@ -332,14 +305,17 @@ impl fmt::Display for Transfers {
 }
 
 impl FromStr for Transfers {
-    type Err = TransferError;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parts: Vec<&str> = text.split('/').collect();
         match parts[..] {
             [one] => Ok(one.parse::<Transfer>()?.into()),
             [red, green, blue] => Ok(Self([red.parse()?, green.parse()?, blue.parse()?])),
-            _ => Err(TransferError::Channels(text.to_owned(), parts.len())),
+            _ => Err(format!(
+                "{text:?} has {} transfer functions; expected one, or three joined by / for red, green and blue",
+                parts.len()
+            )),
         }
     }
 }
@@ -350,9 +326,11 @@ impl FromStr for Transfers {
 ///
 /// # Errors
 /// Returns an error if `lowest` is not strictly between 0 and 1, or if `n` is 0.
-pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, TransferError> {
+pub fn equal_brightness_levels(lowest: f64, n: usize) -> Result<Vec<f64>, String> {
     if !(lowest > 0.0 && lowest < 1.0 && n > 0) {
-        return Err(TransferError::EqualSteps { n, lowest });
+        return Err(format!(
+            "lowest intensity {lowest} for {n} steps; expected an intensity between 0 and 1, relative to the highest, and at least 1 step"
+        ));
     }
     // r^j·I₀ = I₀^(1−j/n), which ends at exactly 1.
     Ok((0..=n).map(|j| lowest.powf(1.0 - j as f64 / n as f64)).collect())

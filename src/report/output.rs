@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use super::{
     document::Document,
     figures::{self, Figure},
-    prediction::{PredictionError, StudyPrediction},
+    prediction::StudyPrediction,
     script, skins,
     study::{Parts, Provenance, Study, document},
     tables,
@@ -28,7 +28,7 @@ use crate::{
 const CELLS: &str = "cells.csv";
 
 /// What the vision model predicted, or why it could not.
-pub type Predicted = Result<StudyPrediction, PredictionError>;
+pub type Predicted = Result<StudyPrediction, String>;
 
 /// The files of an analysis: their names and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;

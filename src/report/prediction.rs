@@ -43,44 +43,6 @@ pub struct Comparison {
     pub rank_correlation: Option<f64>,
 }
 
-/// The reasons why there is no prediction.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PredictionError {
-    /// The stimuli are not known.
-    #[error("the files contain no definition of an experiment, so the stimuli are unknown")]
-    NoDefinition,
-    /// The prediction would take too long for a report.
-    #[error(
-        "there are {conditions} conditions, and a report predicts at most {most}; `machband predict {name} --fit` predicts all"
-    )]
-    TooMany {
-        /// Number of conditions in the definition.
-        conditions: usize,
-        /// Maximum number in a report.
-        most: usize,
-        /// Name of the definition.
-        name: String,
-    },
-    /// The model cannot process a stimulus.
-    #[error("the model cannot process the stimuli: {0}")]
-    Invisible(#[from] VisionError),
-    /// The stimuli have no smooth reference.
-    #[error("the stimuli are of the kind {0}; expected mach-band, or a mesh whose smooth surface is known")]
-    NoReference(&'static str),
-    /// The prediction and the ratings share no condition.
-    #[error("the ratings contain none of the predicted conditions; expected ratings from this experiment")]
-    NoCondition,
-    /// A factor of the definition has no column.
-    #[error("the definition varies {0}, which is not a factor of this analysis; expected it among the factors")]
-    Factor(String),
-    /// The ratings use a different scale.
-    #[error("the scale has {0} {noun}; expected the four categories of the scale 0–3", noun = if *.0 == 1 { "category" } else { "categories" })]
-    Categories(usize),
-    /// The thresholds cannot be estimated.
-    #[error("{0}; expected ratings that increase with the prediction and use the whole scale")]
-    NoFit(String),
-}
-
 /// Predictions of the vision model for a study's conditions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyPrediction {
@@ -98,18 +60,25 @@ impl StudyPrediction {
     ///
     /// # Errors
     /// The reason why there is no prediction.
-    pub fn of(source: &Source, counts: &Counts) -> Result<Self, PredictionError> {
-        let protocol = source.protocol.as_ref().ok_or(PredictionError::NoDefinition)?;
+    pub fn of(source: &Source, counts: &Counts) -> Result<Self, String> {
+        let protocol = source
+            .protocol
+            .as_ref()
+            .ok_or("the files contain no definition of an experiment, so the stimuli are unknown")?;
         check_categories(counts)?;
         let conditions = protocol.conditions();
         let most = if protocol.stimulus.is_line() { MAX_CONDITIONS } else { MAX_PICTURES };
         if conditions.len() > most {
-            let name = protocol.name.clone();
-            return Err(PredictionError::TooMany { conditions: conditions.len(), most, name });
+            return Err(format!(
+                "there are {} conditions, and a report predicts at most {most}; `machband predict {} --fit` predicts all",
+                conditions.len(),
+                protocol.name
+            ));
         }
         let viewing = ViewingConditions::new(window_deg(source, protocol));
         let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
-        let predicted = viewing.visible(&stimuli, None)?;
+        let unseen = |error: VisionError| format!("the model cannot process the stimuli: {error}");
+        let predicted = viewing.visible(&stimuli, None).map_err(unseen)?;
         let predicted = by_condition(counts, protocol, conditions, &predicted)?;
         let comparison = compare(counts, &predicted)?;
         let values = category_values(counts);
@@ -132,7 +101,7 @@ pub fn compare_conditions(
     protocol: &Protocol,
     conditions: &[Condition],
     predicted: &[Visible],
-) -> Result<Comparison, PredictionError> {
+) -> Result<Comparison, String> {
     compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
 }
 
@@ -151,13 +120,19 @@ fn by_condition(
     protocol: &Protocol,
     conditions: &[Condition],
     predicted: &[Visible],
-) -> Result<Vec<Option<f64>>, PredictionError> {
+) -> Result<Vec<Option<f64>>, String> {
     if predicted.iter().all(|visible| visible.rated().is_none()) {
-        return Err(PredictionError::NoReference(protocol.stimulus.kind()));
+        return Err(format!(
+            "the stimuli are of the kind {}; expected mach-band, or a mesh whose smooth surface is known",
+            protocol.stimulus.kind()
+        ));
     }
     let is_missing = |name: &str, levels: usize| levels > 1 && counts.factor(name).is_none();
     if let Some(factor) = protocol.factors.iter().find(|factor| is_missing(&factor.name, factor.levels.len())) {
-        return Err(PredictionError::Factor(factor.name.clone()));
+        return Err(format!(
+            "the definition varies {}, which is not a factor of this analysis; expected it among the factors",
+            factor.name
+        ));
     }
     let names = counts.factors.iter().map(|factor| factor.name.as_str()).enumerate();
     let columns: Vec<(usize, &str)> = names.filter(|(_, name)| protocol.stimulus.get(name).is_some()).collect();
@@ -180,12 +155,14 @@ fn canonical(text: &str) -> String {
 }
 
 /// Compares predictions with ratings. `predicted` has an entry for each condition of the counts.
-fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, PredictionError> {
+fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, String> {
     check_categories(counts)?;
     let places = (0..).zip(predicted);
     let (places, model): (Vec<u32>, Vec<f64>) = places.filter_map(|(place, value)| Some((place, (*value)?))).unzip();
     if places.is_empty() {
-        return Err(PredictionError::NoCondition);
+        return Err(
+            "the ratings contain none of the predicted conditions; expected ratings from this experiment".to_owned()
+        );
     }
     let ratings = counts.rows.iter().filter(|row| places.binary_search(&row.condition).is_ok()).map(|row| row.count);
     let means = means_by_subject(counts, places.len(), |row| places.binary_search(&row.condition).ok());
@@ -204,18 +181,23 @@ fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, Pre
 }
 
 /// Checks that the ratings are on the scale of the criterion's thresholds.
-fn check_categories(counts: &Counts) -> Result<(), PredictionError> {
+fn check_categories(counts: &Counts) -> Result<(), String> {
     match counts.categories.len() {
         4 => Ok(()),
-        other => Err(PredictionError::Categories(other)),
+        other => {
+            let noun = if other == 1 { "category" } else { "categories" };
+            Err(format!("the scale has {other} {noun}; expected the four categories of the scale 0–3"))
+        }
     }
 }
 
 /// A criterion, and the 95 % interval of each of its thresholds.
 type Fitted = (Criterion, [Option<[f64; 2]>; 3]);
 
-fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, PredictionError> {
-    let fail = |error: &dyn std::fmt::Display| PredictionError::NoFit(error.to_string());
+fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, String> {
+    let fail = |error: &dyn std::fmt::Display| {
+        format!("{error}; expected ratings that increase with the prediction and use the whole scale")
+    };
     let mut builder = MeasuredBuilder::new(&["times"]).with_categories(&counts.categories);
     for row in &counts.rows {
         let Some(times) = predicted[row.condition as usize] else { continue };
@@ -227,11 +209,11 @@ fn criterion(counts: &Counts, predicted: &[Option<f64>]) -> Result<Fitted, Predi
     let model = fit(&builder.finish().counts, &ModelSpec::new(terms)).map_err(|error| fail(&error))?;
     let slope = model.coefficients.first().map_or(f64::NAN, |coefficient| coefficient.estimate);
     if !(slope.is_finite() && slope > 0.0) {
-        return Err(PredictionError::NoFit(format!("ratings change by {slope:.3} per unit of the log prediction")));
+        return Err(fail(&format_args!("ratings change by {slope:.3} per unit of the log prediction")));
     }
     let logs: Vec<f64> = model.thresholds.iter().map(|threshold| threshold.estimate / slope).collect();
     let Some(logs) = <[f64; 3]>::try_from(logs).ok().filter(|logs| logs.iter().all(|log| log.exp().is_finite())) else {
-        return Err(PredictionError::NoFit("at least one rating was never used".to_owned()));
+        return Err(fail(&"at least one rating was never used"));
     };
     // The slope follows the thresholds. The variance of a ratio, by its derivatives.
     let variance = |a: usize, b: usize| model.covariance[(a, b)];

@@ -4,9 +4,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 use super::catalog::Stimulus;
-use crate::light::{
-    Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferError, TransferTable, Transfers,
-};
+use crate::light::{Bits, CodeImage, Dither, LinearImage, Quantizer, Transfer, TransferTable, Transfers};
 
 /// Largest side of an image, pixels.
 pub const MAX_SIZE: u32 = crate::light::halftone::MAX_PX;
@@ -72,7 +70,7 @@ impl TransferForm {
         }
     }
 
-    fn transfers(self) -> Result<Transfers, TransferError> {
+    fn transfers(self) -> Result<Transfers, String> {
         match self {
             Self::Text(text) => text.parse::<Transfer>().map(Transfers::from),
             Self::Table { encoded, linear } => {

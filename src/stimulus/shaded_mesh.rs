@@ -14,7 +14,7 @@ use crate::{
     light::{Depth, LinearImage},
     shading::{
         Correction, Frame, Mesh, Scene, Shade, Shader, Surface, image,
-        shapes::{self, Shape, ShapeError},
+        shapes::{self, Shape},
     },
     text::names::serde_as_text,
 };
@@ -30,18 +30,16 @@ impl fmt::Display for Triple {
     }
 }
 
-/// The error for a string that is not three finite numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected three numbers separated by commas, such as 25,-35,0")]
-pub struct TripleError;
-
 impl FromStr for Triple {
-    type Err = TripleError;
+    type Err = &'static str;
 
-    fn from_str(text: &str) -> Result<Self, TripleError> {
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
         let numbers: Option<Vec<f64>> =
             text.split(',').map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite())).collect();
-        numbers.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok()).map(Triple).ok_or(TripleError)
+        numbers
+            .and_then(|numbers| <[f64; 3]>::try_from(numbers).ok())
+            .map(Triple)
+            .ok_or("expected three numbers separated by commas, such as 25,-35,0")
     }
 }
 
@@ -122,7 +120,7 @@ impl ShadedMesh {
     ///
     /// # Errors
     /// Returns an error if there are too few or too many vertices, which never happens for a valid stimulus.
-    pub fn mesh(&self) -> Result<Mesh, ShapeError> {
+    pub fn mesh(&self) -> Result<Mesh, String> {
         shapes::mesh(self.mesh, self.vertices as usize)
     }
 

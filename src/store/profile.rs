@@ -210,7 +210,6 @@ fn transfer(
     let found = if text == "table" {
         TransferTable::new(encoded.clone().unwrap_or_default(), linear.clone().unwrap_or_default())
             .map(|table| Transfer::Table(table).into())
-            .map_err(|error| error.to_string())
     } else if encoded.is_some() || linear.is_some() {
         Err("encoded and linear require transfer = \"table\"; expected that, or no lists".to_owned())
     } else {

@@ -4,7 +4,6 @@
 use std::fmt;
 
 use serde::{Serialize, Serializer};
-use thiserror::Error;
 
 /// One variable of a term.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -38,13 +37,6 @@ fn as_text<S: Serializer>(variable: &Variable, serializer: S) -> Result<S::Ok, S
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Terms(Vec<Term>);
 
-/// The error for a list of terms that cannot be read.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error(
-    "{0}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\""
-)]
-pub struct TermError(String);
-
 impl Variable {
     /// Returns the name of the column, without `num:`.
     pub fn name(&self) -> &str {
@@ -77,16 +69,21 @@ impl fmt::Display for Terms {
 }
 
 impl std::str::FromStr for Terms {
-    type Err = TermError;
+    type Err = String;
 
     /// Reads a list such as `width,depth,num:inv_n,width:depth`. An empty text means a model without terms.
-    fn from_str(text: &str) -> Result<Self, TermError> {
+    fn from_str(text: &str) -> Result<Self, String> {
         if text.trim().is_empty() {
             return Ok(Self::default());
         }
         let mut terms = Vec::new();
         for item in unquoted(text, ',') {
-            terms.extend(expand(item).ok_or_else(|| TermError(text.to_owned()))?);
+            let empty = || {
+                format!(
+                    "{text}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\""
+                )
+            };
+            terms.extend(expand(item).ok_or_else(empty)?);
         }
         Ok(Self::new(terms))
     }

@@ -93,17 +93,6 @@ pub struct Model {
     pub range: Option<[f64; 2]>,
 }
 
-/// Why a function cannot be fitted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FitError {
-    /// All trials are at one level, or there are none.
-    #[error("expected trials at two or more levels")]
-    Levels,
-    /// There are too few people, or one has no trials.
-    #[error("expected two or more people, each with trials")]
-    People,
-}
-
 /// The parameters of a psychometric function: those at which the posterior density is highest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
@@ -199,12 +188,12 @@ pub(super) struct Priors {
 
 impl Priors {
     /// Returns the priors for these data.
-    pub fn new(points: &[Point], model: &Model) -> Result<Self, FitError> {
+    pub fn new(points: &[Point], model: &Model) -> Result<Self, &'static str> {
         let mut levels: Vec<f64> =
             points.iter().filter(|point| point.total > 0 && point.is_target()).map(|point| point.x).collect();
         levels.sort_by(f64::total_cmp);
         let steps = levels.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
-        let nearest = steps.min_by(f64::total_cmp).ok_or(FitError::Levels)?;
+        let nearest = steps.min_by(f64::total_cmp).ok_or("expected trials at two or more levels")?;
         // psignifit's rule for a range that was stated.
         let stated = |[low, high]: [f64; 2]| ([low, high], (high - low) / 100.0);
         let (range, least_width) = model.range.map_or(([levels[0], levels[levels.len() - 1]], nearest), stated);

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    model::{Estimate, FitError, Model, Point, Priors, ln_binomial},
+    model::{Estimate, Model, Point, Priors, ln_binomial},
     numeric::{curvature, highest},
     posterior::Posterior,
 };
@@ -68,10 +68,10 @@ pub struct Person {
 /// # Errors
 ///
 /// There are fewer than two people, one has no trials, or all trials are at one level.
-pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, FitError> {
+pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, &'static str> {
     let has_trials = |points: &Vec<Point>| points.iter().any(|point| point.total > 0);
     if people.len() < 2 || !people.iter().all(has_trials) {
-        return Err(FitError::People);
+        return Err("expected two or more people, each with trials");
     }
     let all = people.concat();
     let priors = Priors::new(&all, model)?;

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use super::{
-    model::{Estimate, FitError, Model, Point, Priors, ln_likelihood, ln_total, step_of},
+    model::{Estimate, Model, Point, Priors, ln_likelihood, ln_total, step_of},
     numeric::{highest, legendre},
 };
 use crate::statistics::Interval;
@@ -40,7 +40,7 @@ pub(super) struct Posterior<'a> {
 
 impl<'a> Posterior<'a> {
     /// Returns the density for these points and the priors that they imply.
-    pub fn new(points: &[Point], model: &'a Model) -> Result<Self, FitError> {
+    pub fn new(points: &[Point], model: &'a Model) -> Result<Self, &'static str> {
         Ok(Self::with(points, model, Priors::new(points, model)?))
     }
 

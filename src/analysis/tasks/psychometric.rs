@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Binomial, Distribution as _};
 use serde::Serialize;
 
-pub use super::model::{Estimate, FitError, Guess, Model, Point};
+pub use super::model::{Estimate, Guess, Model, Point};
 use super::posterior::{Posterior, THRESHOLD, WIDTH};
 use crate::{statistics::Interval, system::checkpoint};
 
@@ -52,7 +52,7 @@ pub struct GoodnessOfFit {
 /// # Errors
 ///
 /// There are trials at fewer than two levels.
-pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, FitError> {
+pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, &'static str> {
     Ok(Posterior::new(points, model)?.most_probable())
 }
 
@@ -62,7 +62,7 @@ pub fn estimate(points: &[Point], model: &Model) -> Result<Estimate, FitError> {
 /// # Errors
 ///
 /// As for [`estimate`].
-pub fn fit(points: &[Point], model: &Model) -> Result<Fit, FitError> {
+pub fn fit(points: &[Point], model: &Model) -> Result<Fit, &'static str> {
     let posterior = Posterior::new(points, model)?;
     let maxima = posterior.maxima();
     let estimate = posterior.at(&maxima[0].1);
@@ -109,7 +109,7 @@ pub fn goodness_of_fit(
     model: &Model,
     simulations: usize,
     rng: &mut ChaCha8Rng,
-) -> Result<GoodnessOfFit, FitError> {
+) -> Result<GoodnessOfFit, &'static str> {
     let mut posterior = Posterior::new(points, model)?;
     // η = 0.
     let [threshold, width, lapse, guess, _] = posterior.maxima()[0].1;

@@ -207,7 +207,7 @@ impl ModelControls {
         if self.typed.trim().is_empty() {
             return Ok(None);
         }
-        let terms = self.typed.parse::<Terms>().map_err(|error| error.to_string())?;
+        let terms = self.typed.parse::<Terms>()?;
         match filters.check(&terms, counts) {
             Ok(()) => Ok(Some(terms)),
             Err(ModelError::UnknownFactor { name, known }) => {

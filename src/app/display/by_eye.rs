@@ -15,7 +15,7 @@ use crate::{
     app::ui::{Field, note, paragraph, table, theme},
     display::{
         Channel, DisplayProfile, Viewing,
-        matching::{ChannelGamma, GammaError, MatchSettings, Matching, estimate, transfers},
+        matching::{ChannelGamma, MatchSettings, Matching, estimate, transfers},
     },
     experiment::session_seed,
     store::matches::{self, MatchFile},
@@ -111,7 +111,7 @@ fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
 
 /// The estimate of γ for each channel.
 pub struct MatchFindings {
-    channels: Vec<(Channel, Result<ChannelGamma, GammaError>)>,
+    channels: Vec<(Channel, Result<ChannelGamma, String>)>,
     matches: usize,
 }
 

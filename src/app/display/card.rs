@@ -70,7 +70,7 @@ impl CardHelper {
         match width_cm_from_card(f64::from(self.card_px), screen_width_px) {
             Ok(width) => buttons(ui, width, accepted),
             Err(error) => {
-                show_error(ui, error.to_string());
+                show_error(ui, error);
                 Step::Stay
             }
         }

@@ -99,7 +99,7 @@ impl Tool for GeometryPage {
             ui.add_space(12.0);
             match fields.viewing(monitor) {
                 Ok(viewing) => self.sentences(ui, &viewing),
-                Err(error) => show_error(ui, error.to_string()),
+                Err(error) => show_error(ui, error),
             }
         });
         if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {

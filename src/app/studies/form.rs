@@ -197,13 +197,11 @@ impl SessionForm {
     fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<SessionField, String>) -> Option<Viewing> {
         let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
         let width = cm(self.screen.width_cm(monitor), "53.1")
-            .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm).map_err(|error| error.to_string()))
+            .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm))
             .map_err(|error| errors.insert(SessionField::ScreenWidth, error));
         let distance =
             cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(SessionField::Distance, error));
-        Viewing::new(width.ok()?, distance.ok()?)
-            .map_err(|error| errors.insert(SessionField::Distance, error.to_string()))
-            .ok()
+        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(SessionField::Distance, error)).ok()
     }
 }
 

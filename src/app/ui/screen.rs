@@ -6,7 +6,7 @@ use eframe::egui;
 
 use super::fields::number;
 use crate::{
-    display::{DisplayProfile, GeometryError, Monitor, Screen, Viewing},
+    display::{DisplayProfile, Monitor, Screen, Viewing},
     store::{profile, settings::ScreenFields},
 };
 
@@ -55,7 +55,7 @@ impl ScreenFields {
     ///
     /// # Errors
     /// A length is impossible, or is not a number.
-    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, GeometryError> {
+    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, String> {
         let width_cm = self.width_cm(monitor).unwrap_or(f64::NAN);
         let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm)?;
         Viewing::new(screen, number(&self.distance_cm).unwrap_or(f64::NAN))

@@ -2,10 +2,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
-use crate::{
-    display::channel::{Channel, SettingsError},
-    statistics::shuffle,
-};
+use crate::{display::channel::Channel, statistics::shuffle};
 
 /// The number of patches between two readings of white, which reveal drift.
 const BETWEEN_WHITES: usize = 16;
@@ -46,7 +43,7 @@ pub struct Patch {
 ///
 /// # Errors
 /// Returns an error if a profile cannot be made with these settings.
-pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, SettingsError> {
+pub fn patches(settings: &PatchSettings) -> Result<Vec<Patch>, String> {
     let PatchSettings { channels, levels, repeats, seed } = settings;
     Channel::check_for_profile(channels)?;
     let patch = |channel: Channel, step: usize| {

@@ -16,7 +16,7 @@ use crate::{
     report::{
         document::{Document, count, list},
         figures::Figure,
-        prediction::{PredictionError, StudyPrediction},
+        prediction::StudyPrediction,
     },
     store::{
         Columns, FileError, FileErrors,
@@ -184,7 +184,7 @@ pub struct Parts<'a> {
     pub figures: &'a [Figure],
     /// Predictions of the vision model for the analyzed ratings; `figures` must include their charts. Without
     /// predictions, there is no section about that model.
-    pub prediction: Option<&'a Result<StudyPrediction, PredictionError>>,
+    pub prediction: Option<&'a Result<StudyPrediction, String>>,
     /// How to repeat the analysis, for readers who do not have it open.
     pub provenance: Option<&'a Provenance>,
 }

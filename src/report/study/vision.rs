@@ -7,7 +7,7 @@ use crate::{
     report::{
         document::{Section, Shown, count, fixed, list, significant, unit, whole},
         figures::Figure,
-        prediction::{Comparison, PredictionError, StudyPrediction},
+        prediction::{Comparison, StudyPrediction},
     },
     store::{ratings::Source, sitting::SimulatedObserver},
 };
@@ -16,7 +16,7 @@ use crate::{
 pub(super) fn section(
     source: &Source,
     results: &Results,
-    prediction: &Result<StudyPrediction, PredictionError>,
+    prediction: &Result<StudyPrediction, String>,
     figures: &[Figure],
 ) -> Section {
     let mut section = Section::new("vision", "What the vision model predicts");

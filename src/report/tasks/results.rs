@@ -17,7 +17,7 @@ use crate::{
         tasks::{
             means::Mean,
             population::{self, Population},
-            psychometric::{self, Fit, FitError, GoodnessOfFit, Guess, Model, Point},
+            psychometric::{self, Fit, GoodnessOfFit, Guess, Model, Point},
         },
     },
     experiment::task::{Common, Measures},
@@ -37,7 +37,7 @@ pub struct TaskResults {
     /// which side: at least half of the people's, or their mean.
     pub beyond: Vec<(usize, Beyond)>,
     /// The conditions of which there is no mean over people, and why.
-    pub without_mean: Vec<(usize, FitError)>,
+    pub without_mean: Vec<(usize, &'static str)>,
     /// Differences between the thresholds of two conditions, of the people who have both.
     pub differences: Vec<([usize; 2], Mean)>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
@@ -140,7 +140,7 @@ pub struct PersonFunction {
     /// The answers at each level and, where they tell the guess rate, in catch trials.
     pub points: Vec<Point>,
     /// The fitted function.
-    pub fit: Result<Fit, FitError>,
+    pub fit: Result<Fit, &'static str>,
     /// How well it fits.
     pub goodness: Option<GoodnessOfFit>,
     /// Where the most probable threshold lies, if beyond the levels.
@@ -312,7 +312,7 @@ fn populations(
     study: &TaskStudy,
     functions: &[PersonFunction],
     model: &Model,
-) -> Vec<(usize, Result<Population, FitError>)> {
+) -> Vec<(usize, Result<Population, &'static str>)> {
     let conditions = 0..study.asked.conditions.len();
     let fit = |condition: usize| {
         let people: Vec<Vec<Point>> = sound(functions, condition).map(|function| function.points.clone()).collect();

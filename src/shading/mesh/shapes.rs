@@ -42,18 +42,6 @@ named! {
     }
 }
 
-/// The shape cannot have this number of vertices.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("a {shape} cannot have {vertices} vertices; expected {least}…{most}", most = MAX_VERTICES)]
-pub struct ShapeError {
-    /// The shape.
-    shape: Shape,
-    /// The requested number of vertices.
-    vertices: usize,
-    /// The fewest vertices that the shape can have.
-    least: usize,
-}
-
 /// The maximum number of vertices of a shape.
 pub const MAX_VERTICES: usize = 500_000;
 
@@ -88,10 +76,11 @@ impl Shape {
 /// shapes, whose triangles would otherwise be distorted; the cube and the pyramid always have 8.
 ///
 /// # Errors
-/// Returns a [`ShapeError`] if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
-pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, ShapeError> {
+/// Returns an error if `vertices` is outside [`Shape::min_vertices`]…[`MAX_VERTICES`].
+pub fn mesh(shape: Shape, vertices: usize) -> Result<Mesh, String> {
     if shape.has_vertices() && !(shape.min_vertices()..=MAX_VERTICES).contains(&vertices) {
-        return Err(ShapeError { shape, vertices, least: shape.min_vertices() });
+        let least = shape.min_vertices();
+        return Err(format!("a {shape} cannot have {vertices} vertices; expected {least}…{MAX_VERTICES}"));
     }
     match shape {
         Shape::Cube => Ok(cube()),

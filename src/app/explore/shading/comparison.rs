@@ -117,9 +117,7 @@ impl MeshChoice {
     /// A message about the file or the number of vertices.
     pub fn mesh(&self) -> Result<(Mesh, Option<String>), String> {
         match self {
-            MeshChoice::Named(shape, vertices) => {
-                Ok((shapes::mesh(*shape, *vertices).map_err(|error| error.to_string())?, None))
-            }
+            MeshChoice::Named(shape, vertices) => Ok((shapes::mesh(*shape, *vertices)?, None)),
             MeshChoice::File(path) => {
                 let path = Path::new(path);
                 let file = store::mesh::read(path, CREASE_DEG, Normals::Given).map_err(|errors| errors.to_string())?;
