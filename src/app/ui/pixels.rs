@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{self, Color32, ColorImage, Pos2, Rect, Sense, TextureHandle, TextureId, TextureOptions, Vec2};
+use rayon::prelude::*;
 
 use super::{text::describe, work::Latest};
 use crate::{
@@ -55,7 +56,7 @@ impl<K: Clone + PartialEq> Drawn<K> {
             let stimuli = stimuli();
             move || {
                 let quantizer = Quantizer::new(&Transfer::Srgb, Bits::Eight);
-                Ok(stimuli.iter().map(|stimulus| stimulus.codes(px, &quantizer)).collect())
+                Ok(stimuli.par_iter().map(|stimulus| stimulus.codes(px, &quantizer)).collect())
             }
         });
         if let Some(Ok(images)) = self.work.get(&key)
