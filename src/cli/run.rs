@@ -58,7 +58,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<()> {
         Some(participant) => participant.clone(),
         None => free_participant(&arguments.results, &protocol)?,
     };
-    let identity = Identity::new(&participant, &arguments.session)?;
+    let identity = Identity::new(&participant, &arguments.session).map_err(anyhow::Error::msg)?;
     // Problems that would otherwise surface only after the preflight are reported before a window opens.
     let csv = SessionPaths::new(&arguments.results, &protocol, &identity).csv;
     let changes = if arguments.accept_changes { Changes::Accept } else { Changes::Refuse };

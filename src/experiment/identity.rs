@@ -11,28 +11,19 @@ pub struct Identity {
     session: String,
 }
 
-/// The error for an identifier that cannot be part of a file name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what} {given:?} is not allowed; expected letters A–Z, a–z and digits only, at most 40, such as {example}")]
-pub struct IdentityError {
-    what: &'static str,
-    given: String,
-    example: &'static str,
-}
-
 impl Identity {
     /// Checks both identifiers. The error names the first one that is not valid.
-    pub fn new(subject: &str, session: &str) -> Result<Self, IdentityError> {
+    pub fn new(subject: &str, session: &str) -> Result<Self, String> {
         Ok(Self { subject: Self::check_subject(subject)?, session: Self::check_session(session)? })
     }
 
     /// Checks a participant identifier alone.
-    pub fn check_subject(id: &str) -> Result<String, IdentityError> {
+    pub fn check_subject(id: &str) -> Result<String, String> {
         check("participant", id, "S001")
     }
 
     /// Checks a session identifier alone.
-    pub fn check_session(id: &str) -> Result<String, IdentityError> {
+    pub fn check_session(id: &str) -> Result<String, String> {
         check("session", id, "1")
     }
 
@@ -63,10 +54,12 @@ pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-fn check(what: &'static str, id: &str, example: &'static str) -> Result<String, IdentityError> {
+fn check(what: &str, id: &str, example: &str) -> Result<String, String> {
     if (1..=MAX_LENGTH).contains(&id.len()) && id.chars().all(|c| c.is_ascii_alphanumeric()) {
         return Ok(id.to_owned());
     }
     let shown: String = id.chars().take(MAX_LENGTH + 8).collect();
-    Err(IdentityError { what, given: shown, example })
+    Err(format!(
+        "{what} {shown:?} is not allowed; expected letters A–Z, a–z and digits only, at most 40, such as {example}"
+    ))
 }

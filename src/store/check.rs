@@ -109,7 +109,7 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
 
 fn check_definition(protocol: Protocol) -> Result<Checked, StoreError> {
     let trial = |error: String| FileErrors::whole(&protocol.name, error);
-    let identity = Identity::new("S001", "1").map_err(|error| trial(error.to_string()))?;
+    let identity = Identity::new("S001", "1").map_err(trial)?;
     Schedule::new(&protocol, &identity, 1).map_err(|error| trial(error.to_string()))?;
     let sentence = format!(
         "definition {}: {} practice and {} main {}, order {}",

@@ -212,7 +212,7 @@ impl Plan {
     fn thresholds(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<PlannedThresholds> {
         allow_only(self, &OF_THRESHOLDS, "does not apply to thresholds; expected a definition of ratings")?;
         // What prevents one schedule prevents all.
-        Schedule::new(&protocol, &Identity::new("S00000", "1")?, self.seed)?;
+        Schedule::new(&protocol, &Identity::new("S00000", "1").map_err(anyhow::Error::msg)?, self.seed)?;
         // A difference is found by its 95 % interval.
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
         let (observer, shifts) = self.threshold_observer(&protocol)?;

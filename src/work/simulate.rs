@@ -147,7 +147,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
 /// The observer cannot see the stimuli, or the trials cannot be ordered as the definition asks.
 pub fn one_session(protocol: &Protocol) -> anyhow::Result<Vec<TrialRecord>> {
     let observer = VisionObserver::new(VisionRater::default(), protocol).map_err(anyhow::Error::msg)?;
-    let identity = Identity::new("S001", "1")?;
+    let identity = Identity::new("S001", "1").map_err(anyhow::Error::msg)?;
     let schedule = Schedule::new(protocol, &identity, 1)?;
     let course = Course::new(protocol.clone(), schedule.clone());
     let mut session = Session::new(course, &Resumed::default(), NO_SCREEN);
@@ -194,7 +194,7 @@ impl Simulation<'_> {
     fn session(&self, number: usize) -> anyhow::Result<()> {
         let Self { request, protocol, watcher, .. } = *self;
         watcher.check(&request.results)?;
-        let identity = Identity::new(&format!("S{number:03}"), "1")?;
+        let identity = Identity::new(&format!("S{number:03}"), "1").map_err(anyhow::Error::msg)?;
         let sitting = Sitting {
             started_at: now().to_string(),
             observer: Some(self.description.clone()),

@@ -117,7 +117,7 @@ impl SessionForm {
         let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
         let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
         if let Err(error) = Identity::check_session(&self.cell.session) {
-            errors.insert(SessionField::Session, error.to_string());
+            errors.insert(SessionField::Session, error);
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
@@ -132,7 +132,7 @@ impl SessionForm {
         // Why none could be suggested is said at another field.
         let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
         if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
-            errors.insert(SessionField::Participant, error.to_string());
+            errors.insert(SessionField::Participant, error);
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {

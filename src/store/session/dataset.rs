@@ -154,7 +154,7 @@ pub(crate) fn identity(csv: &Path) -> Result<Identity, FileErrors> {
     let (Some(subject), Some(session)) = (part("subject"), part("session")) else {
         return Err(fail("its name lacks the subject or the session"));
     };
-    Identity::new(subject, session).map_err(|error| FileErrors::whole(csv, error.to_string()))
+    Identity::new(subject, session).map_err(|error| FileErrors::whole(csv, error))
 }
 
 /// Returns the path of another file of the session with this data file.
