@@ -257,7 +257,7 @@ fn filters_narrow_the_analysis_and_its_export() {
     assert!(cells.lines().skip(1).all(|line| line.contains(",9,")), "3 participants × 3 repetitions: {cells}");
     // Existing files are never overwritten without a warning.
     click(&mut window, "Export");
-    assert_has(&window, "The folder has files from before");
+    wait_for(&mut window, "The folder has files from before");
     click(&mut window, "Replace");
     wait_for(&mut window, "files written to");
     // If the folder cannot be written to, the page says so.

@@ -3,7 +3,7 @@
 use super::{
     axes::{EDGE, Levels, PANEL, Values, beside, legend},
     figure::Figure,
-    labels::{self, TEXT, chosen, evenly},
+    labels::{self, chosen, evenly},
     palette::{Marker, Series, category},
     svg::WIDTH,
 };
@@ -41,7 +41,7 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
     });
     let series: Vec<(Series, &str)> = series.collect();
     let values = Values::between(0.0, 100.0);
-    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("Rating", &series), EDGE + TEXT / 2.0, PANEL);
+    let panel = values.panel(values.margin(), WIDTH - EDGE - beside("Rating", &series), EDGE, PANEL);
     Some(Figure::draw("proportions", title, caption, panel.bottom + levels.below(panel.width()), |svg| {
         values.draw(svg, &panel, Some("Ratings (%)"));
         levels.draw(svg, &panel, &across);
