@@ -152,9 +152,9 @@ fn wrong_usage_is_an_error_and_writes_nothing() {
     let cases = r"
         2: simulte => simulte
         2: run => EXPERIMENT
-        2: run quick --participant ../../x => '.'
-        2: run quick --participant Zoë => 'ë'
-        2: run quick --participant S001 --session '1 2' => ' '
+        2: run quick --participant ../../x => is not allowed
+        2: run quick --participant Zoë => is not allowed
+        2: run quick --participant S001 --session '1 2' => is not allowed
         2: run quick --resume => --participant
         2: run quick --seed -1 => outside 0…18446744073709551615
         2: simulate quick --participants -1 => outside 1…1000000

@@ -130,7 +130,7 @@ fn every_error_in_a_file_has_its_line_and_column() {
     assert!(errors("channel,level,luminance_cd_m2\n")[0].contains("there are no readings"));
     assert!(
         errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,128,2\nr,255,9\n")[0]
-            .starts_with("r.csv:3:3: level 128 looks")
+            .starts_with("r.csv:3:3: level 128 is outside")
     );
 }
 

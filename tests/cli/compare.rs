@@ -250,7 +250,7 @@ fn steps_are_judged_without_a_reference() {
     let line = pictures.said("compare slow.png --steps --window 16 --dither-out out.png");
     assert!(line.contains("or dither to 8"), "{line}");
     let line = pictures.said("compare slow.png --steps --ppd 30");
-    assert!(line.contains("(17.0667° wide"), "{line}");
+    assert!(line.contains("17.0667° wide"), "{line}");
     assert!(times(&pictures.json("compare out.png slow.png --window 16 --json")) > 0.5);
 }
 

@@ -160,7 +160,7 @@ fn no_command_writes_over_its_inputs() {
         "predict experiment out",
         "compare picture map",
         "plan experiment out",
-        "calibrate readings report",
+        "calibrate readings out",
     ] {
         assert!(pairs.contains(known), "{known} is not in {pairs:?}");
     }

@@ -327,7 +327,7 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
 }
 
 #[test]
-fn sessions_with_the_same_name_may_have_different_definitions() {
+fn different_definitions_with_the_same_name_are_exported_apart() {
     let scratch = tempfile::tempdir().unwrap();
     let results = scratch.path().join("results");
     for (folder, participants, factor) in [("a", "1", "tanh_k = [5, 7.5]"), ("b", "2", "color = [\"red\", \"gray\"]")] {
@@ -339,13 +339,11 @@ fn sessions_with_the_same_name_may_have_different_definitions() {
     for file in [session_csv(&results.join("b"), "small", "S001"), sidecar(&results.join("b"), "small", "S001")] {
         fs::remove_file(file).unwrap();
     }
-    let bids = scratch.path().join("bids");
-    assert_eq!(written(&results, &bids, Format::Bids).sessions, 2);
-    assert!(!bids.join("task-small_beh.json").exists());
-    let described = |subject: &str| {
-        read_json(&bids.join(format!("sub-{subject}/ses-1/beh/sub-{subject}_ses-1_task-small_beh.json")))
-    };
-    assert!(described("S001")["tanh_k"].is_object() && described("S002")["tanh_k"].is_null());
+    for (format, name) in [(Format::Bids, "bids"), (Format::PsychDs, "psych-ds")] {
+        let refused = export(&results, &scratch.path().join(name), format, Choice::default()).unwrap_err().to_string();
+        assert!(refused.contains("expected the same content, or one export for each folder"), "{refused}");
+        written(&results.join("a"), &scratch.path().join(name), format);
+    }
 }
 
 #[test]

@@ -854,7 +854,7 @@ mod errors {
             (|_| b"\xef\xbb\xbf\r\n".to_vec(), "1:1: the file is empty; expected a header row".into(), 12),
             (|_| b"row_id,\xe9,\n".to_vec(), "1:1: the column subject_id is missing; expected one of row_id, é".into(), 12),
             (|_| b"P\0\x03\x04\0\0".to_vec(), "1:1: is not a CSV file: its first line contains zero bytes".into(), 12),
-            (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is not a CSV file: its first line contains zero bytes".into(), 12),
+            (|_| b"\xfd7zXZ\0".to_vec(), "1:1: is a compressed file or an old spreadsheet".into(), 12),
             (|_| vec![b'x'; 2_000_000], "1:1: the first row is longer than 65,000 bytes; expected a".into(), 12),
         ];
         for (change, expected, left) in cases {

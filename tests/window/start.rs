@@ -254,6 +254,7 @@ fn an_experiment_is_duplicated_run_and_analyzed() {
     desk.screen();
     let mut desk = Desk::of(desk.harness);
     let offered = desk.screen();
+    desk.click("More actions");
     desk.click("Analyze this study");
     pane::wait_for(&mut desk.copy, "3 ratings by 1 participant.");
     desk.harness.until("the results", |harness| harness.screen() != offered);
