@@ -209,6 +209,7 @@ fn a_plan_says_how_many_participants_are_enough() {
     for (participants, powers) in [("1", 0), ("2", 1)] {
         plan(&mut window, participants, "orientation_deg:90=0.5");
         wait_for(&mut window, "mean threshold");
+        window.run_steps(3);
         assert_eq!(texts(&window).iter().filter(|text| text.ends_with("\u{a0}%")).count(), powers);
         click(&mut window, "Close");
     }

@@ -19,7 +19,7 @@ pub(super) const MARKER: f64 = 8.0;
 /// Height of a panel in a chart of column width.
 pub(super) const PANEL: f64 = 380.0;
 /// Free space at the edges of a chart: half a line of text, for a tick at the end of an axis.
-pub(super) const EDGE: f64 = 20.0;
+pub(super) const EDGE: f64 = 22.0;
 /// Length of a tick.
 const TICK: f64 = 8.0;
 /// Maximum width of a category's name at a tick.
