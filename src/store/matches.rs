@@ -126,7 +126,7 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
     if !["match", "undo"].contains(&event) {
         return Err((0, format!("{event:?} is not known; expected match or undo")));
     }
-    let channel: Channel = channel.parse().map_err(|error| (2, format!("{error}")))?;
+    let channel: Channel = channel.parse().map_err(|error: String| (2, error))?;
     let rows = Rows { lit: number(3, lit)?, period: number(4, period)?, row_px: number(5, row_px)? };
     if rows.lit == 0 || rows.lit >= rows.period || rows.row_px == 0 {
         return Err((

@@ -120,7 +120,7 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
             let message = || format!("{} {cell:?} is not a number; expected one such as 0.5", COLUMNS[index]);
             with_point(cell, separator).parse::<f64>().map_err(|_| (columns[index], message()))
         };
-        let channel: Channel = cells[columns[0]].trim().parse().map_err(|error| (columns[0], format!("{error}")))?;
+        let channel: Channel = cells[columns[0]].trim().parse().map_err(|error: String| (columns[0], error))?;
         let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
         Ok(Row { reading, places: columns.map(|column| row.place(column)) })
     })?;

@@ -72,6 +72,7 @@ impl StudyList {
         let mut clicked = None;
         ScrollArea::vertical().id_salt("studies").auto_shrink([false, true]).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = SMALL_GAP;
+            ui.spacing_mut().button_padding = Vec2::new(GAP, 6.0);
             for index in 0..self.rows.len() {
                 if index == self.files.len() {
                     ui.add_space(if index > 0 { LARGE_GAP } else { 0.0 });
