@@ -230,11 +230,11 @@ impl Analyze {
         };
         for (factor, levels) in &self.ratings.how.levels {
             let place = factors.iter().position(|name| name == factor);
-            let occurs =
-                |level: &&String| place.is_some_and(|place| rows.iter().any(|row| row.factors[place] == **level));
-            if let Some(level) = levels.iter().find(|level| !occurs(level)) {
-                let message =
-                    format!("{factor}={level}: there is no such level of a factor; expected levels in the table");
+            let known: BTreeSet<&str> =
+                place.into_iter().flat_map(|place| rows.iter().map(move |row| &*row.factors[place])).collect();
+            if let Some(level) = levels.iter().find(|level| !known.contains(level.as_str())) {
+                let known: Vec<&str> = known.into_iter().collect();
+                let message = format!("{level} is not a level of {factor}; {}", expected_one_of(level, &known));
                 return Err(RequestError::value("levels", message).into());
             }
         }
