@@ -116,9 +116,9 @@ def in_python(message: str, known: Iterable[str]) -> str:
     """Return a message of the library with arguments in place of options, and the nearest of the values it expects."""
     argument = {name.removesuffix("_deg").replace("_", "-"): name for name in known}
     message = message.replace(", --levels", "").replace("the options of", "the arguments of")
+    message = re.sub(r" <[^>]*>", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
-    # The only option in place of another that is no flag is ppd.
-    message = re.sub(r", or the option (?!ppd)(\w+)$", r", or \1=True", message)
+    message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
     message = re.sub(r", such as (missing|categories) '?([^']+)'?$", r", such as \1='\2'", message)
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
         message += nearest(found[1].lower(), among=re.findall(r"[\w:-]+", found[2]), cutoff=0.65)

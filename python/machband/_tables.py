@@ -54,7 +54,11 @@ def _columns(data: Any) -> list[tuple[Any, Any]] | None:
                 return [(column.name, column) for column in data.get_columns()]
             raise TypeError(f"{type(data).__name__} needs pyarrow and pandas, which are not installed") from None
         try:
-            data = pyarrow.table(data).to_pandas(ignore_metadata=True)
+            kinds = [str(kind) for kind in getattr(data, "types", ())]
+            data = pyarrow.table(data).to_pandas(ignore_metadata=True, integer_object_nulls=True)
+            # DuckDB does not say in Arrow that an ENUM has an order.
+            enums = [name for name, kind in zip(data.columns, kinds) if kind.startswith("ENUM")]
+            data = data.assign(**{name: data[name].cat.as_ordered() for name in enums})
         except (ValueError, NotImplementedError) as error:
             # A single column has no table.
             if not hasattr(data, "columns"):
@@ -83,6 +87,8 @@ def encoded(name: str, column: Any) -> Cells:
         return Levels(dtype.categories.to_list(), column.to_physical().cast(int).fill_null(-1).to_numpy(), True)
     if getattr(dtype, "tz", None) is not None:
         column = column.dt.tz_convert(None)
+    if getattr(dtype, "kind", "") in "iu" and getattr(column, "hasnans", False):
+        column = column.astype(object)
     masked: Any = np.broadcast_to(column.mask, column.shape) if isinstance(column, np.ma.MaskedArray) else None
     array = np.asarray(column)
     if array.ndim != 1:

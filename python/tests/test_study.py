@@ -273,7 +273,7 @@ def test_generators_of_numpy_are_seeds():
     [
         ("missing", {}, machband.Error, "missing"),
         (7, {}, TypeError, "data is 7; expected paths, or one DataFrame or dict of columns"),
-        ([], {}, ValueError, "required arguments were not provided: <FILE.DIR>"),
+        ([], {}, ValueError, "required arguments were not provided: data"),
         ({}, {}, ValueError, "required arguments were not provided"),
         (pandas.Series([1, 2]), {}, TypeError, "(?s)data is .*; expected paths"),
         ({"subject_id": ["a"], "rating": [7], "width": [1]}, {}, machband.Error, "^table"),

@@ -41,9 +41,10 @@ def test_every_kind_of_table_is_the_same():
     words = dict(zip(frame, [frame.who.to_numpy(), frame.answer.astype(object).to_numpy(), frame.dose, frame.n], strict=True))
     relation = duckdb.from_arrow(pyarrow.table(pl))
     scale = {"categories": ["low", "mid, or so", "high"]}
+    enums = relation.project(f"* REPLACE (answer::ENUM{(*scale['categories'],)} AS answer)")
     for table, further in [
         (frame, {}), (frame.set_index("who"), {}), (pl, {}), (pyarrow.table(pl), {}), (pyarrow.table(pl).to_reader(), {}),
-        (relation, scale), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
+        (relation, scale), (enums, {}), (words, scale), (frame.astype({"who": object, "answer": object}), scale),
         (np.array(list(zip(*words.values(), strict=True)), [(name, "O") for name in words]), scale),
     ]:
         with warnings.catch_warnings():
@@ -230,6 +231,16 @@ def test_wrong_tables_of_others_are_refused():
     unused = arrow.append_column("x", arrow["who"]).append_column("x", arrow["dose"])
     found, plain = (machband.analyze(table, categories=["low", "mid, or so", "high"], **GIVEN) for table in [unused, arrow])
     assert found.files == plain.files and len(found.predict(unused)) == len(arrow)
+
+
+def test_ids_beyond_floats_stay_apart_beside_missing_ones():
+    ids = pandas.array([None, *(2**53 + place % 12 for place in range(1, 48))], "Int64")
+    frame = pandas.DataFrame({"who": ids, "answer": [1, 2, 3, 1] * 12, "dose": ["a", "b"] * 24})
+    for table in [frame, polars.from_pandas(frame), pyarrow.Table.from_pandas(frame)]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = machband.analyze(table, subject="who", response="answer", factors="dose", draws=99, on_error="drop")
+        assert len(found.tables["subjects"]) == 12
 
 
 def test_wide_columns_have_their_scale():

@@ -480,7 +480,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     for (file, options, status, expected) in [
         ("stray.csv", &["--terms", "count"][..], 2, "y: 33 (1 rating) is far from the other values"),
         ("stray.csv", &["--terms", "count", "--missing", "33"], 0, "1 of 96 rows has no response"),
-        ("word.csv", &["--terms", "count"], 2, "y: oops is not a number; expected numbers"),
+        ("word.csv", &["--terms", "count"], 1, "word.csv:9:10: y is \"oops\"; expected a number, as in other rows"),
         ("words.csv", &["--terms", "count"], 2, "y: oops is not a number; expected numbers"),
         ("usual.csv", &["--terms", "count,trial"], 2, "--terms trial determines count"),
         ("usual.csv", &["--terms", "\"a:b\",count"], 2, "a:b determines count: each level of a:b occurs"),

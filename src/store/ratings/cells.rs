@@ -17,7 +17,7 @@ use crate::{
 pub(super) struct Known<'a> {
     /// For each factor, whether its column has only numbers, in all files together.
     factors: Vec<bool>,
-    /// The same for each column with responses.
+    /// The same for each column with responses; also if hardly any value is something else and the categories are not named.
     responses: Vec<bool>,
     /// Texts that mean a missing response.
     missing: &'a [String],
@@ -35,7 +35,8 @@ impl<'a> Known<'a> {
             responses: (0..first.responses.len())
                 .map(|i| {
                     let column = column_of(&selection.inputs, tables, |columns| columns.responses[i]);
-                    selection.own_scale.is_none() && values::are_numbers(&column)
+                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
+                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
                 })
                 .collect(),
             missing,
@@ -134,7 +135,8 @@ impl<'a> Cells<'a> {
                 let unless =
                     if is_own { "" } else { ", unless this column is named as the response or this value as missing" };
                 let rating = |highest| format!("a rating from 0 to {highest}{unless}");
-                let expected = own_scale.map_or_else(|| "a response".to_owned(), rating);
+                let number = || "a number, as in other rows, unless this value is named as missing".to_owned();
+                let expected = own_scale.map_or_else(number, rating);
                 return Err(RowError::new(row, columns.responses[which], expected));
             }
         };

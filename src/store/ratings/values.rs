@@ -88,6 +88,14 @@ pub(super) fn are_numbers(column: &[&Texts]) -> bool {
     values.peek().is_some() && values.all(|text| number(text).is_some())
 }
 
+/// True if hardly any values of a column, at most one in 50, are not numbers: these are then mistakes.
+pub(super) fn are_mostly_numbers(column: &[&Texts]) -> bool {
+    let rows = |is: fn(&str) -> bool| -> usize {
+        column.iter().map(|file| file.map(is).iter().filter(|is| **is).count()).sum()
+    };
+    50 * rows(|text| !is_missing(text, true) && number(text).is_none()) <= rows(|text| !is_missing(text, true))
+}
+
 /// Returns a whole number from 1 to a million, written with digits only; a session has at most 100,000 trials.
 pub(super) fn ordinal(text: &str) -> Option<u32> {
     let digits = text.len() < 10 && text.bytes().all(|byte| byte.is_ascii_digit());
