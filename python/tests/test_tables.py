@@ -234,8 +234,11 @@ def test_wrong_tables_of_others_are_refused():
 
 
 def test_ids_beyond_floats_stay_apart_beside_missing_ones():
-    ids = pandas.array([None, *(2**53 + place % 12 for place in range(1, 48))], "Int64")
-    frame = pandas.DataFrame({"who": ids, "answer": [1, 2, 3, 1] * 12, "dose": ["a", "b"] * 24})
+    import polars
+    import pyarrow
+
+    ids = pandas.array([None, *(2**53 + place % 12 for place in range(1, 96))], "Int64")
+    frame = pandas.DataFrame({"who": ids, "answer": [1, 2, 3, 1] * 24, "dose": ["a", "b"] * 48})
     for table in [frame, polars.from_pandas(frame), pyarrow.Table.from_pandas(frame)]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
