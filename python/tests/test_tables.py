@@ -234,6 +234,7 @@ def test_wrong_tables_of_others_are_refused():
 
 
 def test_ids_beyond_floats_stay_apart_beside_missing_ones():
+    needs("polars"), needs("pyarrow")
     import polars
     import pyarrow
 
