@@ -26,7 +26,7 @@ use crate::{
         tasks::{self, Levels, TaskStudy},
     },
     store::{
-        Columns, FileError, StoreError,
+        Columns, FileError, FileErrors, StoreError,
         answers::{self, AnswerColumns, AnswersRead},
         ratings::Source,
         table::List,
@@ -208,6 +208,11 @@ impl Analyze {
             return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
         }
         rows.retain(|row| !exclude.contains(&row.subject));
+        if rows.is_empty() {
+            return Err(
+                StoreError::from(FileErrors::whole(path, "has no answers at levels; expected at least one")).into()
+            );
+        }
         let common = Common {
             parameter: columns.level,
             log: given.log,
