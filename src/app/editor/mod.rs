@@ -14,7 +14,6 @@ mod page;
 mod preview;
 mod sections;
 mod task;
-mod thumbnails;
 
 pub use page::{Editor, Saved};
-pub use thumbnails::Thumbnails;
+pub use preview::Thumbnails;

@@ -1,6 +1,7 @@
-//! What one trial shows, and what a simulated observer answers.
+//! What a definition shows, drawn in the background: one trial, what a simulated observer answers, and the stimuli of all
+//! conditions.
 
-use eframe::egui::{Align2, FontId, Rect, Sense, Ui, Vec2, vec2};
+use eframe::egui::{self, Align2, FontId, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
@@ -11,10 +12,11 @@ use crate::{
         work::Latest,
     },
     experiment::{
-        Course, Identity, Phase, Protocol, Schedule,
+        Category, Condition, Course, Factor, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
+    report::{document::numbers::count, names},
     stimulus::Stimulus,
     work,
 };
@@ -64,7 +66,7 @@ impl Preview {
 
     fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let layout = protocol.task.layout();
-        let [columns, rows] = if layout.intervals() > 1 { [layout.count(), 1] } else { layout.grid() };
+        let [columns, rows] = if layout.intervals() > 1 { [layout.intervals(), 1] } else { layout.grid() };
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
         let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
         let side = side.clamp(16.0, SIDE);
@@ -96,19 +98,13 @@ impl Preview {
             let at = at + vec2(side / 2.0, side + 3.0);
             ui.painter().text(at, Align2::CENTER_TOP, caption, FontId::proportional(theme::NOTE), ink);
         }
-        let keys: Vec<String> = protocol
-            .response
-            .categories
-            .iter()
-            .map(|answer| format!("{}: {}", answer.key_name(), answer.label))
-            .collect();
-        let question = protocol.response.question.clone();
         let answers = if protocol.task.dial().is_some() {
             "Participants set a value and press Enter.".to_owned()
         } else {
-            keys.join(" · ")
+            let answer = |answer: &Category| format!("{}: {}", answer.key_name(), answer.label);
+            protocol.response.categories.iter().map(answer).collect::<Vec<_>>().join(" · ")
         };
-        ui::hint(ui, format!("{question} {answers}"));
+        ui::hint(ui, format!("{} {answers}", protocol.response.question));
     }
 }
 
@@ -154,4 +150,115 @@ fn first_trial(protocol: &Protocol) -> Option<Presentation> {
     let schedule = Schedule::new(protocol, &Identity::new("P001", "1").ok()?, 1).ok()?;
     let trial = schedule.trials.iter().position(|trial| trial.phase == Phase::Main)?;
     Some(Course::new(protocol.clone(), schedule).presentation(trial))
+}
+
+/// Maximum number of thumbnails.
+const MAX_THUMBNAILS: usize = 200;
+/// Side of a thumbnail, and of one in a line, points.
+const THUMBNAIL: f32 = 96.0;
+const STRIP: f32 = 48.0;
+
+#[derive(Default)]
+pub struct Thumbnails {
+    /// The revision of the form.
+    of: Option<u64>,
+    all: Vec<Thumbnail>,
+    conditions: usize,
+    drawn: Drawn<(Vec<Stimulus>, u32)>,
+}
+
+struct Thumbnail {
+    stimulus: Stimulus,
+    levels: Vec<String>,
+    /// The levels with the names of their factors.
+    description: String,
+    texture: Option<TextureHandle>,
+}
+
+impl Thumbnails {
+    /// Draws the number of conditions, followed by `when`, and their stimuli.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
+        self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
+        let n = self.conditions;
+        ui::section(ui, count(n as u64, "condition") + when);
+        if n > self.all.len() {
+            ui::hint(ui, format!("{} of them are shown, from all parts of the design.", self.all.len()));
+        }
+        let gap = ui.spacing().item_spacing.x;
+        let per_row = ((ui.available_width() + gap) / (THUMBNAIL + gap)).max(1.0) as usize;
+        for row in self.all.chunks(per_row) {
+            ui.horizontal_top(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
+        }
+    }
+
+    /// Draws one line of stimuli, from all parts of the design.
+    pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
+        let revision = egui::Id::unique(format!("{key:?}")).value();
+        let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
+        self.update(ui, protocol, revision, STRIP, shown);
+        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
+    }
+
+    /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
+    /// pictures with this side, points. Until they are ready, those of the same stimuli stay.
+    fn update(&mut self, ui: &Ui, protocol: &Protocol, revision: u64, side: f32, most: usize) {
+        if self.of.replace(revision) != Some(revision) {
+            self.list(protocol, most);
+        }
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        let stimuli: Vec<Stimulus> = self.all.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
+        let drawn = self.drawn.get(ui.ctx(), (stimuli.clone(), px), px, || stimuli);
+        let drawn = drawn.into_iter().flat_map(|((stimuli, _), textures)| stimuli.iter().zip(textures));
+        self.all.iter_mut().for_each(|thumbnail| thumbnail.texture = None);
+        for (thumbnail, (stimulus, texture)) in self.all.iter_mut().zip(drawn) {
+            thumbnail.texture = Some(texture.clone()).filter(|_| thumbnail.stimulus == *stimulus);
+        }
+    }
+
+    fn list(&mut self, protocol: &Protocol, most: usize) {
+        let conditions = protocol.conditions();
+        self.conditions = conditions.len();
+        let known = Some(protocol.stimulus.parameters());
+        let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
+        let thumbnail = |condition: &Condition| {
+            let level = |(factor, index): (&Factor, &usize)| {
+                names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
+            };
+            let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
+            let described: Vec<String> =
+                names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
+            Thumbnail { texture: None, description: described.join("; "), levels, stimulus: condition.stimulus.clone() }
+        };
+        let step = conditions.len().div_ceil(most).max(1);
+        self.all = conditions.iter().step_by(step).map(thumbnail).collect();
+    }
+}
+
+impl Thumbnail {
+    fn show(&self, ui: &mut Ui) {
+        ui.vertical(|ui| {
+            ui.set_width(THUMBNAIL);
+            ui.spacing_mut().item_spacing.y = 2.0;
+            self.picture(ui, THUMBNAIL);
+            // One after the other, so that no line begins with a space.
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = theme::SMALL_GAP;
+                for (index, level) in self.levels.iter().enumerate() {
+                    let end = if index + 1 < self.levels.len() { ";" } else { "" };
+                    ui.label(ui::secondary(format!("{level}{end}")));
+                }
+            });
+        });
+    }
+
+    fn picture(&self, ui: &mut Ui, side: f32) {
+        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+        ui::describe(&response, &self.description);
+        match &self.texture {
+            Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
+            _ => {}
+        }
+        response.on_hover_text(&self.description);
+    }
 }
