@@ -5,8 +5,7 @@ use std::{collections::BTreeSet, time::Duration};
 use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureHandle, Vec2, ViewportCommand};
 
 use super::{
-    answers::{draw_scale, draw_slider, scale_height},
-    feedback::Feedback,
+    answers::{Feedback, draw_scale, draw_slider, scale_height},
     finish::Finish,
     frames::ScreenRefresh,
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
@@ -136,7 +135,9 @@ impl Trials {
             self.recording.store.note(note);
         }
         self.handle_input(ui, now, input);
-        self.pause_if_too_small(ui.ctx(), now);
+        if self.is_trial() && self.too_small(ui.ctx()).is_some() {
+            self.step(Event::Pause, now);
+        }
         self.step(Event::Frame, now);
         if self.phase() == Some(Phase::Main) && !was_main {
             // After practice, only the field and the stimulus are shown, unless the participant requests the scale.
@@ -319,12 +320,6 @@ impl Trials {
         let scale = ctx.pixels_per_point().into();
         let room = room(self.session.protocol(), self.size_px, scale, "window", window_px(ctx).into());
         room.err().map(|error| error + " Make the window larger.")
-    }
-
-    fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
-        if self.is_trial() && self.too_small(ctx).is_some() {
-            self.step(Event::Pause, now);
-        }
     }
 
     /// Returns the stimuli of the current trial, in the order of their places or intervals.
