@@ -276,7 +276,7 @@ impl TrialRecord {
     pub fn from_cells(cells: &[&str], columns: &[Column]) -> Result<Self, (usize, String)> {
         let mut next = 0;
         let mut row = Self::read(cells, &mut next)?;
-        if has_task(columns) {
+        if columns.get(FIXED.len()).is_some_and(|column| column.name == TASK[0].0) {
             row.answer = Some(TaskAnswer::read(cells, &mut next)?);
         } else if row.rating.is_none() {
             let at = FIXED.iter().position(|(name, ..)| *name == "rating").unwrap_or_default();
@@ -285,11 +285,6 @@ impl TrialRecord {
         row.further = cells[next..].iter().map(|cell| (*cell).to_owned()).collect();
         Ok(row)
     }
-}
-
-/// Returns whether rows with these columns have those of a task.
-fn has_task(columns: &[Column]) -> bool {
-    columns.get(FIXED.len()).is_some_and(|column| column.name == TASK[0].0)
 }
 
 /// Returns every column of a protocol's result files, in order.
@@ -373,7 +368,7 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
 }
 
 /// A rating, or several equal ratings, from any file: the part of a row that an analysis needs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RatingRow<'a> {
     /// The participant.
     pub subject: &'a str,

@@ -19,7 +19,7 @@ use crate::{
         task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
     stimulus::{
-        KINDS, MachBand, ParameterValue, Stimulus,
+        KINDS, ParameterValue, Stimulus,
         picture::{Gallery, Picture},
     },
     system::found,
@@ -315,7 +315,7 @@ fn stimulus(given: &Map<String, Value>, errors: &mut DefinitionErrors) -> Stimul
             None => "stimulus.kind is missing; expected kind = …".to_owned(),
         };
         errors.add("stimulus.kind", message);
-        return Stimulus::MachBand(MachBand::default());
+        return Stimulus::default();
     };
     for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
         let path = format!("stimulus.{name}");

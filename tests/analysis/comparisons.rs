@@ -6,7 +6,7 @@ use machband::{
         comparisons::{Scaling, Triads, Wins},
         detection::Answers,
         settings::Settings,
-        tasks::means::Mean,
+        tasks::population::Mean,
     },
     statistics::Interval,
 };

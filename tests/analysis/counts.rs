@@ -3,7 +3,7 @@
 use machband::{
     analysis::{
         agreement::ordinal_alpha,
-        counts::{CountError, Counts, Excluded, Exclusions, MeasuredBuilder, Part},
+        counts::{Counts, Excluded, Exclusions, MeasuredBuilder, Part},
         summary::{by_cell, by_factor, by_subject},
     },
     experiment::RatingRow,
@@ -123,8 +123,10 @@ fn declared_categories_reject_other_ratings_and_stay_when_empty() {
     let mut builder = empty();
     let mut add = |subject: &str, rating: &str| builder.add_counts(subject, &["0.1", "1"], rating, 1);
     assert_eq!(add("S1", "2.0"), Ok(()));
-    assert_eq!(add("S1", "4").unwrap_err().to_string(), "rating 4; expected one of 0, 1, 2, 3");
-    assert_eq!((add("S1", ""), add("", "1")), (Err(CountError::NoRating), Err(CountError::NoSubject)));
+    assert_eq!(add("S1", "4").unwrap_err(), "rating 4; expected one of 0, 1, 2, 3");
+    assert!(
+        add("S1", "").unwrap_err().starts_with("no rating") && add("", "1").unwrap_err().starts_with("no participant")
+    );
     let rows = builder.finish().counts.rows;
     assert_eq!(rows.iter().map(|row| (row.rating, row.count)).collect::<Vec<_>>(), [(2, 1)]);
 }
