@@ -13,7 +13,6 @@
 //! smooth edge; [`ContrastSpectrum`] compares a picture with a uniform field. [`Sensitivity`] was fitted to people's thresholds,
 //! and the sources of all other constants are cited where they are defined. See `docs/models.md`.
 
-mod criterion;
 mod detection;
 mod error;
 mod eye;
@@ -23,9 +22,9 @@ mod ramp;
 mod steps;
 mod transforms;
 
-pub use criterion::Criterion;
 pub use detection::ContrastSpectrum;
 pub use error::{MAX_DEG, VisionError, check_extent};
+pub use eye::Criterion;
 pub use eye::Sensitivity;
 pub use eye::{Eye, Masking, luminance, luminances};
 pub use judge::{Difference, DifferenceMap, Judge, Place};
