@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`theme`], [`logo`] | colors, sizes, the palette of plots; the logo |
+//! | [`theme`] | colors, sizes, the palette of plots |
 //! | [`text`] | paragraphs, hints, notes, errors; the extent of a session |
 //! | [`page`] | pages, their headings, main buttons and keys; navigation |
 //! | [`fonts`] | fonts of the system for texts in other scripts |
@@ -13,7 +13,7 @@
 //! | [`figure`] | figures of the report |
 //! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
-//! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen |
+//! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen; the logo |
 //! | [`platform`] | the monitor, and what the window system reports about it |
 //! | [`work`] | long computations on separate threads |
 
@@ -22,7 +22,6 @@ pub mod fields;
 pub mod figure;
 pub mod fonts;
 pub mod history;
-pub mod logo;
 pub mod own_plot;
 pub mod page;
 pub mod pixels;

@@ -7,8 +7,8 @@ use eframe::egui::{
 };
 
 use super::{
-    logo::logo,
     page::filled_with,
+    pixels::logo,
     theme::{CONTROL, GAP, Icon, LARGE_GAP, SECTION, SMALL_GAP, WIDE, ink},
 };
 
