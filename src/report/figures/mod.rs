@@ -10,10 +10,8 @@ mod figure;
 mod labels;
 mod means;
 pub mod palette;
-mod proportions;
 mod svg;
 pub(super) mod tasks;
-mod times;
 
 use rayon::prelude::*;
 
@@ -28,11 +26,11 @@ pub use svg::Plotted;
 pub fn all(results: &Results) -> Vec<Figure> {
     let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,
-        |results| proportions::figure(results).into_iter().collect(),
+        |results| means::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
         |results| effects::figure(results).into_iter().collect(),
-        |results| times::figure(results).into_iter().collect(),
+        |results| tasks::times(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }
