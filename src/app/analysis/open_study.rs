@@ -339,7 +339,7 @@ impl Opened for OpenStudy {
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-                    let (contents, _) = study_files(&shown, &results, made, folder, false)?;
+                    let contents = study_files(&shown, &results, made, folder, false)?;
                     Ok(write_files(writer, folder, contents)?.len())
                 }),
             }
