@@ -342,7 +342,7 @@ fn units_and_origins_do_not_matter() {
         let (numbers, p, lr, text) = of(0, 0.0);
         assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");
         for (power, origin) in
-            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6)]
+            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6), (-2, 1e6)]
         {
             let (other, other_p, other_lr, other_text) = of(power, origin);
             for (number, other) in numbers.iter().zip(other) {

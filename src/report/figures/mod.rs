@@ -5,7 +5,6 @@
 
 mod axes;
 mod display;
-mod effects;
 mod figure;
 mod labels;
 mod means;
@@ -29,7 +28,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
         |results| means::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
-        |results| effects::figure(results).into_iter().collect(),
+        |results| means::effects(results).into_iter().collect(),
         |results| tasks::times(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
