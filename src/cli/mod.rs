@@ -10,7 +10,6 @@ mod compare;
 mod outputs;
 mod plan;
 mod predict;
-mod print;
 #[cfg(feature = "window")]
 mod run;
 mod sessions;
@@ -23,7 +22,7 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use self::{
     bar::Bar,
-    print::{print_data, print_line},
+    bar::{print_data, print_line},
 };
 use crate::{
     report::{

@@ -205,7 +205,7 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
         assert_eq!(withheld, [none, none, (true, None)], "{:?}", report.terms);
         assert!(report.comparisons.iter().all(|c| c.at.is_some()), "{:?}", report.comparisons);
         let html = page(&source(&["a", "b"]), results);
-        assert!(html.contains("that of a factor in an interaction, over those in which all of its levels were rated"));
+        assert!(html.contains("for a factor in an interaction, over those in which all of its levels were rated"));
         assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
     }
     assert_eq!(simple(&first), simple(&second));

@@ -8,11 +8,7 @@ use super::{
     palette::Series,
     svg::WIDTH,
 };
-use crate::{
-    analysis::{Results, counts::Quartiles},
-    report::document::count,
-    statistics::Interval,
-};
+use crate::statistics::Interval;
 
 /// The proportions of correct answers in a condition, and its psychometric function.
 pub(crate) struct Curve {
@@ -88,23 +84,4 @@ pub(crate) fn estimates(
         draw(svg, &panel, &levels, &lines, ["", ""]);
         legend(svg, &panel, "", &names, false);
     }))
-}
-
-/// Draws `times`, if response times are known.
-pub(super) fn times(results: &Results) -> Option<Figure> {
-    let counts = &results.measured.counts;
-    let n: u64 = results.times.iter().flatten().map(|quartiles| quartiles.n).sum();
-    let caption = format!(
-        "Markers are medians, with bars from the lower to the upper quartile; {}, {}.",
-        count(results.people() as u64, "participant"),
-        count(n, "response time"),
-    );
-    let value = |times: Quartiles| (times.median, Some(Interval { low: times.lower, high: times.upper }));
-    let (by, places, times): (_, _, Vec<Option<Quartiles>>) = if results.is_inferential() {
-        ("participant", &counts.subjects, results.subjects.iter().map(|subject| subject.times).collect())
-    } else {
-        ("rating", &counts.categories, results.times.clone())
-    };
-    let series = (String::new(), times.into_iter().map(|times| times.map(value)).collect());
-    estimates("times", places, &[series], (&format!("Response times by {by}"), "Response time (s)", caption))
 }
