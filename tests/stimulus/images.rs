@@ -84,6 +84,9 @@ fn an_image_file_describes_its_codes() {
     for kind in ["mach-band", "chevreul"] {
         let measured = info(&Recipe { transfers: table().into(), ..recipe(kind) });
         let profile = moxcms::ColorProfile::new_from_slice(&measured.icc_profile.unwrap()).unwrap();
+        // Equal inputs give equal bytes at any time.
+        let date = &profile.creation_date_time;
+        assert_eq!((date.year, date.month, date.day_of_the_month, date.hours, date.minutes), (2026, 1, 1, 0, 0));
         let curve = profile.red_trc.or(profile.gray_trc).unwrap();
         let moxcms::ToneReprCurve::Lut(points) = curve else { panic!("{curve:?}") };
         let middle = f64::from(points[points.len() / 2]) / 65535.0;
