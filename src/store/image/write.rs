@@ -6,7 +6,7 @@ use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
         halftone::{Halftone, MAX_PX, Screen},
-        palette::{IndexedImage, Reduction, reduce},
+        palette::{Reduction, reduce},
     },
     stimulus::recipe::Recipe,
     store::{FileErrors, StoreError, Writer, error::io, file::sha256},
@@ -44,8 +44,7 @@ pub(in crate::store) fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Qua
     png.map_err(|error| failed(path, error))
 }
 
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear
-/// light.
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG.
 ///
 /// # Errors
 /// The recipe has 16 bits, which a palette cannot have; the same errors as [`Writer::write`].
@@ -55,14 +54,13 @@ pub fn write_reduced(
     recipe: &Recipe,
     quantizer: &Quantizer,
     reduction: Reduction,
-) -> Result<IndexedImage, StoreError> {
+) -> Result<(), StoreError> {
     let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction).map_err(|error| failed(path, error))?;
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = png::ColorType::Indexed;
     info.palette = Some(Cow::Owned(image.palette.concat()));
     let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
-    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))?;
-    Ok(image)
+    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))
 }
 
 /// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
