@@ -33,11 +33,6 @@ named! {
     }
 }
 
-/// The image has more bits per code than a palette can hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the image has 16-bit codes; expected 8-bit codes, the only ones that a palette can hold")]
-pub struct SixteenBits;
-
 /// An image that consists of a palette and a palette index for every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexedImage {
@@ -109,9 +104,13 @@ pub fn reduce(
     image: &CodeImage,
     transfers: impl Into<Transfers>,
     reduction: Reduction,
-) -> Result<IndexedImage, SixteenBits> {
+) -> Result<IndexedImage, &'static str> {
     let colors = reduction.colors.clamp(1, MAX_COLORS) as usize;
-    let pixels = image.bytes().ok_or(SixteenBits)?.as_chunks::<3>().0;
+    let pixels = image
+        .bytes()
+        .ok_or("the image has 16-bit codes; expected 8-bit codes, the only ones that a palette can hold")?
+        .as_chunks::<3>()
+        .0;
     let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
     let mut palette = if tallies.len() <= colors {
