@@ -102,9 +102,9 @@ pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quan
         let crossing = middle - (middle - iy as f64) * (sin / cos);
         let mut done = 0;
         for run in &runs[runs.partition_point(|run| run.to + crossing < 0.0)..] {
-            // The casts turn negative values into 0.
-            let first = ((run.from + crossing).ceil() as usize).max(done);
-            let end = ((run.to + crossing).floor() as usize + 1).min(side);
+            // The casts round down, and turn negative values into 0.
+            let first = ((run.from + crossing + 1.0) as usize).max(done);
+            let end = ((run.to + crossing) as usize + 1).min(side);
             if first >= side {
                 break;
             }
