@@ -106,7 +106,7 @@ def in_python(message: str, known: Iterable[str]) -> str:
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
     message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
     renamed = {"vertices": "n_vertices", "screen width": "screen_cm", "distance": "distance_cm"}
-    if (found := re.match(r"([a-z ]+)(:| [-\d]| NaN| inf)", message)) and (name := renamed.get(found[1])) in argument.values():
+    if (found := re.match(r"([a-z ]+?)(:| [-\d]| NaN| inf)", message)) and (name := renamed.get(found[1])) in argument.values():
         message = f"{name}{message[found.end(1) :]}"
     message = re.sub(r", such as (missing|categories) '?([^']+)'?$", r", such as \1='\2'", message)
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:

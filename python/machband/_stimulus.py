@@ -108,6 +108,8 @@ class Transfer:
 
     def __post_init__(self) -> None:
         """Check the function, or read the profile."""
+        if self.display is not None and self.function not in (None, "srgb"):
+            raise _machband.Error(f"function is {self.function!r}, and display {self.display!r}; expected one of them")
         _machband.encode(np.zeros(3), encoding(self), False)
 
     @classmethod

@@ -61,7 +61,7 @@ def read_results(folder: str | PathLike[str]) -> Table:
     return rows
 
 
-def _sidecars(data: str | PathLike[str]) -> Iterator[Path]:
+def _sidecars(data: Any) -> Iterator[Path]:
     """Return the sidecars of a data file or of those in a folder, which have their definitions."""
     root = Path(data)
     found = [root.with_suffix(".json")] if root.is_file() else root.rglob("*_data.json")
@@ -83,8 +83,9 @@ def _levels(argument: str, given: Any) -> list[str]:
         if isinstance(order, (str, bytes, set, frozenset, Mapping)) or not isinstance(order, Iterable):
             raise TypeError(f"{name} is {order!r}; expected a list of levels, which has an order")
         levels = listed(name, np.fromiter(order, object), "NA")
-        if wrong := [level for level in levels if levels.count(level) > 1] or not levels:
-            has = f"has {wrong[0]} twice" if levels else "has no level"
+        twice = [level for level in levels if levels.count(level) > 1]
+        if twice or not levels:
+            has = f"has {twice[0]} twice" if twice else "has no level"
             raise Error(f"{name} {has}; expected each level once")
         quoted = str(factor).strip().replace('"', '""')
         found.append(f'"{quoted}"={texts(name, levels)}')
@@ -255,7 +256,6 @@ def analyze(
         raise Error("categories does not apply to answers at levels; expected ratings, or no categories")
     if isinstance(missing, (int, float, np.number)) and not isinstance(missing, bool):
         missing = [missing]
-    apart = ("factors", "only", "on_error")
     found: dict[str, Cells] = {}
     orders: dict[str, list[str]] = {}
     given_columns = columns(data)
@@ -284,10 +284,10 @@ def analyze(
             categories = recorded.get("categories")
         elif asked and all(scale == scales[0] for scale in scales):
             categories = scales[0]
-    given = options(analyze, locals(), *apart)
+    given = options(analyze, locals(), "factors", "only", "on_error")
     # A generator draws another one each time.
     seed = int(str(given["seed"]))
-    usual, own = options(analyze, {}, *apart), locals()
+    usual, own = options(analyze, {}, "factors", "only", "on_error"), locals()
     call = "".join(f", {name}={_plain(own[name])!r}" for name, one in given.items() if one != usual.get(name))
     call += "".join(f", {name}={_plain(own[name])!r}" for name in ("factors", "only") if own[name] is not None)
     if factors is not None:

@@ -97,10 +97,8 @@ impl Definition {
             }
             row
         };
-        described(
-            py,
-            Table::new(names.map(|name| Column::new(name, "", "")).collect(), schedule.trials.iter().map(row)),
-        )
+        let columns = names.map(|name| Column::new(name, "", "")).collect();
+        described(py, Table::new(columns, schedule.trials.iter().map(row)))
     }
 }
 
