@@ -158,9 +158,9 @@ def analyze(
         relation of DuckDB, through the Arrow C stream, which needs pyarrow and pandas; a structured array, or a dict of
         columns. Or result files, folders, tables of counts, or any tables (CSV or Excel). Answers to a task are read from
         their folder. Ordered categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked
-        value is missing;
-        True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
-        selection keeps and a merge may lose; any other table has the scale that its responses show.
+        value is missing; True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its
+        attributes, which a selection keeps and a merge may lose; any other table or file without a definition has the
+        scale that its responses show.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
@@ -235,7 +235,8 @@ def analyze(
         Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
+        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``. Levels that are not
+        named follow.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
