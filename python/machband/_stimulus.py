@@ -351,7 +351,7 @@ class Stimulus:
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return the light."""
-        return np.array(self.light, dtype, copy=copy)
+        return np.asarray(self.light, dtype) if copy is None else np.array(self.light, dtype, copy=copy)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Refuse to change."""
