@@ -182,7 +182,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         else:
             # What PsychoPy notes about any stimulus, such as its status, can be set.
             near = nearest(name, among=parameters, cutoff=0.75) if not hasattr(self, name) else ""
-            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS} or hasattr(GratingStim, name)
+            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS, "image"} or hasattr(GratingStim, name)
             if parameters and (near or (is_other and not hasattr(MinimalStim, name))):
                 settable = ", ".join([*self._own, *self._images, *parameters])
                 raise AttributeError(f"{name!r} cannot be set; expected one of {settable}{near}")
