@@ -18,6 +18,8 @@ pub struct C1Phong<'f> {
     normals: Patches,
     /// Positions, of which z counts, if a lamp is near.
     places: Option<Patches>,
+    /// Where the line of sight to each vertex meets the plane z = 0.
+    sights: Vec<DVec3>,
     pixel: PixelLight<'f>,
 }
 
@@ -25,7 +27,8 @@ impl<'f> C1Phong<'f> {
     /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
     pub fn new(frame: &'f Frame) -> Self {
         let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
-        C1Phong { normals: Patches::new(frame, Field::Normal), places, pixel: PixelLight::new(frame) }
+        let sights = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
+        C1Phong { normals: Patches::new(frame, Field::Normal), places, sights, pixel: PixelLight::new(frame) }
     }
 }
 
@@ -33,8 +36,8 @@ impl ShaderKernel for C1Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
         let frame = self.pixel.frame;
         let normal = self.normals.light(triangle, w, gouraud).normalize_or_zero();
-        // Where the line of sight meets the plane z = 0.
-        let mut place = weighted(w, frame.corners(triangle).map(|v| frame.view.sight(v.screen).extend(0.0)));
+        let ([a, b, c], sight) = (frame.triangles[triangle].vertices, |v: u32| self.sights[v as usize]);
+        let mut place = weighted(w, [sight(a), sight(b), sight(c)]);
         let to_viewer = frame.view.to_viewer(place);
         if let Some(places) = &self.places {
             place.z = places.light(triangle, w, gouraud).z;

@@ -6,7 +6,7 @@ use super::{
     gouraud::{ShaderKernel, weighted},
     painted::Painted,
 };
-use crate::shading::frame::Frame;
+use crate::shading::frame::{Frame, FrameVertex};
 
 /// The lighting of a frame, for any pixel whose normal is known.
 pub struct PixelLight<'f> {
@@ -38,11 +38,12 @@ pub struct Phong<'f>(pub PixelLight<'f>);
 impl ShaderKernel for Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], _: DVec3) -> DVec3 {
         let frame = self.0.frame;
-        let corners = frame.corners(triangle);
-        let near = corners.map(|v| frame.view.nearness(v.eye.z));
-        let normal = weighted(w, [0, 1, 2].map(|k| corners[k].normal * near[k])).normalize_or_zero();
-        let far = 1.0 / (w[0] * near[0] + w[1] * near[1] + w[2] * near[2]);
-        let place = weighted(w, [0, 1, 2].map(|k| corners[k].eye * near[k])) * far;
+        let [a, b, c] = frame.corners(triangle);
+        let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
+        let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
+        let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
+        let far = 1.0 / on_surface.iter().sum::<f64>();
+        let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
         self.0.light(triangle, w, place, normal, frame.view.to_viewer(place))
     }
 }
