@@ -1,4 +1,4 @@
-//! The analysis of ratings.
+//! The analysis of ratings, with the ordinal model that it fits and a plan simulates.
 
 use std::{
     collections::{BTreeSet, HashSet},
@@ -8,13 +8,13 @@ use std::{
 use serde::Serialize;
 
 use super::{
-    Model, Ratings, RequestError, Watcher,
+    Ratings, RequestError, Watcher,
     ratings::{check_order, explained},
     request::allow_only,
 };
 use crate::{
     analysis::{
-        ModelError, Options, Random, Resampling, Results, analyze_with,
+        Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Results, Slopes, analyze_with,
         counts::Counts,
         find_factor, numbers_of,
         tasks::psychometric::{self, Guess},
@@ -68,6 +68,34 @@ pub struct Analyze {
     #[command(flatten)]
     #[serde(flatten)]
     pub levels: AnswersAtLevels,
+}
+
+/// The ordinal model.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct Model {
+    /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
+    /// with : or * [default: every factor that varies].
+    #[arg(long, value_name = "T,…")]
+    pub terms: Option<Terms>,
+    /// Link function of the cumulative model.
+    #[arg(long, default_value_t, value_parser = one_of::<Link>(Link::NAMES))]
+    pub link: Link,
+    /// Random slopes: for each term that varies within participants, where the design supports it (independent), or
+    /// with all their correlations (correlated).
+    #[arg(long, default_value_t, value_parser = one_of::<Slopes>(Slopes::NAMES))]
+    pub slopes: Slopes,
+    /// Also analyze a study that is larger than usual: more than 10 factors, 120 levels of a factor, 5,000 conditions,
+    /// 20,000 participants, 120 coefficients or 5 minutes of simulated studies, or names of more than 200 bytes. The
+    /// time grows with their square or cube.
+    #[arg(long)]
+    pub large: bool,
+}
+
+impl Model {
+    /// Returns the maximum number of coefficients.
+    pub fn max_coefficients(&self) -> usize {
+        if self.large { usize::MAX } else { MAX_COEFFICIENTS }
+    }
 }
 
 /// The columns of a table of answers at levels, from which thresholds are estimated.
@@ -264,7 +292,6 @@ impl Analyze {
             link: self.model.link,
             random: self.random,
             max_coefficients: self.model.max_coefficients(),
-            max_minutes: self.model.max_minutes(),
             slopes: self.model.slopes,
             resampling: self.resampling,
             parameters: source.parameters(),
@@ -280,6 +307,10 @@ impl Analyze {
             return Err(RequestError::value(option, format!("{name}: {}", expected_one_of(name, &names))));
         }
         self.check_factors(counts)?;
+        if self.random == Some(Random::None) && self.model.slopes == Slopes::Correlated {
+            let message = "correlated: the model has no random effects; expected independent or none";
+            return Err(RequestError::value("slopes", message));
+        }
         let terms = self.options(&study.source).terms(counts);
         let twice = terms.as_ref().and_then(|terms| twice(counts, terms));
         if let Some(message) = twice.or_else(|| determined(counts, self.columns_of(terms.as_ref()))) {

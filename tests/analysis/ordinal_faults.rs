@@ -154,7 +154,7 @@ fn one_subject_has_no_random_intercept() {
 fn redundant_terms_are_named_and_dropped() {
     let counts = counts(&rows(8, 6, 1.5, 5));
     let model = fit(&counts, &spec("width,num:width,depth", Random::Subject)).unwrap();
-    assert_eq!(model.notes, [Note::AliasedTerm { term: "num:width".into() }]);
+    assert!(matches!(&model.notes[..], [Note::AliasedTerm { term, .. }] if term == "num:width"), "{:?}", model.notes);
     let other = fit(&counts, &spec("num:width,width", Random::None)).unwrap();
     assert_eq!(other.notes, [Note::Aliased { column: "width0.4".into() }]);
     let names: Vec<&str> = other.coefficients.iter().map(|c| c.name.as_str()).collect();

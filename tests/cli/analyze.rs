@@ -375,7 +375,7 @@ fn the_script_finds_the_same_numbers_in_r() {
             "clmm(rating ~ orientation_deg + (1 + orientation_deg | subject),",
             "orientation_deg90",
         ),
-        ("plain", "--terms width:num:inv_n --random none", "clm(rating ~ width:num_inv_n,", "width0.02:num_inv_n"),
+        ("plain", "--terms width*num:inv_n --random none", "clm(rating ~ width + num_inv_n +", "width0.1:num_inv_n"),
     ] {
         let line = format!("analyze results --out {out} --tables-only --draws 99 {options}");
         succeeds(folder.path(), &split(&line));
@@ -467,7 +467,7 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
     write("word.csv", &rows(&|i| if i == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("words.csv", &rows(&|i| if i % 9 == 7 { "oops".to_owned() } else { (i * i / 3 % 4).to_string() }));
     write("usual.csv", &usual);
-    write("twice.csv", &(usual.clone() + usual.split_once('\n').unwrap().1));
+    write("blank.csv", &(usual.replace("p1,", ",,,,\n\np1,") + &", ,,,\n".repeat(9)));
     write("nobody.csv", &usual.replace("p1,", ","));
     write("data.json", "[{\"id\": 1, \"y\": 2}]");
     write("q.csv", "id,y\nID,Rating\n\"{\"\"ImportId\"\":\"\"id\"\"}\",\"{\"\"ImportId\"\":\"\"Q1\"\"}\"\n1,2\n");
@@ -487,7 +487,14 @@ fn tables_of_other_programs_are_understood_or_refused_with_a_reason() {
         ("usual.csv", &["--terms", "\"a:b\",num:trial", "--factors", "count"], 0, ""),
         ("usual.csv", &["--terms", "count", "--categories", "3,2,1,0"], 2, "ascending order"),
         ("usual.csv", &["--terms", "count", "--order", "y"], 2, "y: several ratings by p0 have the place"),
-        ("twice.csv", &["--terms", "count"], 0, "its second half repeats the first one"),
+        ("blank.csv", &["--terms", "count"], 0, ""),
+        ("usual.csv", &["--terms", "count:y"], 2, "count:y: the effects and interactions that it contains"),
+        (
+            "usual.csv",
+            &["--terms", "count", "--random", "none", "--slopes", "correlated"],
+            2,
+            "expected independent or none",
+        ),
         ("nobody.csv", &["--terms", "count"], 1, "12 of 96 rows have no participant"),
         ("data.json", &["--terms", "a"], 1, "is JSON; expected CSV"),
         ("q.csv", &["--terms", "a"], 1, "remove its second and third rows"),

@@ -176,11 +176,6 @@ impl Counts {
         factors.iter().zip(levels).map(name).collect()
     }
 
-    /// Returns the participants who rated at least two levels of a factor.
-    pub fn crossing(&self, factor: usize) -> Vec<String> {
-        crossing(self, &self.rows, factor).map(|subject| self.subjects[subject as usize].clone()).collect()
-    }
-
     /// Returns whether most participants rated at least two levels of a factor.
     pub fn is_within(&self, factor: usize) -> bool {
         2 * crossing(self, &self.rows, factor).count() > self.rows.chunk_by(|l, r| l.subject == r.subject).count()

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    agreement, description, health, methods, model,
+    description, health, methods, model,
     provenance::{self, Provenance},
     summary, vision,
 };
@@ -199,7 +199,7 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         health::section(source, results),
         description::section(results, figures),
         model::section(results, figures),
-        agreement::section(results),
+        description::agreement(results),
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
     sections.extend([description::times(results, figures), methods, references]);

@@ -1,10 +1,11 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{cautions::is_serious, findings::averaged, names};
+use super::{names, summary::is_serious};
 use crate::{
     analysis::{
         Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
-        Slopes, TermTest, Withheld, terms::Variable,
+        Slopes, TermTest, Withheld,
+        terms::{Term, Variable},
     },
     report::{
         document::{
@@ -57,11 +58,30 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
-        &report.terms,
-        false,
+        &report.terms.iter().collect::<Vec<_>>(),
+        &[("p", |test| test.p)],
     );
-    interactions(&mut section, results, report);
+    let is_additive = results.spec.terms.iter().all(Term::is_main);
+    tests(
+        &mut section,
+        results,
+        [
+            "Do the effects depend on each other?",
+            if is_additive {
+                "The model is additive: each factor has the same effect at every level of the others. Each row tests this \
+                 for two factors. The p values are corrected for the number of rows."
+            } else {
+                "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row \
+                 tests this. The p values are corrected for the number of rows."
+            },
+            "Tests of the interactions that are not in the model",
+        ],
+        &report.interactions.iter().map(|own| &own.test).collect::<Vec<_>>(),
+        &[("Corrected p", |test| test.p)],
+    );
     let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
+    let of_odds: [(&str, fn(&TermTest) -> Option<f64>); 2] =
+        [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
     tests(
         &mut section,
         results,
@@ -75,40 +95,14 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             ),
             "Tests of proportional odds",
         ],
-        &report.proportional_odds,
-        is_corrected,
+        &report.proportional_odds.iter().collect::<Vec<_>>(),
+        &of_odds[..1 + usize::from(is_corrected)],
     );
     order(&mut section, report);
     if let Some(checks) = &report.checks {
         fit_of_model(&mut section, results, checks);
     }
     section
-}
-
-/// Lists the interactions that the model leaves out.
-fn interactions(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.interactions.is_empty() {
-        return;
-    }
-    section.heading("Do the effects depend on each other?");
-    section.text(if results.spec.terms.iter().any(|term| term.variables.len() > 1) {
-        "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row tests this. The p \
-         values are corrected for the number of rows."
-    } else {
-        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two \
-         factors. The p values are corrected for the number of rows."
-    });
-    TableOf::new("Tests of the interactions that are not in the model", &report.interactions)
-        .text("Factors", |test| test.factors.each_ref().map(|name| names::factor(results, name)).join(", "))
-        .number("χ²", |test| fixed(test.chi_squared, 2))
-        .number("df", |test| whole(test.df as u64))
-        .number("Corrected p", |test| probability(test.p))
-        .add_to(section);
-    for test in &report.interactions {
-        if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
-        }
-    }
 }
 
 /// Describes how ratings depend on the order of the trials.
@@ -235,9 +229,13 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Estimated marginal means");
     let covariates = if results.covariates.is_empty() { "" } else { ", with covariates at their means" };
+    let whole = match results.spec.terms.iter().all(Term::is_main) {
+        true => "",
+        false => "; that of a factor in an interaction, over those in which all of its levels were rated",
+    };
     section.text(format!(
-        "The rating that the model expects{}, averaged over the conditions of the other factors{covariates}. Unequal numbers \
-         of ratings do not matter.",
+        "The rating that the model expects{}, averaged over the conditions of the other factors{covariates}{whole}. Unequal \
+         numbers of ratings do not matter.",
         match &report.model.random {
             None => "",
             Some(random) if random.items.is_some() => " of a participant and an item with average random effects",
@@ -250,7 +248,6 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("Expected rating", |margin| mean(margin.mean))
         .number("95\u{a0}% interval", |margin| range(margin.interval, mean))
         .add_to(section);
-    results.factors.iter().filter_map(|factor| averaged(results, factor)).for_each(|text| section.note(text));
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
@@ -347,13 +344,13 @@ fn meaning(results: &Results, model: &Model) -> String {
     text
 }
 
-/// Adds a table of likelihood-ratio tests, if there are any.
+/// Adds a table of tests, if there are any, with these probabilities.
 fn tests(
     section: &mut Section,
     results: &Results,
     [heading, about, caption]: [&str; 3],
-    tests: &[TermTest],
-    corrected: bool,
+    tests: &[&TermTest],
+    p: &[(&str, fn(&TermTest) -> Option<f64>)],
 ) {
     if tests.is_empty() {
         return;
@@ -363,10 +360,9 @@ fn tests(
     let mut table = TableOf::new(caption, tests)
         .text("Term", |test| names::term(results, &test.term))
         .number("χ²", |test| fixed(test.lr, 2))
-        .number("df", |test| whole(test.df as u64))
-        .number("p", |test| probability(test.p));
-    if corrected {
-        table = table.number("Holm-corrected p", |test| probability(test.p_holm));
+        .number("df", |test| whole(test.df as u64));
+    for (head, of) in p {
+        table = table.number(*head, move |test| probability(of(test)));
     }
     table.add_to(section);
     let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
