@@ -79,8 +79,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 }
 
 /// The columns of a plan that are printed.
-const RATINGS: &str =
-    "participants term test effect_logits above below power false_alarms ci_low ci_high median_estimate";
+const RATINGS: &str = "participants term test effect_logits above below power false_alarms ci_low ci_high";
 const THRESHOLDS: &str =
     "participants trials estimate truth missing power false_alarms ci_low ci_high half_width error";
 

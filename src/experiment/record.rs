@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::{
-    identity::Identity,
+    participant::Identity,
     protocol::Protocol,
     scale::CATEGORIES,
     schedule::{Phase, Schedule},

@@ -3,7 +3,7 @@
 
 use super::{
     course::Course,
-    identity::Identity,
+    participant::Identity,
     record::{RowContext, TrialRecord, columns},
     schedule::{Phase, Trial},
     task::{Answer, Pick, Presentation},

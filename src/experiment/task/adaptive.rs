@@ -9,7 +9,7 @@ use super::{
     kind::{Kind, Pick, whole_only},
     options::{OptionValue, kinds, options},
     quest::{Quest, QuestPlus, Second},
-    ranking::Ranking,
+    scaling::Ranking,
     staircase::{Staircase, Stairs},
 };
 use crate::{

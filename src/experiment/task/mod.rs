@@ -12,8 +12,8 @@ mod kind;
 mod options;
 mod pair;
 mod quest;
-mod ranking;
 mod rating;
+mod scaling;
 mod staircase;
 mod yes_no;
 
@@ -26,8 +26,8 @@ pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, 
 pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
-pub use ranking::{Mode, Ranking, Scaling, Wins};
 pub use rating::{Rating as RatingTask, Scale as RatingScale};
+pub use scaling::{Mode, Ranking, Scaling, Wins};
 pub use staircase::{Staircase, Stairs};
 pub use yes_no::YesNo;
 

@@ -11,11 +11,9 @@ use rayon::{iter::Either, prelude::*};
 use super::{
     cells::{Known, add_rows},
     files::{self, Header},
-    options::ReadOptions,
     rows::{MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
-    source::{Definitions, FileRead, Layout, Reason, SessionRead, Shape, Source},
-    trials::{self, Attempt},
+    source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
     values,
 };
 use crate::{
@@ -118,9 +116,7 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        let content = content(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
-        read.sha256 = content.as_deref().map(file::sha256);
-        notes.extend(content.and_then(|bytes| doubled(input, &bytes)));
+        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
         let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
         if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
             && let Some(other) = contents.insert(hash, &input.name)
@@ -358,7 +354,7 @@ fn sessions(selection: &Selection, tables: &mut [Rows]) -> Vec<SessionRead> {
             enter(identity.subject(), identity.session(), input);
         }
     }
-    trials::decide(attempts, &mut sessions, tables);
+    decide(attempts, &mut sessions, tables);
     sessions
 }
 
@@ -389,9 +385,9 @@ fn read_attempts<'a>(
             return Err(RowError::new(row, column, format!("{expected}, as in the first row")));
         }
         let phase = phases.get(row).ok_or_else(|| wrong(own.phase, "practice or main"))?;
-        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1000000"))?;
+        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1,000,000"))?;
         let attempt = attempts.as_ref().map_or(Ok(1), |(column, numbers)| {
-            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1000000"))
+            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1,000,000"))
         })?;
         let subject = present(input.columns.subject, "a participant")?;
         let session = present(own.session, "a session")?;
@@ -402,22 +398,13 @@ fn read_attempts<'a>(
     rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
-/// Returns the content of a file, unless it is large.
-pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
+/// Returns the SHA-256 of a file, unless it is large.
+fn hash(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
-}
-
-/// Says that the second half of the lines below the header repeats the first half.
-pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
-    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    let header = bytes.iter().position(|byte| *byte == b'\n')? + 1;
-    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
-    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
-    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
-    is_doubled.then(|| FileError::whole(&input.name, message))
+    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.
@@ -450,4 +437,58 @@ fn in_order(mut errors: Vec<FileError>, files: &[PathBuf]) -> FileErrors {
         files.iter().enumerate().map(|(i, path)| (path.with_extension(""), i)).collect();
     errors.sort_by_key(|error| index.get(&Path::new(&error.file).with_extension("")).map_or(0, |i| i + 1));
     FileErrors(errors)
+}
+
+/// A row of a result file: an attempt at a trial. The order is that of the session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Attempt {
+    /// Index of the session.
+    pub session: u32,
+    pub is_main: bool,
+    pub trial: u32,
+    pub attempt: u32,
+    /// Index of the file.
+    pub file: u32,
+    /// Index of the row in the file.
+    pub row: u32,
+    pub rated: bool,
+    /// Whether frames were dropped; `None` if this was not measured.
+    pub dropped: Option<bool>,
+}
+
+/// Sets how these rows are used, and counts the trials of the sessions.
+fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
+    for measured in attempts.iter().filter(|attempt| attempt.is_main && attempt.dropped.is_some()) {
+        sessions[measured.session as usize].dropped = Some(0);
+    }
+    attempts.sort_unstable();
+    let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
+    let mut furthest = (u32::MAX, 0);
+    for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
+        let last = same_trial.last().map(|row| row.attempt);
+        let Attempt { session, is_main, trial, .. } = same_trial[0];
+        if is_main {
+            let before = if furthest.0 == session { furthest.1 } else { 0 };
+            sessions[session as usize].skipped += u64::from(trial - before - 1);
+            furthest = (session, trial);
+        }
+        for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
+            let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
+            same[1..].iter().for_each(|row| set(files, row, Status::Repeated(first.file)));
+            let mut set = |row: &Attempt, status| set(files, row, status);
+            if !first.is_main {
+                set(&first, Status::Practice);
+            } else if Some(first.attempt) < last {
+                set(&first, Status::Superseded);
+            } else {
+                set(&first, Status::Counts(first.session));
+                session.rated += u64::from(first.rated);
+                session.dropped = session.dropped.map(|n| n + u64::from(first.dropped == Some(true)));
+            }
+        }
+    }
+}
+
+fn set(files: &mut [Rows], row: &Attempt, status: Status) {
+    files[row.file as usize].status[row.row as usize] = status;
 }

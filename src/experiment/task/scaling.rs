@@ -1,5 +1,5 @@
-//! Paired comparisons: scale values from them, by Thurstone's Case V and the model of Bradley and Terry, and which two items
-//! to compare next, so that the answer is expected to tell most about all of them.
+//! Scale values from paired comparisons: Thurstone's Case V and the model of Bradley and Terry. Adaptive pairs: which two
+//! items to compare next, so that the answer is expected to tell most about all of them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
