@@ -288,11 +288,11 @@ impl Written {
         for key in self.factors.keys() {
             errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
         }
-        for key in
-            ["background", "factors", "pictures", "references"].into_iter().filter(|key| table.contains_key(*key))
-        {
-            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &["kind", "files", "show", "size"]));
+        let written = ["kind", "files", "show", "size"];
+        for key in table.keys().filter(|key| !written.contains(&key.as_str())) {
+            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &written));
         }
+        table.retain(|key, _| written.contains(&key.as_str()));
         let reference = self.task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
         pictures::gallery(table, place, reference, self.recovery.level, errors).into()
     }
