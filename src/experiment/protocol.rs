@@ -19,6 +19,9 @@ const MAX_TRIALS: usize = 100_000;
 const RATING_S: f64 = 3.5;
 /// Typical time to set a value, seconds.
 const SETTING_S: f64 = 12.0;
+/// Side lengths, in pixels, of the pictures that are compared: most differences are seen in few pixels, and only more pixels
+/// tell that there is none.
+const SIDES: [u32; 2] = [32, 512];
 /// Keys that the session itself uses, so they cannot be answers.
 const RESERVED_KEYS: [char; 1] = ['s'];
 
@@ -86,19 +89,27 @@ impl Protocol {
         let second = second.map(|it| ("adaptive.second.parameter", it.parameter.clone(), it.levels.clone()));
         let reference = self.task.reference().cloned().unwrap_or_default();
         let (picks, mut errors) = (self.picks(), DefinitionErrors::default());
+        let is_new = |target: Stimulus| {
+            let other = reference.apply(&target).ok();
+            // Pictures are told apart by their files.
+            matches!(target, Stimulus::Image(_))
+                || other.is_some_and(|other| SIDES.into_iter().any(|side| other.linear(side) != target.linear(side)))
+        };
+        if !reference.0.is_empty() && !self.conditions.iter().any(|one| targets(one, &picks).any(&is_new)) {
+            errors.add("task.reference", "the reference looks like the target; expected one that looks different");
+        }
         for (path, name, levels) in adjusted.into_iter().chain(self.adaptive.as_ref().map(adapted)).chain(second) {
             let light = |shown: &Stimulus, level: f64, side: u32| {
                 let mut changed = shown.clone();
                 changed.set(&name, &level.into()).ok().map(|()| changed.linear(side))
             };
-            // Most differences are seen in few pixels; only more pixels tell that there is none.
             let differs = |shown: &Stimulus, side: u32| {
                 let first = light(shown, levels[0], side);
                 levels[1..].iter().any(|level| light(shown, *level, side) != first)
             };
             let targets = self.conditions.iter().flat_map(|condition| targets(condition, &picks));
             let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
-            if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(&shown, side))) {
+            if !shown.any(|shown| SIDES.into_iter().any(|side| differs(&shown, side))) {
                 let message = "changes nothing that is shown; expected a parameter that has an effect here";
                 errors.add(path, format!("{name} {message}"));
             }

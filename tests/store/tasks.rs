@@ -388,12 +388,16 @@ CHOICEaltern = 3\n => 9:1 => unknown key "altern" in [task]
 [task]\nkind = "choice"\nreference = { deph = "inf" }\n => 8:15 => deph
 [task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
 [task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => all stimuli of a trial are the same
+[task]\nkind = "choice"\nreference = { orientation_deg = 360 }\n => 8:1 => the reference looks like the target
+CHOICEshown = "places"\nduration_s = 0.3\ngap_s = 0.4\n => 10:1 => task.duration_s applies to intervals only
 YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHS[task]\nkind = "pair"\npairs = "ladder"\n => 12:1 => pairs
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHSmax_run = 2\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own; expected no max_run
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
+DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to pairs = "chain" only
+[task]\nkind = "pair"\npairs = "chain"\nreference = { depth = "inf" }\nCONSTANTLEVELS => 8:1 => pairs does not apply
 DEPTHS[task]\nkind = "adjust"\n => 10:2 => task.parameter is missing; expected one of width
 HIGHSADJUST"high"\nlow = 0.6\nhigh = 0.7\n => 10:1 => high is a factor
 [task]\nkind = "adjust"\nparameter = "tanh_k"\nlow = 1\nhigh = 9\n => 8:1 => tanh_k changes nothing that is shown

@@ -78,6 +78,14 @@ impl Kind for Pair {
             let message = "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials";
             errors.add("task.trials", message);
         }
+        if self.along.is_some() && (with_levels || self.pairs != Pairs::Chain) {
+            errors.add("task.along", "along applies to pairs = \"chain\" only; expected that, or no factor");
+        }
+        if with_levels && self.pairs != Pairs::All {
+            let message =
+                "pairs does not apply to targets that are compared with a reference; expected none, or no [adaptive]";
+            errors.add("task.pairs", message);
+        }
         if with_levels {
             given.check_reference(&self.reference, errors);
             return;
