@@ -62,7 +62,7 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path)?.into(),
         Some("csv") => match column_names(path) {
             Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path)?.into(),
-            Ok(names) if names.first().is_some_and(|name| name == "event") => check_matches(path)?.into(),
+            Ok(names) if names.first().is_some_and(|name| name == "event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
             _ => check_results(path)?,
@@ -160,7 +160,7 @@ fn check_results(path: &Path) -> Result<Checked, StoreError> {
 
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [&session.row_errors[..], &session.changed].concat();
+    let mut errors = [session.row_errors(), &session.changed].concat();
     let interruption = session.interruption();
     if let Some((line, what)) = session.incomplete_line().filter(|_| interruption.is_none()) {
         errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
@@ -175,10 +175,6 @@ fn check_readings(path: &Path) -> Result<String, StoreError> {
     let readings = readings::open(path)?;
     let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
     Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")))
-}
-
-fn check_matches(path: &Path) -> Result<String, StoreError> {
-    Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
 }
 
 /// Checks the frames file of a session against the seals in its sidecar.

@@ -63,23 +63,13 @@ impl MatchFile {
         self.seed
     }
 
-    /// Records match `number`, counted from 1, made `time_s` seconds after the first picture.
+    /// Records match `number`, counted from 1, made `time_s` seconds after the first picture; or, if it `is_undone`, that it no
+    /// longer counts.
     ///
     /// # Errors
     /// The write failed; the next call will also write this match.
-    pub fn accept(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("match", number, found, time_s)
-    }
-
-    /// Records that a match no longer counts.
-    ///
-    /// # Errors
-    /// The same errors as [`MatchFile::accept`].
-    pub fn undo(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("undo", number, found, time_s)
-    }
-
-    fn event(&mut self, event: &str, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
+    pub fn record(&mut self, number: usize, found: &Match, time_s: f64, is_undone: bool) -> Result<(), StoreError> {
+        let event = if is_undone { "undo" } else { "match" };
         let Match { channel, rows: Rows { lit, period, row_px }, code } = found;
         let seed = self.seed;
         let row = format!("{event},{number},{channel},{lit},{period},{row_px},{code},{time_s:.3},{seed}\n");

@@ -54,7 +54,8 @@ impl<'a> Content<'a> {
         Ok(bytes)
     }
 
-    fn len(self) -> io::Result<u64> {
+    /// Returns the number of bytes.
+    pub fn len(self) -> io::Result<u64> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
             Self::Memory(content) | Self::Sheet(content) => Ok(content.len() as u64),
@@ -62,7 +63,7 @@ impl<'a> Content<'a> {
     }
 
     /// Reads at most [`MAX_ROW`] bytes of this range.
-    fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
+    pub fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
         let (mut reader, mut bytes) = (self.open()?, Vec::new());
         reader.seek(SeekFrom::Start(from))?;
         reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes)?;
@@ -251,21 +252,11 @@ impl Seek for Limited<'_, '_> {
     }
 }
 
-/// Calls `take` with every row, beginning with the header. An unclosed quote affects only its own line.
+/// Calls `take` with the rows from a position on, or from the header, as long as it returns true. An unclosed quote affects
+/// only its own line.
 ///
 /// # Errors
 /// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
-pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
-    rows_from(content, separator, None, |row| {
-        take(row);
-        true
-    })
-}
-
-/// Calls `take` with the rows from a position on, or from the first, as long as it returns true.
-///
-/// # Errors
-/// The same errors as [`each_row`].
 pub(super) fn rows_from(
     content: Content<'_>,
     separator: u8,
@@ -330,27 +321,18 @@ pub(super) fn parse<T>(
     header: impl FnOnce(&[&str]) -> Result<(), CellError>,
     mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
 ) -> Result<Vec<T>, FileErrors> {
-    let (mut rows, mut errors, mut header) = (Vec::new(), Vec::new(), Some(header));
-    let (mut width, mut is_other) = (0, false);
-    let read = each_row(Content::Memory(text), separator, |found| {
-        if is_other {
-            return;
-        }
+    let (mut rows, mut errors, mut header, mut width) = (Vec::new(), Vec::new(), Some(header), 0);
+    let read = rows_from(Content::Memory(text), separator, None, |found| {
         let mut error = |(cell, message): CellError| errors.push(FileError::at(file, found.place(cell), message));
-        let cells: Vec<&str> = match found.record.iter().map(std::str::from_utf8).collect() {
-            Ok(cells) => cells,
-            Err(_) => {
-                return error((
-                    found.text().err().unwrap_or(0),
-                    "the row is not UTF-8 text; expected UTF-8".to_owned(),
-                ));
-            }
+        let Ok(cells) = found.record.iter().map(std::str::from_utf8).collect::<Result<Vec<&str>, _>>() else {
+            error((found.text().err().unwrap_or(0), "the row is not UTF-8 text; expected UTF-8".to_owned()));
+            return true;
         };
         if let Some(check) = header.take() {
             width = cells.len();
             if let Err((cell, message)) = check(&cells) {
-                is_other = cell == 0;
                 error((cell, message));
+                return cell > 0;
             }
         } else if cells.len() != width {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
@@ -360,6 +342,7 @@ pub(super) fn parse<T>(
                 Err(found) => error(found),
             }
         }
+        true
     });
     if let Err(error) = read {
         errors.push(FileError::whole(file, format!("cannot be read: {error}; expected CSV")));

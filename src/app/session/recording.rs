@@ -161,7 +161,7 @@ impl Recording {
         // This is the last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
-        self.store.describe_input(self.input());
+        self.store.sitting().input = Some(self.input());
         let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
         self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());

@@ -5,10 +5,9 @@ use std::path::Path;
 use super::{
     files::Header,
     reader::{alike, content, doubled, how_read},
-    rows::{RowError, Rows, Status},
+    rows::{RowError, Rows, Status, is_mark, is_missing, with_point},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
-    values::{is_mark, is_missing, with_point},
 };
 use crate::{
     experiment::SIMULATED,

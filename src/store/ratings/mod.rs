@@ -7,18 +7,15 @@
 
 pub mod answers;
 mod cells;
-mod converted;
 mod files;
 mod options;
 mod reader;
 mod rows;
 mod selection;
 mod source;
-mod trials;
-mod values;
 
 pub use files::{Listed, column_names, files, with_files};
 pub use options::{Levels, ReadOptions};
 pub use reader::{read, read_columns};
+pub(super) use rows::with_point;
 pub use source::{FileRead, Layout, Reason, SessionRead, Shape, Source, TimeLimits};
-pub(super) use values::with_point;

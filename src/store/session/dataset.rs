@@ -9,13 +9,13 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::{frames, lock};
+use super::frames;
 use crate::{
     experiment::{Column, Definition, Identity, Protocol, columns},
     store::{
         FileError, FileErrors, StoreError,
         error::io,
-        file::{ABANDONED, exists, folder_of, make_folder, remove_temporary, write_json, write_missing},
+        file::{ABANDONED, LOCK_SUFFIX, exists, folder_of, make_folder, remove_temporary, write_json, write_missing},
         open::read_regular,
     },
     system::{entries, link_target, unless_missing},
@@ -329,6 +329,6 @@ fn ignored() -> String {
     format!(
         "# Frame intervals describe a session and are not its data.\n*{frames}\n# The participants, in the form of another standard.\n{PARTICIPANTS}\n{PARTICIPANTS_DESCRIBED}\n# Exists only while a session runs, where the file system has no locks.\n*{lock}\n# Lines that machband repair removed from a data file.\n*{DAMAGED}*\n# This list, under the name used in the text of the standard.\n{by_the_text}\n",
         frames = frames::SUFFIX,
-        lock = lock::SUFFIX,
+        lock = LOCK_SUFFIX,
     )
 }

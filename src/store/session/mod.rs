@@ -1,9 +1,7 @@
 //! Writes, reads and verifies a session on disk: its data set, its rows, and the sidecar and frames file next to them.
 
-mod chain;
 pub mod dataset;
 pub mod frames;
-pub(super) mod lock;
 pub mod overview;
 pub mod participants;
 pub mod recorded;

@@ -9,12 +9,12 @@ use std::{
 
 use super::{
     dataset::{SessionPaths, identity},
-    lock, results,
+    results,
     sidecar::Sidecar,
 };
 use crate::{
     experiment::{Identity, Protocol, columns},
-    store::{FileErrors, StoreError, definition, error::io, ratings::Listed},
+    store::{FileErrors, StoreError, definition, error::io, file::held, ratings::Listed},
     system::{found, unless_missing},
 };
 
@@ -73,7 +73,7 @@ impl SessionState {
     /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
         let (_, sidecar, protocol) = described(&self.csv)?;
-        if lock::held(&self.csv)?.is_some() {
+        if held(&self.csv)?.is_some() {
             return Err(StoreError::InUse(self.csv.clone()));
         }
         if sidecar.is_complete() || !results::read(&self.csv, &columns(&protocol))?.is_empty() {

@@ -62,6 +62,10 @@ impl Participants {
             if row.len() != columns.len() {
                 let message = format!("the number of cells in the row is {}; expected {}", row.len(), columns.len());
                 errors.push(FileError::at(&path, (number, 1), message));
+            } else if row[0].starts_with('"') {
+                let message =
+                    format!("the participant is {}; expected cells without quotation marks, as in BIDS", row[0]);
+                errors.push(FileError::at(&path, (number, 1), message));
             }
             rows.push(row);
         }
@@ -78,7 +82,7 @@ impl Participants {
     pub fn get(&self, subject: &str, column: &str) -> Option<&str> {
         let row = self.rows.iter().find(|row| is_of(row, subject))?;
         let place = self.columns.iter().position(|name| name == column)?;
-        row.get(place).map(String::as_str).filter(|value| *value != MISSING)
+        row.get(place).map(String::as_str).filter(|value| is_given(value))
     }
 
     /// Sets values in a participant's row, and adds the row and the columns that are missing. A value that is `None`
@@ -110,14 +114,14 @@ impl Participants {
             let Some(subject) = subjects.iter().find(|subject| is_of(row, subject)) else { continue };
             let mut values = Vec::new();
             for (column, value) in other.columns.iter().zip(row).skip(1) {
-                let known = self.get(subject, column);
-                if let Some(known) = known.filter(|known| known != value && value != MISSING) {
+                let (known, value) = (self.get(subject, column), Some(value).filter(|value| is_given(value)));
+                if let Some((known, value)) = known.zip(value).filter(|(known, value)| known != value) {
                     let path = path.display();
                     notes.push(format!(
-                        "{path}: {column} of {subject} is {value:?}, but {known:?} in an earlier data set, which is used"
+                        "{path}: {column} of {subject} is {value:?}, but {known:?} in an earlier row, which is used"
                     ));
                 }
-                values.push((column.as_str(), Some(value.clone()).filter(|_| known.is_none())));
+                values.push((column.as_str(), value.filter(|_| known.is_none()).cloned()));
             }
             self.put(subject, values);
         }
@@ -134,6 +138,11 @@ impl Participants {
         let lines = std::iter::once(&self.columns).chain(&self.rows);
         lines.map(|cells| cells.join("\t") + "\n").collect()
     }
+}
+
+/// True if a cell has a value.
+fn is_given(cell: &str) -> bool {
+    !cell.is_empty() && cell != MISSING
 }
 
 /// True if a row is that of a participant. People who edit the table leave out `sub-` or change the case; IDs that differ
@@ -178,24 +187,15 @@ fn described(dataset: &Path) -> Result<Map<String, Value>, StoreError> {
     found.map_or_else(|| Ok(Map::new()), |text| Ok(parse_json(&path, &text, "a description of columns")?))
 }
 
-/// What several data sets say about their participants.
-pub(in crate::store) struct Collected {
-    /// One row for each participant.
-    pub participants: Participants,
-    /// The description of the columns.
-    pub descriptions: Map<String, Value>,
-    /// Notes about values that differ.
-    pub notes: Vec<String>,
-}
-
-/// Collects what several data sets say about these participants of theirs.
+/// Collects what several data sets say about these participants of theirs: a row for each, the description of the columns, and
+/// notes about values that differ.
 ///
 /// # Errors
 /// The files cannot be read; a spreadsheet would interpret a cell as a formula; or data sets describe a column with
 /// different units or levels.
 pub(in crate::store) fn collect<'a>(
     datasets: impl IntoIterator<Item = (PathBuf, BTreeSet<&'a str>)>,
-) -> Result<Collected, StoreError> {
+) -> Result<(Participants, Map<String, Value>, Vec<String>), StoreError> {
     let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
     let (mut descriptions, mut notes) = (Map::new(), Vec::new());
     for (dataset, subjects) in datasets {
@@ -226,7 +226,7 @@ pub(in crate::store) fn collect<'a>(
             }
         }
     }
-    Ok(Collected { participants, descriptions, notes })
+    Ok((participants, descriptions, notes))
 }
 
 /// Describes the columns that are not described yet. Manual entries are kept.

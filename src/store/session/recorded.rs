@@ -7,14 +7,17 @@ use std::{
 
 use super::{
     dataset::{beside, identity},
-    frames, lock, results,
+    frames, results,
     seal::{Difference, Hashes},
     sidecar::{Sidecar, missing},
 };
 use crate::{
     experiment::{Course, Identity, Phase, Protocol, Replay, Replayed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
-    store::{FileError, FileErrors, StoreError, definition, file::exists},
+    store::{
+        FileError, FileErrors, StoreError, definition,
+        file::{exists, held},
+    },
 };
 
 /// A session with all its data and metadata, as it was at one moment.
@@ -43,12 +46,8 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// What each row records, or why no session could have recorded it there.
-    replayed: Vec<Result<Replayed, String>>,
-    /// The rows that no session could have recorded in their place.
-    pub row_errors: Vec<FileError>,
-    /// The number of trials that are still to be answered.
-    left: usize,
+    /// The rows, as they were recomputed.
+    replays: Replays,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
@@ -68,14 +67,14 @@ impl Recorded {
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
         for _ in 0..ATTEMPTS {
-            let running = lock::held(csv)?;
+            let running = held(csv)?;
             let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), running.clone());
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
                 // A session that is just being created has no sidecar yet.
                 return match read {
-                    Err(_) if running.is_some() || lock::held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
+                    Err(_) if running.is_some() || held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
                     read => read,
                 };
             }
@@ -102,16 +101,12 @@ impl Recorded {
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
         let course = Course::new(protocol.clone(), schedule.clone());
-        let replays = replay(csv, course, (&identity, &sidecar), &rows);
-        let left = replays.left();
-        let Replays { replayed, errors: row_errors, .. } = replays;
+        let (replays, _) = replay(csv, course, (&identity, &sidecar), &rows);
         Ok(Self {
             changed,
             frames_sha256: hashes.of_frames().map(str::to_owned),
             rows,
-            replayed,
-            row_errors,
-            left,
+            replays,
             data,
             sidecar_text,
             running,
@@ -142,9 +137,14 @@ impl Recorded {
         Some(FileError::whole(&self.csv, interrupted(line)))
     }
 
+    /// Returns an error for each row that no session could have recorded in its place.
+    pub fn row_errors(&self) -> &[FileError] {
+        &self.replays.errors
+    }
+
     /// Returns what a row records; `None` if the row is not planned.
     pub fn replayed(&self, row: usize) -> Option<&Replayed> {
-        self.replayed[row].as_ref().ok()
+        self.replays.replayed[row].as_ref().ok()
     }
 
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
@@ -161,14 +161,14 @@ impl Recorded {
         // A rating shows its condition, so most rows need not be looked at.
         let is_rating = self.protocol.task.is_default();
         let is_new = |row: &&Replayed| !is_rating || conditions.insert(self.schedule.trials[row.trial].condition);
-        let all = self.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
+        let all = self.replays.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
     /// Returns the number of answered trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
-        let rated = self.replayed.iter().flatten().map(|row| row.trial).collect::<HashSet<_>>().len();
-        (rated, rated + self.left)
+        let rated = self.replays.done().len();
+        (rated, rated + self.replays.left)
     }
 
     /// True if every planned trial is rated and the last row is complete.
@@ -185,13 +185,14 @@ pub(in crate::store) fn interrupted(line: usize) -> String {
 }
 
 /// The rows of a session, as they were recomputed.
+#[derive(Clone, Debug)]
 pub(super) struct Replays {
-    /// The session after the rows.
-    pub course: Course,
     /// What each row records, or why no session could have recorded it there.
     pub replayed: Vec<Result<Replayed, String>>,
     /// The rows that the definition and the seed do not plan, or that are not in an order in which a session records them.
     pub errors: Vec<FileError>,
+    /// The number of trials that are still to be answered.
+    pub left: usize,
 }
 
 impl Replays {
@@ -199,22 +200,15 @@ impl Replays {
     pub fn done(&self) -> BTreeSet<usize> {
         self.replayed.iter().flatten().map(|row| row.trial).collect()
     }
-
-    /// Returns the number of trials that are still to be answered.
-    pub fn left(&self) -> usize {
-        let done = self.done();
-        let is_left = |trial: &usize| !done.contains(trial) && !self.course.is_over(*trial);
-        (0..self.course.schedule().trials.len()).filter(is_left).count()
-    }
 }
 
-/// Recomputes the rows of a session that begins with `course`.
+/// Recomputes the rows of a session that begins with `course`, and returns the session after them.
 pub(super) fn replay(
     csv: &Path,
     course: Course,
     (identity, sidecar): (&Identity, &Sidecar),
     rows: &[TrialRecord],
-) -> Replays {
+) -> (Replays, Course) {
     let is_repaired = sidecar.is_repaired();
     let mut replay = Replay::new(identity, course, is_repaired);
     let mut order = Order::new(is_repaired, sidecar.sittings.len());
@@ -228,7 +222,11 @@ pub(super) fn replay(
         errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
         replayed.push(found);
     }
-    Replays { course: replay.course, replayed, errors }
+    let mut replays = Replays { replayed, errors, left: 0 };
+    let (done, course) = (replays.done(), replay.course);
+    let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
+    replays.left = (0..course.schedule().trials.len()).filter(is_left).count();
+    (replays, course)
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.

@@ -7,9 +7,8 @@ use std::{
 };
 
 use super::{
-    chain,
     recorded::{Recorded, interrupted},
-    seal::ACCEPTED,
+    seal::{ACCEPTED, gaps},
     sitting::{OtherPicture, Pictures},
 };
 use crate::{experiment::GENERATOR, stimulus::Stimulus, store::FileError};
@@ -40,12 +39,8 @@ const MAX_SIDE: u32 = 8192;
 const MAX_RENDERED: u64 = 2_000_000_000;
 /// Number of pixels rendered at the same time, unless a single picture has more. Each pixel needs about 16 bytes.
 const AT_A_TIME: u64 = 16_000_000;
-/// Maximum number of hashes that are remembered, about 10 MB. All sessions on one screen share the pictures of their
-/// conditions; a design has a hundred.
-const MAX_KNOWN: usize = 20_000;
 
-/// Renders each picture once, regardless of how many sessions showed it. If there are very many different pictures,
-/// some are rendered again.
+/// Renders each picture once, regardless of how many sessions showed it.
 #[derive(Debug, Default)]
 pub struct Renderer {
     /// Hash of the picture for each recipe, as JSON.
@@ -63,11 +58,7 @@ impl Renderer {
         for (keys, stimuli) in keys_of.chunks(at_a_time).zip(wanted.chunks(at_a_time)) {
             self.known.extend(keys.iter().copied().cloned().zip(pictures.hashes(stimuli)));
         }
-        let hashes = keys.iter().map(|key| self.known[key].clone()).collect();
-        if self.known.len() > MAX_KNOWN {
-            self.known.clear();
-        }
-        hashes
+        keys.iter().map(|key| self.known[key].clone()).collect()
     }
 }
 
@@ -79,10 +70,10 @@ pub fn session(csv: &Path, renderer: &mut Renderer) -> Verified {
             found.rows = recorded.rows.len();
             found.rated = recorded.rated();
             check_generator(&recorded, &mut found);
-            found.errors.extend(recorded.row_errors.iter().cloned());
+            found.errors.extend(recorded.row_errors().iter().cloned());
             check_end(&recorded, &mut found);
             check_seal(&recorded, &mut found);
-            match chain::gaps(csv, &recorded.sidecar) {
+            match gaps(csv, &recorded.sidecar) {
                 Ok(gaps) => found.notes.extend(gaps),
                 Err(error) => found.errors.extend(error.errors(csv)),
             }
