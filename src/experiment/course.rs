@@ -4,7 +4,7 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
 use super::{
-    identity::fnv1a,
+    participant::fnv1a,
     protocol::Protocol,
     schedule::{Phase, Schedule},
     task::{Adaptive, Answer, Method, Pick, Presentation, Ranking, Track, Turn},

@@ -9,7 +9,6 @@ mod course;
 mod definition;
 mod faults;
 mod frame_log;
-mod identity;
 mod observer;
 mod participant;
 mod protocol;
@@ -27,13 +26,12 @@ pub use course::Course;
 pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, Recovery, SessionRules, ViewingPlan};
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
-pub use identity::Identity;
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
-pub use participant::{Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
+pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
-    Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, Seconds, TaskAnswer, TrialRecord,
-    columns, columns_by_header, is_reserved,
+    Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, STIMULUS, Seconds, TaskAnswer,
+    TrialRecord, columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};

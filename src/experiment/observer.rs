@@ -9,7 +9,7 @@ use rand_chacha::{
 use rand_distr::{Distribution as _, StandardNormal};
 
 use super::{
-    identity::{Identity, fnv1a},
+    participant::{Identity, fnv1a},
     protocol::Protocol,
     session::{Effect, Event, Session, State, TrialResponse},
     task::{Answer, Presentation, Senses},

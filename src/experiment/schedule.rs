@@ -11,7 +11,7 @@ use rand_chacha::{
 use super::{
     condition::{Condition, Factor},
     definition::Order,
-    identity::{Identity, fnv1a},
+    participant::{Identity, fnv1a},
     protocol::Protocol,
     task::Task,
 };

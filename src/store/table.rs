@@ -47,13 +47,6 @@ impl<'a> Content<'a> {
         })
     }
 
-    /// Reads all of the content.
-    pub fn bytes(self) -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        self.open()?.read_to_end(&mut bytes)?;
-        Ok(bytes)
-    }
-
     /// Returns the number of bytes.
     pub fn len(self) -> io::Result<u64> {
         match self {
@@ -77,8 +70,9 @@ pub(super) struct Row<'a> {
     pub record: &'a ByteRecord,
     content: Content<'a>,
     pub separator: u8,
-    /// The reader's position before the row. There may be line ends between this position and the row.
-    start: &'a Position,
+    /// The reader's position before the row, from which it can be read again. There may be line ends between this position and
+    /// the row.
+    pub start: &'a Position,
     end: u64,
     /// True if nothing follows this row.
     pub last: bool,
@@ -96,11 +90,6 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// Returns the cells as UTF-8. Those that are not are decoded from Windows-1252.
-    pub fn decoded(&self) -> ByteRecord {
-        self.record.iter().map(|cell| decoded(cell).into_owned()).collect()
-    }
-
     /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
     /// which is acceptable because errors are rare.
     pub fn raw(&self) -> Vec<u8> {
@@ -113,11 +102,6 @@ impl<'a> Row<'a> {
             self.failed.set(Some(error));
             Vec::new()
         })
-    }
-
-    /// Returns the position of the row, from which it can be read again.
-    pub fn position(&self) -> Position {
-        self.start.clone()
     }
 
     /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
@@ -396,32 +380,25 @@ impl std::fmt::Display for List {
 impl std::str::FromStr for List {
     type Err = String;
 
+    /// Splits what [`list`] joins; nothing for an empty text. An error says which quote or name is wrong.
     fn from_str(text: &str) -> Result<Self, String> {
-        split_list(text).map(Self)
+        if text.matches('"').count() % 2 == 1 {
+            return Err("a quote is never closed; expected names with commas between them".to_owned());
+        }
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let rows: Vec<csv::StringRecord> = reader.records().filter_map(Result::ok).collect();
+        let names: Vec<String> = rows.iter().flatten().map(str::to_owned).collect();
+        match names.iter().position(String::is_empty) {
+            // CSV quotes the only cell of a row if it is empty.
+            Some(_) if names.len() == 1 => Ok(Self::default()),
+            Some(index) => Err(format!("name {} is empty; expected names with commas between them", index + 1)),
+            None => Ok(Self(names)),
+        }
     }
 }
 
 crate::text::names::serde_as_text!(List);
-
-/// Splits what [`list`] joins; nothing for an empty text.
-///
-/// # Errors
-/// Says which quote or name is wrong.
-pub fn split_list(text: &str) -> Result<Vec<String>, String> {
-    if text.matches('"').count() % 2 == 1 {
-        return Err("a quote is never closed; expected names with commas between them".to_owned());
-    }
-    let mut reader = csv::ReaderBuilder::new();
-    let mut reader = reader.has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let rows: Vec<csv::StringRecord> = reader.records().filter_map(Result::ok).collect();
-    let names: Vec<String> = rows.iter().flatten().map(str::to_owned).collect();
-    match names.iter().position(String::is_empty) {
-        // CSV quotes the only cell of a row if it is empty.
-        Some(_) if names.len() == 1 => Ok(Vec::new()),
-        Some(index) => Err(format!("name {} is empty; expected names with commas between them", index + 1)),
-        None => Ok(names),
-    }
-}
 
 /// Returns the beginning of an arbitrary text, short enough for a message.
 pub(super) fn shortened(text: &str) -> String {

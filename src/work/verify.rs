@@ -10,7 +10,7 @@ use crate::{
     store::{
         FileErrors,
         ratings::Listed,
-        verify::{self, Renderer, Verified},
+        recorded::{self, Renderer, Verified},
     },
 };
 
@@ -42,7 +42,7 @@ impl Verify {
         }
         let (mut found, mut renderer) = (Found::default(), Renderer::default());
         for (csv, done) in listed.files.iter().zip(1..) {
-            let verified = verify::session(csv, &mut renderer);
+            let verified = recorded::verify(csv, &mut renderer);
             found.add(csv, sentence(&verified), watcher)?;
             watcher.progress(done, listed.files.len() as u64);
             if !verified.errors.is_empty() {

@@ -16,7 +16,7 @@ use machband::{
     store::{
         StoreError, definition,
         session::{Changes, Interrupted, SessionStore},
-        sitting::Sitting,
+        sidecar::Sitting,
     },
 };
 

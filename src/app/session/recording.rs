@@ -24,9 +24,10 @@ use crate::{
     report::terminal::message,
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError, frames, image,
+        FileErrors, StoreError, image,
+        results::frames_line,
         session::{Interrupted, SessionStore},
-        sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
+        sidecar::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, now},
 };
@@ -125,7 +126,7 @@ impl Recording {
 
     fn store_frames(&mut self, session: &mut Session) {
         let runs = session.take_frame_runs();
-        let lines = runs.iter().filter_map(|run| frames::line(run, session.schedule(), self.sitting));
+        let lines = runs.iter().filter_map(|run| frames_line(run, session.schedule(), self.sitting));
         self.store.append_frames(&lines.collect::<Vec<_>>());
     }
 

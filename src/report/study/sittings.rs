@@ -7,7 +7,7 @@ use crate::{
     analysis::Results,
     store::{
         ratings::{SessionRead, Source},
-        sitting::{SimulatedObserver, Sitting, UsedDisplay},
+        sidecar::{SimulatedObserver, Sitting, UsedDisplay},
     },
 };
 

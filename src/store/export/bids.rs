@@ -17,14 +17,12 @@ use crate::{
     stimulus::Stimulus,
     store::{
         FileErrors, StoreError,
-        dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
+        dataset::{DESCRIPTION, MISSING, PARTICIPANTS, PARTICIPANTS_DESCRIBED, collect},
         file::{make_folder, parse_json, write_file, write_json},
         image,
         manifest::labeled,
-        participants::{MISSING, collect},
-        recorded::Recorded,
-        sitting::Sitting,
-        verify::{Renderer, picture_errors},
+        recorded::{Recorded, Renderer, picture_errors},
+        sidecar::Sitting,
     },
 };
 
@@ -51,8 +49,9 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
         sessions::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
-        let common = experiment.has_one_definition();
         let protocol = &experiment.sessions[0].protocol;
+        // Sessions with one definition have the same columns with the same meaning.
+        let common = experiment.sessions.iter().all(|session| session.protocol == *protocol);
         if common {
             write_json(&to.join(format!("task-{}_beh.json", protocol.file_task())), &of_task(protocol).into())?;
         }
@@ -231,7 +230,12 @@ fn rounded(value: f64, steps: f64) -> Value {
 /// Returns the description of the whole data set, including the entries that people added to the descriptions of the
 /// experiments.
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Value, StoreError> {
-    let written = written(experiments)?;
+    let mut written = Vec::<Value>::new();
+    for experiment in experiments {
+        if let Some((path, text)) = sessions::described(DESCRIPTION, experiment)? {
+            written.push(parse_json(&path, &text, "the description of a data set")?);
+        }
+    }
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
     let mut entries = keys([
         ("Name", Some(titles.join("; ").into())),
@@ -274,17 +278,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
     Ok(entries.into())
-}
-
-/// Reads the descriptions next to the data, if they exist.
-///
-/// # Errors
-/// A description cannot be read, or it is not JSON.
-fn written(experiments: &[Experiment]) -> Result<Vec<Value>, StoreError> {
-    let descriptions = experiments.iter().map(|one| sessions::described(DESCRIPTION, one));
-    let texts = descriptions.collect::<Result<Vec<_>, _>>()?;
-    let parse = |(path, text): (PathBuf, Vec<u8>)| Ok(parse_json(&path, &text, "the description of a data set")?);
-    texts.into_iter().flatten().map(parse).collect()
 }
 
 /// Returns the strings in a schema.org value, which is a string, an object with a name, or a list of these.
@@ -347,7 +340,7 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
     });
     // A column that someone added by hand may have one of these names.
     let (own, columns): (Vec<&String>, _) =
-        answered.columns().iter().partition(|column| described.get(column).is_some());
+        answered.columns[1..].iter().partition(|column| described.get(column).is_some());
     notes.extend(own.iter().map(|column| {
         format!("{PARTICIPANTS}: the export's own column {column} takes the place of the one in the data")
     }));

@@ -15,13 +15,12 @@ use crate::{
     store::{
         FileError, FileErrors, StoreError,
         dataset::{
-            self, DESCRIPTION, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX, beside, describe,
+            self, DESCRIPTION, FRAMES_SUFFIX, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX,
+            beside, collect, describe,
         },
         error::io,
         file::{RECORDING, make_folder, parse_json, read_existing, write_file, write_json},
-        frames,
         open::{Complete, open_regular},
-        participants::collect,
         recorded::Recorded,
         results,
         session::seal,
@@ -51,11 +50,6 @@ pub(super) struct Experiment {
 }
 
 impl Experiment {
-    /// True if all sessions share one definition, and thus have the same columns with the same meaning.
-    pub fn has_one_definition(&self) -> bool {
-        self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
-    }
-
     /// Returns the data sets of the sessions, each with the IDs of its participants.
     ///
     /// # Errors
@@ -80,7 +74,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
-        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| beside(csv, suffix)));
+        paths.extend([SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix)));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
@@ -222,7 +216,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
     }
     let (participants, descriptions, found) = collect(experiment.datasets()?)?;
     notes.extend(found);
-    if !participants.is_empty() {
+    if !participants.rows.is_empty() {
         write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
         write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
     }
@@ -231,7 +225,7 @@ pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<Strin
         write_file(&csv, &session.data)?;
         write_file(&csv.with_extension("json"), &session.sidecar_text)?;
         if let Some(path) = &session.frames {
-            copy_frames(path, &beside(&csv, frames::SUFFIX), session)?;
+            copy_frames(path, &beside(&csv, FRAMES_SUFFIX), session)?;
         }
     }
     Ok(())

@@ -216,7 +216,7 @@ pub(super) fn add_rows(
     let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
     let each = input.columns.responses.len();
     read.rows = (rows.status.len() * each) as u64;
-    for (row, which) in rows.all().flat_map(|row| (0..each).map(move |which| (row, which))) {
+    for (row, which) in (0..rows.status.len()).flat_map(|row| (0..each).map(move |which| (row, which))) {
         let place = match rows.status[row] {
             Status::Counts(_) => match add_rating(row, which, &mut errors) {
                 Ok(Ok(count)) => {

@@ -18,9 +18,8 @@ use crate::{
     experiment::{IN_BIDS, Phase},
     store::{
         Columns, FileError, FileErrors, StoreError,
-        dataset::{self, DATA_FILE, DESCRIPTION},
+        dataset::{self, DATA_FILE, DESCRIPTION, FRAMES_SUFFIX},
         error::io,
-        frames,
         open::{MAX_UNPACKED, is_data, read_regular, unpacked},
         table::{BYTE_ORDER_MARK, Content, MAX_ROW, decoded, line, rows_from, separator},
     },
@@ -51,7 +50,7 @@ pub fn files(paths: &[PathBuf]) -> Result<Listed, FileErrors> {
                 all.files.extend(listed.files);
             }
             // A pattern such as `data/*.csv` matches the frames files along with the data files.
-            Ok(Some(_)) if has_suffix(path, frames::SUFFIX) => {}
+            Ok(Some(_)) if has_suffix(path, FRAMES_SUFFIX) => {}
             Ok(Some(_)) => all.files.push(path.clone()),
             Ok(None) => {
                 let message = "does not exist; expected a CSV file or a folder of CSV files";

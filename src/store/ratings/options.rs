@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use crate::{
-    store::table::{List, list, split_list},
+    store::table::{List, list},
     text::number::{numbers_of, positive},
 };
 
@@ -154,7 +154,7 @@ fn levels(text: &str) -> Result<Levels, String> {
             (factor.trim().to_owned(), levels)
         }
     };
-    match split_list(levels)? {
+    match levels.parse::<List>()?.0 {
         levels if levels.is_empty() || factor.is_empty() => Err(EXPECTED.to_owned()),
         levels => Ok((factor, levels)),
     }

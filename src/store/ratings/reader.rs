@@ -19,8 +19,8 @@ use super::{
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, recorded::interrupted,
-        table::Content,
+        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, open::read_regular,
+        recorded::interrupted,
     },
     text::names::natural,
 };
@@ -397,7 +397,7 @@ fn read_attempts<'a>(
         let is_main = phase == Phase::Main;
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
     };
-    rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
+    (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
 }
 
 /// A row of a result file: an attempt at a trial. The order is that of the session.
@@ -435,8 +435,8 @@ fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut 
         }
         for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
             let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
-            same[1..].iter().for_each(|row| set(files, row, Status::Repeated(first.file)));
-            let mut set = |row: &Attempt, status| set(files, row, status);
+            let mut set = |row: &Attempt, status| files[row.file as usize].status[row.row as usize] = status;
+            same[1..].iter().for_each(|row| set(row, Status::Repeated(first.file)));
             if !first.is_main {
                 set(&first, Status::Practice);
             } else if Some(first.attempt) < last {
@@ -450,16 +450,12 @@ fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut 
     }
 }
 
-fn set(files: &mut [Rows], row: &Attempt, status: Status) {
-    files[row.file as usize].status[row.row as usize] = status;
-}
-
 /// Returns the content of a file, unless it is large.
 pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    Content::File(&input.path).bytes().map_err(io(&input.path, "read")).map(Some)
+    read_regular(&input.path, MAX_HASHED).map_err(io(&input.path, "read")).map(Some)
 }
 
 /// Says that the second half of the lines below the header repeats the first half.

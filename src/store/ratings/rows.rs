@@ -3,10 +3,9 @@
 use std::{
     borrow::Cow,
     collections::{BTreeMap, BTreeSet},
-    ops::Range,
 };
 
-use csv::Position;
+use csv::{ByteRecord, Position};
 use serde_json::{Map, Value};
 
 use super::selection::{Columns, Input};
@@ -95,17 +94,18 @@ impl Rows {
         let used: BTreeSet<usize> = needed.iter().copied().chain(input.columns.time).collect();
         if let Some(columns) = &header.columns {
             let texts = |column: usize| if needed.contains(&column) { columns.texts(column) } else { Texts::default() };
-            if let Some(&column) = needed.iter().find(|column| columns.has_zero_byte(**column)) {
-                let name = &header.names[column];
-                let message = format!("a cell of the column {name} contains a zero byte; expected text");
-                return Err(FileError::whole(&input.name, message));
-            }
             let mut rows = Self {
                 columns: (0..header.names.len()).map(texts).collect(),
                 times: input.columns.time.map_or_else(Vec::new, |column| columns.numbers(column, seconds)),
                 status: vec![Status::Counts(0); columns.rows()],
                 ..Self::default()
             };
+            let has_zero_byte = |column: &Texts| column.texts.iter().any(|text| text.contains('\0'));
+            if let Some(column) = rows.columns.iter().position(has_zero_byte) {
+                let name = &header.names[column];
+                let message = format!("a cell of the column {name} contains a zero byte; expected text");
+                return Err(FileError::whole(&input.name, message));
+            }
             rows.unwrap_answers(input);
             return Ok(rows);
         }
@@ -116,22 +116,24 @@ impl Rows {
         let mut rows = Self { foreign: header.foreign, ..Self::default() };
         let mut columns: Vec<Interner> = header.names.iter().map(|_| Interner::default()).collect();
         let mut is_header = true;
+        let Columns { subject, session, record, .. } = input.columns;
+        let ids = [Some(subject), session, record.map(|own| own.session)];
         let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
             if std::mem::take(&mut is_header) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
                     Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
-                    _ => rows.errors.add(None, None, || FileError::at(&input.name, row.place(0), left_behind(what))),
+                    _ => rows.errors.add(None, None, || FileError::at(&input.name, row.place(0), format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)"))),
                 }
             } else {
                 let index = rows.status.len();
                 if index.is_multiple_of(MARK) {
-                    rows.marks.push(row.position());
+                    rows.marks.push(row.start.clone());
                 }
                 let foreign = row.text().err().map(|cell| {
                     rows.foreign.get_or_insert_with(|| row.place(cell));
-                    row.decoded()
+                    row.record.iter().map(|cell| decoded(cell).into_owned()).collect::<ByteRecord>()
                 });
                 let record = foreign.as_ref().unwrap_or(row.record);
                 let text = match row.check(&used, header.names.len(), input.layout == Layout::Results) {
@@ -145,7 +147,7 @@ impl Rows {
                 let cell = |column| text.and_then(|text| text.get(record.range(column)?)).unwrap_or_default().trim();
                 let value = |column| with_point(cell(column), header.separator);
                 for &column in &needed {
-                    match input.columns.is_id(column) {
+                    match ids.contains(&Some(column)) {
                         true => columns[column].push(cell(column)),
                         false => columns[column].push(&value(column)),
                     }
@@ -172,11 +174,6 @@ impl Rows {
                 }
             }
         }
-    }
-
-    /// Returns the indices of all rows.
-    pub fn all(&self) -> Range<usize> {
-        0..self.status.len()
     }
 
     /// Adds an error to those of the file.
@@ -243,10 +240,6 @@ fn interrupted(row: &Row<'_>) -> Option<&'static str> {
     let raw = row.raw();
     let is_ended = raw.ends_with(b"\n") || raw.ends_with(b"\r");
     if raw.contains(&0) { Some("contains zero bytes") } else { (!is_ended).then_some("is cut off") }
-}
-
-fn left_behind(what: &str) -> String {
-    format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)")
 }
 
 /// Returns one column of all files.

@@ -14,7 +14,7 @@ use super::{
     source::{Definitions, Layout, Shape},
 };
 use crate::{
-    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
+    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, STIMULUS, columns_by_header},
     stimulus::is_direction,
     store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
@@ -22,8 +22,6 @@ use crate::{
 
 /// Columns that a result file must have in addition to the participant's column.
 const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
-/// Columns of a result file that describe the stimulus.
-const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 
 /// A file to read.
 #[derive(Debug, Default)]
@@ -163,11 +161,6 @@ impl Columns {
             all.extend([own.experiment, own.attempt, own.dropped].into_iter().flatten());
         }
         all
-    }
-
-    /// True if a column has IDs, which are not numbers.
-    pub fn is_id(&self, column: usize) -> bool {
-        [Some(self.subject), self.session, self.record.map(|own| own.session)].contains(&Some(column))
     }
 }
 

@@ -10,12 +10,12 @@ use super::{
     dataset::{self, DAMAGED, identity, refuse_link},
     recorded::Order,
     results,
-    sidecar::{REPAIRED, Sidecar, missing},
+    sidecar::{REPAIRED, Sidecar},
 };
 use crate::{
     experiment::{Column, Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
     store::{
-        FileErrors, StoreError, definition,
+        FileErrors, StoreError,
         error::io,
         file::{LockFile, put, sha256, sync_folder, write_whole},
         open::read_regular,
@@ -45,11 +45,13 @@ pub struct Repaired {
 /// belongs to another session; more than half of the lines would be moved; planned rows are not in the order of recording; a
 /// link; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
-    let (identity, sidecar_path) = (identity(csv)?, csv.with_extension("json"));
-    let dataset = dataset::of(csv)?;
-    [csv, &sidecar_path].into_iter().chain(dataset.as_deref()).chain(csv.parent()).try_for_each(refuse_link)?;
-    let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
-    let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
+    let (identity, dataset) = (identity(csv)?, dataset::of(csv)?);
+    [csv, &csv.with_extension("json")]
+        .into_iter()
+        .chain(dataset.as_deref())
+        .chain(csv.parent())
+        .try_for_each(refuse_link)?;
+    let (sidecar_path, mut sidecar, protocol) = Sidecar::of(csv)?;
     let columns = columns(&protocol);
     // This locks the file.
     let open = results::open(csv, &columns)?;

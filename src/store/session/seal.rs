@@ -11,10 +11,8 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    dataset::{DATA_FILE, SIDECAR_SUFFIX, beside},
-    frames,
-    sidecar::Sidecar,
-    sitting::Previous,
+    dataset::{DATA_FILE, FRAMES_SUFFIX, SIDECAR_SUFFIX, beside},
+    sidecar::{Previous, Sidecar},
 };
 use crate::{
     store::{
@@ -110,7 +108,7 @@ impl Hashes {
             Some(data) => Prefixes::of(csv, Ok(data), lengths)?,
             None => Prefixes::of(csv, open(csv), lengths)?,
         };
-        let frames = beside(csv, frames::SUFFIX);
+        let frames = beside(csv, FRAMES_SUFFIX);
         let lengths = sidecar.seals().filter_map(|seal| seal.frames_bytes).collect();
         let has_frames = sidecar.seals().any(|seal| seal.frames_sha256.is_some());
         let frames = (has_frames || is_without_frames(sidecar))
@@ -128,7 +126,7 @@ impl Hashes {
     /// frames file. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
     /// beginnings. Every sitting that ended must have a seal.
     pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
-        let [sidecar_path, frames] = [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| beside(csv, suffix));
+        let [sidecar_path, frames] = [SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix));
         let last = sidecar.sittings.len().saturating_sub(1);
         let mut found = Vec::new();
         for (sitting, entry) in sidecar.sittings.iter().enumerate() {
@@ -164,7 +162,7 @@ impl Hashes {
 /// True if no frames file belongs to a session: every sitting is sealed without one, and no incident tells of one.
 fn is_without_frames(sidecar: &Sidecar) -> bool {
     let tells = |incident: &String| {
-        incident.starts_with("the frames ") || incident.starts_with(ACCEPTED) && incident.contains(frames::SUFFIX)
+        incident.starts_with("the frames ") || incident.starts_with(ACCEPTED) && incident.contains(FRAMES_SUFFIX)
     };
     sidecar.sittings.iter().all(|sitting| {
         let is_sealed = sitting.seal.as_ref().is_some_and(|seal| seal.frames_sha256.is_none());
@@ -258,7 +256,7 @@ pub(super) fn previous(csv: &Path) -> Result<Option<Previous>, StoreError> {
     for (_, path) in others.into_iter().rev() {
         let sidecar = Sidecar::read(&path)?;
         let stem = path.file_name().and_then(|name| name.to_str()?.strip_suffix(SIDECAR_SUFFIX));
-        if let (Some(seal), Some(stem)) = (sidecar.as_ref().and_then(Sidecar::last_seal), stem) {
+        if let (Some(seal), Some(stem)) = (sidecar.as_ref().and_then(|sidecar| sidecar.seals().next_back()), stem) {
             let data_sha256 = seal.data_sha256.clone();
             return Ok(Some(Previous { data_file: format!("{stem}{DATA_FILE}"), data_sha256 }));
         }

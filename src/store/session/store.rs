@@ -3,14 +3,11 @@
 use std::{path::Path, sync::Arc};
 
 use super::{
-    dataset::{PARTICIPANTS, SessionPaths},
-    frames::FrameFile,
-    participants,
+    dataset::{PARTICIPANTS, SessionPaths, enter},
     recorded::{Replays, replay},
-    results,
+    results::{self, FrameFile},
     seal::{Difference, Hashes, previous},
-    sidecar::Sidecar,
-    sitting::{FrameSummary, Seal, Sitting},
+    sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
     experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
@@ -92,7 +89,8 @@ impl SessionStore {
             }
         }
         let undescribed = paths.prepare(protocol)?;
-        let rows = results::create(&paths.csv, &columns(protocol))?;
+        let mut rows = AppendFile::new(&paths.csv, true, results::header(&columns(protocol)));
+        rows.flush()?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
         let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|lock| {
@@ -206,7 +204,7 @@ impl SessionStore {
     fn enter_participant(&mut self) {
         let Some(answers) = &self.sidecar.participant else { return };
         let (dataset, subject) = (&self.paths.dataset, self.identity.subject());
-        if let Err(error) = participants::enter(dataset, subject, &self.protocol.participant, answers) {
+        if let Err(error) = enter(dataset, subject, &self.protocol.participant, answers) {
             self.note(format!("the participant could not be entered into {PARTICIPANTS}: {error}"));
         }
     }
@@ -427,10 +425,7 @@ impl Found {
                 let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
                 Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
             }
-            None => {
-                let what = "does not exist; expected the sidecar, which says how the rows were recorded";
-                return Err(FileErrors::whole(&paths.sidecar, what).into());
-            }
+            None => return Err(missing(&paths.sidecar).into()),
         };
         let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
