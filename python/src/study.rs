@@ -211,7 +211,7 @@ impl Analysis {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
         let here = Path::new(".");
         let contents = job::run(py, None, false, move |_| match found {
-            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?.0),
+            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?),
             Found::Task(study, results) => {
                 let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
                 contents.drain(..tasks::tables(&study, &results).len());

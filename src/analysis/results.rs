@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Calibration, Link, MAX_COEFFICIENTS, MAX_MINUTES, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction,
-    Random, Resampling, Slopes,
+    Calibration, Link, MAX_COEFFICIENTS, Margin, ModelError, ModelReport, ModelSpec, Note, Prediction, Random,
+    Resampling, Slopes,
     agreement::{Alpha, kappa, mean_kappa, ordinal_alpha},
     counts::{Counts, MAX_LEVELS, Measured, Quartiles},
     fit_calibrated,
@@ -32,8 +32,6 @@ pub struct Options {
     pub slopes: Slopes,
     /// Maximum number of coefficients of the model.
     pub max_coefficients: usize,
-    /// Maximum time of the simulated studies, minutes of one processor.
-    pub max_minutes: u64,
     /// The simulated studies that calibrate tests and intervals.
     pub resampling: Resampling,
     /// Whether to compute how well the model describes the data.
@@ -52,7 +50,6 @@ impl Default for Options {
             random: None,
             slopes: Slopes::default(),
             max_coefficients: MAX_COEFFICIENTS,
-            max_minutes: MAX_MINUTES,
             resampling: Resampling::default(),
             checks: true,
             parameters: None,
@@ -115,8 +112,6 @@ pub struct FactorResults {
     pub ordered: bool,
     /// Whether most participants rated several levels.
     pub within: bool,
-    /// The participants who rated several levels.
-    pub crossing: Vec<String>,
     /// Each participant's mean at every level, of which the differences and the rank test are.
     pub matched: SubjectMeans,
     /// Test of whether any level differs; `None` if there is only one participant or level, or if there are items.
@@ -282,8 +277,8 @@ pub fn analyze_with(measured: Measured, options: &Options, progress: &(dyn Fn(us
         };
         factors.iter().filter(|factor| factor.levels.len() > 1).filter_map(pair).collect()
     };
-    let Options { resampling, max_minutes, checks, .. } = *options;
-    let calibration = Calibration { resampling, max_minutes, trials, checks, contrasts: &contrasts, progress };
+    let Options { resampling, checks, .. } = *options;
+    let calibration = Calibration { resampling, trials, checks, contrasts: &contrasts, progress };
     let agreed = agreed.as_ref().unwrap_or(&measured);
     let (model, (cells, alpha)) = rayon::join(
         || {
@@ -395,7 +390,6 @@ pub fn factor_results(measured: &Measured, factor: usize) -> FactorResults {
         marginal: None,
         ordered: counts.factors[factor].is_ordered(),
         within: counts.is_within(factor),
-        crossing: counts.crossing(factor),
         friedman: friedman(&means, PERMUTATIONS),
         matched: means,
         times: measured.times_by(counts.factors[factor].levels.len(), |row| level_of(row.condition)),

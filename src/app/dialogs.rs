@@ -5,9 +5,9 @@ use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
 use super::{
     session::Trials,
     ui::{
-        Field, Place, ask, hint,
-        logo::logo,
-        modal, paragraph, secondary, section,
+        Field, Place, ask, hint, modal, paragraph,
+        pixels::logo,
+        secondary, section,
         theme::{CONTROL, GAP, SECTION},
     },
 };

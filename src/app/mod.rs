@@ -37,7 +37,7 @@ use crate::{display::DisplayProfile, store::settings::remember};
 
 pub use display::TimingReport;
 pub use session::Request;
-pub use ui::{Monitor, logo::icon, platform::is_resampled};
+pub use ui::{Monitor, pixels::icon, platform::is_resampled};
 pub use window::{Input, Pressed, Stamps, WindowError};
 
 /// How the window starts.

@@ -1,26 +1,30 @@
-//! `machband analyze`
+//! `machband analyze` and `machband counts`, and what they say about the ratings that they read.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
 
-use super::{
-    Bar, OutPath,
-    ratings::{problems, sentence},
-};
+use super::{Bar, OutPath};
 use crate::{
+    analysis::{Options, counts::Measured, results::covariates},
     report::{
         Provenance, check_folder,
-        document::Document,
+        document::{Document, numbers::count},
         skins,
         study::{Parts, document, shell_command},
-        study_files, task_files,
+        study_files, tables, task_files,
         tasks::{self, TaskResults, TaskStudy},
         write_files,
     },
-    store::Writer,
+    store::{
+        FileError, FileErrors, Writer,
+        ratings::{FileRead, Source},
+    },
     system::now,
-    work::{Analyze, Watcher as _, words},
+    work::{Analyze, Ratings, Watcher as _, check_order, explained, words},
 };
 
 /// Analyze ratings: descriptive statistics, ordinal model, tests, figures and a report.
@@ -53,9 +57,8 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     progress.stage("analyzing");
     let results = arguments.analysis.analyze(&study, &progress)?;
     progress.stage(if arguments.tables_only { "writing" } else { "predicting, drawing and writing" });
-    let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
-    let provenance = Provenance::new(shell_command(words), now());
-    let (contents, _) = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
+    let provenance = provenance(arguments);
+    let contents = study_files(&study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     let files = write_files(writer, &arguments.out, contents)?;
     progress.clear();
     super::print_line(&sentence(&study.source, &results.measured))?;
@@ -69,14 +72,18 @@ fn run_task(arguments: &Arguments, writer: &Writer, study: &TaskStudy, progress:
     progress.stage("analyzing");
     let results = TaskResults::of(study, arguments.analysis.resampling.seed);
     progress.stage("drawing and writing");
-    let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
-    let provenance = Provenance::new(shell_command(words), now());
+    let provenance = provenance(arguments);
     let contents = task_files(study, &results, &provenance, &arguments.out, arguments.tables_only)?;
     let files = write_files(writer, &arguments.out, contents)?;
     progress.clear();
     print_summary(&tasks::document(study, &results, &[], None))?;
     report_written(&files, &arguments.out)?;
     problems(&study.warnings, &study.errors)
+}
+
+fn provenance(arguments: &Arguments) -> Provenance {
+    let words = std::iter::once("analyze".to_owned()).chain(words(arguments));
+    Provenance::new(shell_command(words), now())
 }
 
 /// Prints the first section of a report.
@@ -89,4 +96,59 @@ fn print_summary(document: &Document) -> anyhow::Result<()> {
 fn report_written(files: &[PathBuf], out: &Path) -> anyhow::Result<()> {
     let report = files.iter().find(|file| file.extension().is_some_and(|extension| extension == "html"));
     super::print_line(&format!("{} files written; see {}", files.len(), report.map_or(out, |report| report).display()))
+}
+
+/// Summarizes in one line what was read, and how many rows were left out.
+fn sentence(source: &Source, Measured { counts, .. }: &Measured) -> String {
+    let of = |file: &FileRead| {
+        let reasons = file.left_out.values().flat_map(BTreeMap::values).sum::<u64>();
+        file.practice + file.superseded + file.erroneous + reasons
+    };
+    let left_out = match source.files.iter().map(of).sum::<u64>() {
+        0 => String::new(),
+        rows => format!("; {} left out", count(rows, "row")),
+    };
+    format!(
+        "{} of {} by {}, from {}{left_out}",
+        count(counts.total(), "rating"),
+        count(counts.complete_conditions(), "condition"),
+        count(counts.subjects.len() as u64, "participant"),
+        count(source.files.len() as u64, "file")
+    )
+}
+
+/// Prints all warnings about the input, and fails with all errors in it, if there are any.
+pub(super) fn problems(warnings: &[FileError], errors: &[FileError]) -> anyhow::Result<()> {
+    warnings.iter().for_each(|warning| super::message("warning", &warning.to_string()));
+    Ok(FileErrors::none(errors.to_vec())?)
+}
+
+/// Reduce ratings to counts, the sufficient statistic: one row per participant, condition and rating.
+///
+/// `analyze` accepts this table in place of the files, with the same --subject and --response, and computes the same
+/// descriptive statistics, models and tests. The table contains neither the order of repeated ratings nor response times,
+/// and it does not say whether the ratings are simulated.
+#[derive(clap::Args)]
+#[command(after_help = "Examples: machband counts results/bangay2003 --out counts.csv\n          \
+    machband counts ratings.csv --subject id --response score --factors width,depth --out counts.csv")]
+pub(super) struct CountsArguments {
+    #[command(flatten)]
+    ratings: Ratings,
+    /// Table to write.
+    #[arg(long, value_name = "FILE.csv")]
+    out: OutPath,
+}
+
+pub(super) fn counts(arguments: &CountsArguments, writer: &Writer) -> anyhow::Result<()> {
+    let progress = super::Bar::new("reading");
+    let study = arguments.ratings.read(Default::default(), false, true).map_err(explained)?;
+    check_order(&study, true)?;
+    let counts = &study.measured.counts;
+    writer.write(&arguments.out, &tables::counts_csv(counts, &study.source.shape))?;
+    progress.clear();
+    // An analysis has no conditions for single values of covariates.
+    let described = study.measured.without_factors(&covariates(counts, &Options::default()));
+    super::print_line(&sentence(&study.source, &described))?;
+    super::print_line(&format!("{} in {}", count(counts.rows.len() as u64, "row"), arguments.out.display()))?;
+    problems(&study.source.warnings, &study.source.errors)
 }

@@ -1,12 +1,16 @@
-//! How a terminal shows the progress of an operation.
+//! What commands write to the terminal: lines, data, and the progress of an operation.
 
-use std::{path::Path, thread::sleep, time::Duration};
+use std::{
+    io::{self, Write as _},
+    path::Path,
+    thread::sleep,
+    time::Duration,
+};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::print::print_line;
 use crate::{
-    report::terminal::message,
+    report::terminal::{message, printable},
     system::{run_on_thread, signals},
     work::Watcher,
 };
@@ -77,5 +81,20 @@ impl Watcher for Bar {
     fn check(&self, place: &Path) -> anyhow::Result<()> {
         signals::check(place)
             .map_err(|ended| anyhow::anyhow!("{ended}; to continue, use the same command with --resume"))
+    }
+}
+
+/// Prints one line of text to stdout.
+pub(super) fn print_line(line: &str) -> anyhow::Result<()> {
+    print_data(format!("{}\n", printable(line)).as_bytes())
+}
+
+/// Writes data to stdout unchanged. It is not an error if the reader has already closed the pipe, as `head -1` does.
+pub(super) fn print_data(data: &[u8]) -> anyhow::Result<()> {
+    match io::stdout().write_all(data) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(anyhow::anyhow!("standard output: cannot write: {error}; expected enough space for the data"))
+        }
+        _ => Ok(()),
     }
 }

@@ -10,8 +10,6 @@ mod compare;
 mod outputs;
 mod plan;
 mod predict;
-mod print;
-mod ratings;
 #[cfg(feature = "window")]
 mod run;
 mod sessions;
@@ -24,7 +22,7 @@ use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use self::{
     bar::Bar,
-    print::{print_data, print_line},
+    bar::{print_data, print_line},
 };
 use crate::{
     report::{
@@ -67,7 +65,7 @@ enum Command {
     Predict(predict::Arguments),
     Analyze(analyze::Arguments),
     Calibrate(calibrate::Arguments),
-    Counts(ratings::CountsArguments),
+    Counts(analyze::CountsArguments),
     Export(work::Export),
     Repair(work::Repair),
     Shade(shade::Arguments),
@@ -147,7 +145,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
         Some(Command::Predict(arguments)) => predict::run(&arguments, writer),
         Some(Command::Analyze(arguments)) => analyze::run(&arguments, writer),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, writer),
-        Some(Command::Counts(arguments)) => ratings::counts(&arguments, writer),
+        Some(Command::Counts(arguments)) => analyze::counts(&arguments, writer),
         Some(Command::Export(arguments)) => sessions::export(&arguments),
         Some(Command::Repair(arguments)) => sessions::repair(&arguments),
         Some(Command::Shade(arguments)) => shade::run(&arguments, writer),

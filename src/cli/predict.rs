@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
     } else {
         print_comparison(&found, &source)?;
     }
-    super::ratings::problems(&source.warnings, &source.errors)
+    super::analyze::problems(&source.warnings, &source.errors)
 }
 
 fn print_comparison(found: &Comparison, source: &Source) -> anyhow::Result<()> {

@@ -4,12 +4,11 @@ mod channel;
 pub mod frames;
 pub mod geometry;
 pub mod matching;
-mod monitor;
 pub mod photometer;
 pub mod profile;
 pub mod steps;
 
 pub use channel::Channel;
+pub use geometry::Monitor;
 pub use geometry::{Screen, Viewing};
-pub use monitor::Monitor;
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

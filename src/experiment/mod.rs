@@ -16,7 +16,6 @@ mod record;
 mod replay;
 mod scale;
 mod schedule;
-mod scripts;
 mod session;
 pub mod task;
 mod texts;

@@ -18,7 +18,5 @@ pub mod tables;
 pub mod tasks;
 pub mod terminal;
 
-pub use output::{
-    Contents, Predicted, check_folder, png, report_files, study_files, table_files, task_files, write_files,
-};
+pub use output::{Contents, check_folder, png, report_files, study_files, table_files, task_files, write_files};
 pub use study::{Provenance, Study, StudyError};

@@ -6,7 +6,7 @@ use crate::{
     analysis::{
         counts::MISSING,
         number_of,
-        terms::{TermPart, Terms},
+        terms::{Term, TermPart},
     },
     stimulus::{MachBand, Parameter},
     text::Cell,
@@ -32,10 +32,8 @@ pub(crate) fn factor(known: Known, factor: &str) -> String {
 }
 
 /// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
-pub(crate) fn term(known: Known, text: &str) -> String {
-    let terms = text.parse::<Terms>().unwrap_or_default();
-    let variables = terms.iter().flat_map(|term| &term.variables).map(|variable| factor(known, variable.name()));
-    variables.collect::<Vec<_>>().join(" × ")
+pub(crate) fn term(known: Known, term: &Term) -> String {
+    term.variables.iter().map(|variable| factor(known, variable.name())).collect::<Vec<_>>().join(" × ")
 }
 
 /// Returns a coefficient, such as `depth ∞` or `width 0.4 × depth 2`.

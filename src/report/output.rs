@@ -27,9 +27,6 @@ use crate::{
 /// A file that every analysis has.
 const CELLS: &str = "cells.csv";
 
-/// What the vision model predicted, or why it could not.
-pub type Predicted = Result<StudyPrediction, String>;
-
 /// The files of an analysis: their names and contents.
 pub type Contents = Vec<(String, Vec<u8>)>;
 
@@ -44,13 +41,12 @@ pub fn study_files(
     provenance: &Provenance,
     folder: &Path,
     tables_only: bool,
-) -> Result<(Contents, Option<Predicted>), StoreError> {
-    let tables = table_files(study, results);
-    if tables_only {
-        return Ok((tables, None));
+) -> Result<Contents, StoreError> {
+    let mut contents = table_files(study, results);
+    if !tables_only {
+        contents.extend(report_files(study, results, provenance, folder)?);
     }
-    let (report, predicted) = report_files(study, results, provenance, folder)?;
-    Ok(([tables, report].concat(), Some(predicted)))
+    Ok(contents)
 }
 
 /// Writes the files of an analysis into a folder, or none if one of them cannot be written. Returns their paths.
@@ -74,13 +70,12 @@ pub fn report_files(
     results: &Results,
     provenance: &Provenance,
     folder: &Path,
-) -> Result<(Contents, Predicted), StoreError> {
+) -> Result<Contents, StoreError> {
     let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
     let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
-    let contents = page(&document(&study.source, results, parts), &figures, provenance, folder)?;
-    Ok((contents, predicted))
+    page(&document(&study.source, results, parts), &figures, provenance, folder)
 }
 
 /// Returns the files of the analysis of a task: its tables and, unless `tables_only` is set, the figures and the report.

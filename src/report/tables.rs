@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::{
     analysis::{
-        Comparison, Link, Model, ModelReport, Results,
+        Interaction, Link, Model, ModelReport, Results, TermTest,
         counts::{CountRow, Counts, Factor, Quartiles},
         number_of,
         rank_tests::PMethod,
@@ -177,24 +177,22 @@ fn tests(results: &Results) -> Table {
         false => "; about this participant's trials only",
     };
     if let Ok(report) = &results.model {
-        let groups = [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)];
-        for (name, test) in groups.iter().flat_map(|(name, tests)| tests.iter().map(move |test| (name, test))) {
-            let numbers = [test.lr, Some(test.df as f64), test.p, test.p_holm];
+        let simulated = format!("simulated studies{scope}");
+        let mut row = |name: &str, test: &TermTest, [p, p_corrected]: [Option<f64>; 2], draws: &str| {
             let note = match (test.withheld, test.draws) {
                 (Some(reason), _) => format!("no p: {reason}"),
-                (None, Some(draws)) => format!("p from {draws} simulated studies{scope}"),
+                (None, Some(number)) => format!("p from {number} {draws}"),
                 (None, None) => format!("p from the chi-squared distribution{scope}"),
             };
-            rows.push(test_row([name, &test.term, "", ""], report.model.nobs, &numbers, "", &note));
+            let numbers = [test.lr, Some(test.df as f64), p, p_corrected];
+            rows.push(test_row([name, &test.term.to_string(), "", ""], report.model.nobs, &numbers, "", &note));
+        };
+        for (name, tests) in [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)] {
+            tests.iter().for_each(|test| row(name, test, [test.p, test.p_holm], &simulated));
         }
-        for test in &report.interactions {
-            let note = match test.withheld {
-                Some(reason) => format!("no p: {reason}"),
-                None if test.by_signs => format!("p from {} patterns of the participants' signs", test.draws),
-                None => format!("p from {} simulated studies{scope}", test.draws),
-            };
-            let numbers = [test.chi_squared, Some(test.df as f64), None, test.p];
-            rows.push(test_row(["interaction", &test.term, "", ""], report.model.nobs, &numbers, "", &note));
+        for Interaction { test, by_signs, .. } in &report.interactions {
+            let draws = if *by_signs { "patterns of the participants' signs" } else { &simulated };
+            row("interaction", test, [None, test.p], draws);
         }
         if let Some(order) = &report.order {
             let note = match (order.drift, order.drift_p) {
@@ -335,7 +333,7 @@ fn coefficients(model: &Model) -> Table {
     let few = "Probability of such a z; missing with few participants, for whom it would be too small.";
     let all = Rows::new(&model.coefficients)
         .column("name", "Name of the coefficient, as in R.", |c| c.name.as_str())
-        .column("term", "Term that it belongs to.", |c| c.term.as_str())
+        .column("term", "Term that it belongs to.", |c| c.term.to_string())
         .column("estimate", "Estimate on the scale of the link.", |c| c.estimate)
         .column("se", "Standard error.", |c| c.se)
         .column("z", "Estimate divided by its standard error.", |c| c.z)
@@ -403,7 +401,6 @@ pub fn model(results: &Results) -> Value {
             value["proportional_odds"] = json!(report.proportional_odds);
             value["interactions"] = json!(report.interactions);
             value["order"] = json!(report.order);
-            value["effect_sizes"] = effect_sizes(report);
             value["comparisons"] = json!(report.comparisons);
             value["margins"] = json!(report.margins);
             value["checks"] = json!(report.checks);
@@ -413,24 +410,4 @@ pub fn model(results: &Results) -> Value {
             value
         }
     }
-}
-
-/// Lists the contrasts as odds ratios, probabilities of superiority and latent differences in standard deviations.
-fn effect_sizes(report: &ModelReport) -> Value {
-    let link = report.model.link;
-    let of = |contrast: &Comparison, scale: &dyn Fn(f64) -> f64| {
-        let ends = contrast.interval.map(|interval| [scale(interval.low), scale(interval.high)]);
-        json!({ "estimate": scale(contrast.estimate), "interval": ends })
-    };
-    let row = |contrast: &Comparison| {
-        let mut value = json!({
-            "factor": contrast.factor, "level": contrast.level, "other": contrast.other,
-            "superiority": of(contrast, &|x| link.superiority(x)), "d": of(contrast, &|x| x / link.sd()),
-        });
-        if link == Link::Logit {
-            value["odds_ratio"] = of(contrast, &f64::exp);
-        }
-        value
-    };
-    report.contrasts.iter().map(row).collect()
 }

@@ -11,7 +11,7 @@
 //! | [`lighting`] | materials, lamps, highlights, transparency, refraction |
 //! | [`cubic`] | fields with a continuous slope over triangles; programmers copy this file |
 //! | [`frame`] | a mesh on the screen: the view, which triangle each pixel shows, slopes at vertices |
-//! | [`shaders`] | one file per shader: how light spreads over a triangle |
+//! | [`shaders`] | how light spreads over a triangle |
 //! | [`draw`] | drawing one mesh, or several |
 //! | [`measure`] | the creases that a shader leaves, and the smooth surface itself |
 

@@ -1,12 +1,12 @@
 //! Whether an average observer detects a picture at all: its contrast relative to the threshold.
 
 use super::{
-    cosine::Cosines,
     error::{VisionError, check},
     eye::Eye,
-    fft::next_fast_length,
+    eye::Sensitivity,
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
-    sensitivity::Sensitivity,
+    transforms::Cosines,
+    transforms::next_fast_length,
 };
 
 /// The picture stands on an endless field of its mean light. This is how much of that field is computed, degrees.

@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
 use super::{
-    cosine::Cosines,
     error::{VisionError, check, check_extent},
     eye::Eye,
-    fft::{next_fast_length, transform},
+    eye::Sensitivity,
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
-    sensitivity::Sensitivity,
+    transforms::Cosines,
+    transforms::{next_fast_length, transform},
 };
 use crate::system::checkpoint;
 

@@ -13,24 +13,21 @@
 //! smooth edge; [`ContrastSpectrum`] compares a picture with a uniform field. [`Sensitivity`] was fitted to people's thresholds,
 //! and the sources of all other constants are cited where they are defined. See `docs/models.md`.
 
-mod cosine;
-mod criterion;
 mod detection;
 mod error;
 mod eye;
-mod fft;
 mod grid;
 mod judge;
 mod ramp;
-mod sensitivity;
 mod steps;
+mod transforms;
 
-pub use criterion::Criterion;
 pub use detection::ContrastSpectrum;
 pub use error::{MAX_DEG, VisionError, check_extent};
+pub use eye::Criterion;
+pub use eye::Sensitivity;
 pub use eye::{Eye, Masking, luminance, luminances};
-pub use fft::next_fast_length;
 pub use judge::{Difference, DifferenceMap, Judge, Place};
 pub use ramp::RampBands;
-pub use sensitivity::Sensitivity;
 pub use steps::unrounded;
+pub use transforms::next_fast_length;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::cosine::Cosines;
+use super::transforms::Cosines;
 
 /// How often the picture is smoothed at each scale.
 const ROUNDS: usize = 8;

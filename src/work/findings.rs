@@ -11,10 +11,11 @@ use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, LEAST_FOR_SIGNS, Resampling, Slopes,
         power::{Effect, Hypothesis, Power, Sampling, Slope, Test},
+        terms::Term,
     },
     experiment::Factor,
     report::{
-        document::numbers::{count, list},
+        document::numbers::{count, list, times},
         names,
     },
     stimulus::ParameterValue,
@@ -22,7 +23,7 @@ use crate::{
 
 impl Planned {
     /// Returns a term in words.
-    pub fn in_words(&self, term: &str) -> String {
+    pub fn in_words(&self, term: &Term) -> String {
         names::term(Some(self.protocol.stimulus.parameters()), term)
     }
 
@@ -74,7 +75,7 @@ impl Planned {
             ),
             Some(Effect { logits: effect, above, below }) => {
                 let size = effect.map_or_else(String::new, |size| format!("{} ", logits(rounded(size, 2))));
-                let [above, below] = [above, below].map(|level| names::level(known, term, level));
+                let [above, below] = [above, below].map(|level| names::level(known, term.name(), level));
                 let enough = clauses(&|powers| self.fewest(powers));
                 format!("Effect of {words} ({size}between {above} and {below}): {enough}.")
             }
@@ -126,11 +127,12 @@ impl Planned {
             ));
         }
         remarks.push(self.differences(deviations));
+        let known = Some(self.protocol.stimulus.parameters());
         for slope in self.plan.unmodeled() {
             remarks.push(format!(
                 "The simulated participants differ in the effect of {}, but the model has no random slope of it, so it finds \
                  this effect too often.",
-                self.in_words(&slope.factor)
+                names::factor(known, &slope.factor)
             ));
         }
         remarks
@@ -140,8 +142,10 @@ impl Planned {
     fn differences(&self, field: &str) -> String {
         let sd = self.plan.observer().subject_sd;
         let intercepts = (sd > 0.0).then(|| format!("in their intercepts (sd {})", logits(sd)));
-        let slope =
-            |slope: &Slope| format!("at each level of {} (sd {})", self.in_words(&slope.factor), logits(slope.sd));
+        let known = Some(self.protocol.stimulus.parameters());
+        let slope = |slope: &Slope| {
+            format!("at each level of {} (sd {})", names::factor(known, &slope.factor), logits(slope.sd))
+        };
         let slopes = self.plan.slopes().iter().filter(|slope| slope.sd > 0.0).map(slope);
         let all: Vec<String> = intercepts.into_iter().chain(slopes).collect();
         let differ = if all.is_empty() { "are identical".to_owned() } else { format!("differ {}", list(&all)) };
@@ -247,11 +251,7 @@ impl Planned {
              {} cm, and the stimulus is {}° wide. The remaining parameters of the stimulus are in the definition.",
             list(&protocol.factors.iter().map(factor).collect::<Vec<_>>()),
             count(protocol.conditions().len() as u64, "condition"),
-            match protocol.design.repetitions {
-                1 => "once".to_owned(),
-                2 => "twice".to_owned(),
-                n => format!("{n} times"),
-            },
+            times(protocol.design.repetitions),
             count(protocol.main_trials() as u64, "rating"),
             count(protocol.minutes(), "minute"),
             protocol.recovery.level,
@@ -325,7 +325,7 @@ impl Planned {
              Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
              analysis. Everything else is exploratory and will be called so. The sentences of the analysis report use the level {}.",
             spec.link,
-            list(&spec.terms.iter().map(|term| self.in_words(&term.to_string())).collect::<Vec<_>>()),
+            list(&spec.terms.iter().map(|term| self.in_words(term)).collect::<Vec<_>>()),
             Resampling::default().draws,
             Sampling::default().alpha,
         )
@@ -341,7 +341,7 @@ fn bullets(items: Vec<String>) -> String {
 /// Returns the term of a hypothesis in words, and the levels that are rated higher and lower.
 fn in_words(planned: &Planned, hypothesis: &Hypothesis) -> (String, [String; 2]) {
     let known = Some(planned.protocol.stimulus.parameters());
-    let level = |level: &String| names::level(known, &hypothesis.term, level).to_string();
+    let level = |level: &String| names::level(known, hypothesis.term.name(), level).to_string();
     let levels = hypothesis.effect.as_ref().map(|Effect { above, below, .. }| [above, below].map(level));
     (names::term(known, &hypothesis.term), levels.unwrap_or_default())
 }

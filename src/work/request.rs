@@ -3,11 +3,19 @@
 //! A request is one struct. The command line reads it with clap, Python gives its fields by name, the window keeps it as
 //! its state, and [`words`] writes it back as the command that repeats it. Names, bounds, defaults and help stand at its
 //! fields and nowhere else.
+//!
+//! From the types of the paths of outputs follows what a skin must guard, so a new operation is guarded too.
 
-use std::{error::Error as _, fmt::Display};
+use std::{
+    error::Error as _,
+    fmt::Display,
+    ops::Deref,
+    path::{Path, PathBuf},
+};
 
 use clap::{
     Arg, Args, Command, FromArgMatches,
+    builder::{MapValueParser, PathBufValueParser, TypedValueParser as _, ValueParserFactory},
     error::{ContextKind, ContextValue, ErrorKind},
 };
 use serde::Serialize;
@@ -224,4 +232,47 @@ fn text(value: &Value) -> String {
         Value::Number(number) if number.is_f64() => number.as_f64().unwrap_or_default().to_string(),
         other => other.to_string(),
     }
+}
+
+macro_rules! output_path {
+    ($(#[$documentation:meta])* $name:ident) => {
+        $(#[$documentation])*
+        #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+        pub struct $name(PathBuf);
+
+        impl ValueParserFactory for $name {
+            type Parser = MapValueParser<PathBufValueParser, fn(PathBuf) -> Self>;
+
+            fn value_parser() -> Self::Parser {
+                PathBufValueParser::new().map(Self)
+            }
+        }
+
+        impl From<PathBuf> for $name {
+            fn from(path: PathBuf) -> Self {
+                Self(path)
+            }
+        }
+
+        impl Deref for $name {
+            type Target = Path;
+
+            fn deref(&self) -> &Path {
+                &self.0
+            }
+        }
+    };
+}
+
+output_path! {
+    /// A file to write, or, with the hint [`clap::ValueHint::DirPath`], a folder to write files into.
+    OutPath
+}
+output_path! {
+    /// A folder to create; the operation itself checks that it is new or empty.
+    NewFolder
+}
+output_path! {
+    /// A file that is written if the field `fit` is given, and otherwise read.
+    FittedPath
 }

@@ -67,7 +67,7 @@ fn value(model: &Model, quantity: &str, name: &str) -> f64 {
         "coefficient" => coefficient(&model.coefficients, name, false),
         "coefficient_se" => coefficient(&model.coefficients, name, true),
         // A slope that the design does not support is left out; in these data sets, its standard deviation is 0.
-        "sd" if model.notes.iter().any(|note| *note == Note::NoSlope { term: name.to_owned() }) => 0.0,
+        "sd" if model.notes.iter().any(|note| matches!(note, Note::NoSlope { term, .. } if term == name)) => 0.0,
         "sd" if !["", "(Intercept)"].contains(&name) => slope().sd,
         "sd_se" if !["", "(Intercept)"].contains(&name) => {
             slope().se.unwrap_or_else(|| panic!("{name}: {:?}", model.random))
@@ -167,7 +167,7 @@ fn likelihood_ratio_tests_match_r() {
             let location = record["test"] == "location";
             let tests = if location { &report.terms } else { &report.proportional_odds };
             let what = format!("{record:?}");
-            let test = tests.iter().find(|test| test.term == record["term"]);
+            let test = tests.iter().find(|test| test.term.to_string() == record["term"]);
             let test = test.unwrap_or_else(|| panic!("{what}: {tests:?}"));
             assert_eq!(test.df.to_string(), record["df"], "{what}");
             if test.df == 0 {

@@ -56,81 +56,6 @@ fn said(results: &Results) -> Summary {
     summary(&source(&[]), results)
 }
 
-/// The statistic of an interaction of two factors between people is on the scale of χ², as its p says.
-#[test]
-fn interactions_between_people_have_a_chi_squared() {
-    let effect = |person: usize, row: usize| (person % 4 == row).then_some([1.0, -1.0, -1.0, 1.0][row]);
-    let results = analyze(study(&["a", "b"], &CROSSED, (40, 8, 3), effect), &options(None));
-    let [interaction] = &results.model.as_ref().unwrap().interactions[..] else { panic!("{:?}", results.model) };
-    let (p, chi_squared) = (interaction.p.unwrap(), interaction.chi_squared.unwrap());
-    assert!(p < 0.001 && (10.0..41.0).contains(&chi_squared), "{interaction:?}");
-}
-
-/// Eight people are all alike: half of them rate b higher, and half a. If the halves are groups, other signs bring back an
-/// eighth of each score, which the mean effect of the level has explained; within people, the model explains nothing of it.
-/// Without this, the test finds an effect in 9 % of studies of three groups of three in which there is none.
-#[test]
-fn other_signs_bring_back_what_the_model_explains() {
-    for (is_group, expected) in [(true, 7.0), (false, 8.0)] {
-        let mut builder = MeasuredBuilder::new(&["side", "level"]).with_categories(&["0", "1", "2", "3"]);
-        for person in 0..8 {
-            for side in (0..2).filter(|side| !is_group || person % 2 == *side) {
-                for (level, low) in [("a", side), ("b", 1 - side)] {
-                    for rating in [low, low + 1, low + 1, low + 2] {
-                        let levels = [["x", "y"][side], level];
-                        builder.add_counts(&person.to_string(), &levels, &rating.to_string(), 1).unwrap();
-                    }
-                }
-            }
-        }
-        let report = analyze(builder.finish(), &options(None)).model.unwrap();
-        let chi_squared = report.interactions[0].chi_squared.unwrap();
-        assert!((chi_squared - expected).abs() < 1e-3, "{:?}", report.interactions);
-    }
-}
-
-/// Three of twelve people rate both levels, and two of them rate b far higher; nine rate one level. Without a slope, p is
-/// below .001, and below .05 in 4 of 10 studies of people who differ in an effect that is 0 on average.
-#[test]
-fn people_who_cross_are_few_people() {
-    let mut builder = MeasuredBuilder::new(&["c"]).with_categories(&["0", "1", "2", "3"]);
-    for person in 0..12 {
-        for (place, level) in ["a", "b"].into_iter().enumerate().filter(|(own, _)| person < 3 || person % 2 == *own) {
-            let middle = [[0, 2], [0, 2], [1, 0]].get(person).map_or(person % 3, |own| own[place]);
-            for (rating, count) in [(middle, 8), (middle + 1, 12)] {
-                builder.add_counts(&format!("P{person}"), &[level], &rating.to_string(), count).unwrap();
-            }
-        }
-    }
-    let results = analyze(builder.finish(), &options(None));
-    let model = results.model.as_ref().unwrap();
-    assert!(model.model.random.as_ref().is_some_and(|random| random.slopes.len() == 1), "{:?}", model.model.random);
-    assert!(model.terms[0].p.is_some_and(|p| p > 0.05), "{:?}", model.terms);
-}
-
-/// One rating that was filed under the other group neither withholds the test of the groups nor makes a group of two large
-/// enough for one.
-#[test]
-fn a_slip_changes_no_group() {
-    let tested = |people: usize, in_b: usize| {
-        let mut builder = MeasuredBuilder::new(&["group"]).with_categories(&["0", "1", "2", "3"]);
-        for person in 0..people {
-            let group = person < in_b;
-            for place in 0..2 {
-                let of = if (person, place) == (0, 1) { !group } else { group };
-                let rating = (person * 5 + place) % 3 + usize::from(group);
-                let level = ["a", "b"][usize::from(of)];
-                builder.add_counts(&format!("P{person}"), &[level], &rating.to_string(), 1).unwrap();
-            }
-        }
-        analyze(builder.finish(), &options(None)).model.unwrap().terms.remove(0)
-    };
-    let groups = tested(24, 12);
-    assert!(groups.p.is_some_and(|p| p < 0.1) && groups.withheld.is_none(), "{groups:?}");
-    let few = tested(12, 2);
-    assert!(few.p.is_none() && few.withheld.is_some_and(|reason| reason.to_string().contains("fewer than")), "{few:?}");
-}
-
 const CROSSED: [[&str; 2]; 4] = [["p", "x"], ["p", "z"], ["q", "x"], ["q", "z"]];
 
 /// An effect that is turned round by another factor is no missing effect. Today's sentence was "found no clear effect of a
@@ -161,31 +86,6 @@ fn a_crossed_interaction_leads() {
             let outside = |p: &&machband::analysis::Proportion| p.observed < p.range.low || p.observed > p.range.high;
             let far = checks.cells.iter().filter(outside).count();
             assert!(people < 10 || (far > 4) == terms.is_none(), "{far} cells; {found}");
-        }
-    }
-}
-
-/// Without its parts, a term compares all combinations, also if effects add up: that is no interaction. It says nothing about
-/// one factor alone. Before, a crossed effect was "no clear effect of a or b", from rank tests.
-#[test]
-fn a_term_without_its_parts_compares_combinations() {
-    for (shifts, is_clear) in [([-1.5, 0.0, 0.0, 1.5], true), ([1.5, -1.5, -1.5, 1.5], true), ([0.0; 4], false)] {
-        for (terms, beyond) in [("a:b", ""), ("a,a:b", ", beyond the effect of a")] {
-            let study = study(&["a", "b"], &CROSSED, (8, 12, 5), |_, row| Some(shifts[row]));
-            let results = analyze(study, &options(Some(terms)));
-            let Summary { findings, cautions, .. } = said(&results);
-            let all = format!("{terms}: {findings:#?} {cautions:#?}");
-            let what = format!("atings depend on the combination of a and b{beyond} (");
-            let found = findings.iter().find(|text| text.contains(&what)).unwrap_or_else(|| panic!("{all}"));
-            assert_eq!(found.starts_with('R'), is_clear, "{all}");
-            assert_eq!(found.contains("at b z, it is"), is_clear, "{all}");
-            for wrong in ["depend on each other", "By a,", "By b,", "with a", "no clear effect", "Friedman"] {
-                assert!(!all.contains(wrong), "{wrong}: {all}");
-            }
-            let tests = &results.model.as_ref().unwrap().terms;
-            let of_a = tests.iter().find(|test| test.term == "a").map(|test| (test.p, test.withheld));
-            assert_eq!(of_a, (!beyond.is_empty()).then_some((None, Some(Withheld::Contained))), "{tests:?}");
-            assert!(!page(&source(&["a", "b"]), &results).contains("rests on Friedman"));
         }
     }
 }
@@ -229,10 +129,8 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
         let none = (false, Some(Withheld::EmptyCells));
         assert_eq!(withheld, [none, none, (true, None)], "{:?}", report.terms);
         assert!(report.comparisons.iter().all(|c| c.at.is_some()), "{:?}", report.comparisons);
-        let over = |factor: &str| report.margins.iter().find(|margin| margin.factor == factor).unwrap().over.len();
-        assert_eq!((over("a"), over("b")), (1, 2));
         let html = page(&source(&["a", "b"]), results);
-        assert!(html.contains("The model’s means by a are averages over b p, where all of its levels were rated."));
+        assert!(html.contains("for a factor in an interaction, over those in which all of its levels were rated"));
         assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
     }
     assert_eq!(simple(&first), simple(&second));
@@ -275,7 +173,8 @@ fn a_covariate_has_its_mean_in_marginal_means() {
         let own = report.comparisons.iter().find(|c| c.factor == "group" && c.at.is_none()).unwrap();
         assert!((own.estimate - difference).abs() < 5e-3 && own.average == (terms.contains('*')), "{own:?}");
         // The interval is that of the test.
-        let (p, interval) = (report.terms.iter().find(|test| test.term == "group").unwrap().p, own.interval.unwrap());
+        let (p, interval) =
+            (report.terms.iter().find(|test| test.term.to_string() == "group").unwrap().p, own.interval.unwrap());
         assert!(own.p == p && p.unwrap() > 0.05 && interval.contains(0.0), "{own:?} {p:?}");
     }
 }
@@ -297,7 +196,7 @@ fn a_cell_at_the_floor_is_no_interaction() {
             }
         }
         let tests = analyze(builder.finish(), &options(Some("a*c"))).model.unwrap().terms;
-        let p = tests.iter().find(|test| test.term == "a:c").unwrap().p;
+        let p = tests.iter().find(|test| test.term.to_string() == "a:c").unwrap().p;
         assert!(p.is_none_or(|p| p > 0.1), "{order:?}: {tests:?}");
     }
 }
@@ -316,27 +215,12 @@ fn simple_effects_have_the_direction_of_their_test() {
         let results = analyze(measured.clone(), &options(Some(terms)));
         let findings = said(&results).findings;
         let finding = findings.iter().find(|text| text.contains("of contact and group depend")).unwrap();
-        assert!(finding.contains(what) && finding.contains("by contact at each level of group are not"), "{finding}");
+        assert!(finding.contains(what), "{finding}");
         let (_, at_m) = finding.split_once("; at group m, it is ").unwrap();
         let numbers: Vec<f64> = at_m.split(' ').filter_map(|word| word.parse().ok()).collect();
         let [none, 0.0, contact, 1.0, ..] = numbers[..] else { panic!("{finding}") };
         assert!(none > contact + 0.3, "{finding}");
     }
-}
-
-/// Each picture has one level of detail, so the effect of the pictures cannot be told apart from that of the detail.
-#[test]
-fn a_factor_that_determines_another_is_no_term() {
-    let rows = [["a", "low"], ["b", "low"], ["c", "high"], ["d", "high"]];
-    let latent = |_: usize, row: usize| Some([-0.2, 0.2, 1.8, 2.2][row]);
-    let results = analyze(study(&["picture", "detail"], &rows, (8, 6, 4), latent), &options(None));
-    let tests = &results.model.as_ref().unwrap().terms;
-    assert!(tests.len() == 1 && tests[0].term == "detail" && tests[0].p.unwrap() < 0.05, "{tests:?}");
-    let Summary { findings, cautions, .. } = said(&results);
-    let start = "The factor picture is not in the model, because each of its levels occurs with one level of detail";
-    let is_said = cautions.iter().any(|text| *text == format!("{start}; with --items, it is a sample of stimuli."));
-    let is_found = findings.iter().any(|text| text.starts_with("By detail, the mean rating is higher at high"));
-    assert!(is_said && is_found, "{findings:#?} {cautions:#?}");
 }
 
 /// Nothing depends on the unit of a number or on its origin: the same z and p, and intervals that scale.
@@ -368,7 +252,7 @@ fn units_and_origins_do_not_matter() {
         let (numbers, p, lr, text) = of(0, 0.0);
         assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");
         for (power, origin) in
-            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6)]
+            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6), (-2, 1e6)]
         {
             let (other, other_p, other_lr, other_text) = of(power, origin);
             for (number, other) in numbers.iter().zip(other) {
@@ -384,18 +268,6 @@ fn units_and_origins_do_not_matter() {
             assert_eq!(text, other_text, "{people}, 1e{power} from {origin}");
         }
     }
-}
-
-/// Without light, everybody sees nothing. That says nothing about how people differ, and the tests of the rest do not suffer.
-#[test]
-fn a_level_at_the_floor_spoils_no_test() {
-    let rows: Vec<[&str; 2]> =
-        (0..6).map(|row| [["off", "dim", "bright"][row / 2], ["red", "blue"][row % 2]]).collect();
-    let latent = |_: usize, row: usize| Some([-30.0, -30.0, 0.0, 0.0, 1.0, 1.0][row]);
-    let results = analyze(study(&["light", "hue"], &rows, (7, 4, 3), latent), &options(None));
-    let tests = &results.model.as_ref().unwrap().terms;
-    assert!(tests.iter().all(|test| test.p.is_some()), "{tests:?}");
-    assert!(tests[0].p.unwrap() < 0.01 && tests[1].p.unwrap() > 0.05, "{tests:?}");
 }
 
 /// An age has a slope, not a mean for each year, whether a term names it or not; without covariates, its values are levels.
@@ -442,7 +314,7 @@ fn the_order_of_terms_does_not_matter() {
         let report = analyze(builder.finish(), &options(Some(terms))).model.unwrap();
         let slopes = report.model.random.into_iter().flat_map(|random| random.slopes);
         let mut slopes: Vec<String> = slopes.map(|slope| slope.term.to_string()).collect();
-        let mut tests: Vec<_> = report.terms.into_iter().map(|test| (test.term, test.p)).collect();
+        let mut tests: Vec<_> = report.terms.into_iter().map(|test| (test.term.to_string(), test.p)).collect();
         slopes.sort();
         tests.sort_by(|one, other| one.0.cmp(&other.0));
         (slopes, tests, (report.model.loglik * 1e6).round())

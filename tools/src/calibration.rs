@@ -143,7 +143,7 @@ fn tally(results: &Results, truth: &Value) -> Tally {
     for name in &null {
         let report = results.model.as_ref().ok();
         let test =
-            report.and_then(|report| report.terms.iter().find(|test| test.term.trim_start_matches("num:") == *name));
+            report.and_then(|report| report.terms.iter().find(|test| test.term.is_main() && test.term.name() == *name));
         tally.add("LR", test.and_then(|test| test.p).map(|p| p < ALPHA));
         let Some(factor) = results.factors.iter().find(|factor| factor.name == *name) else { continue };
         if factor.within && results.is_inferential() {
@@ -156,7 +156,7 @@ fn tally(results: &Results, truth: &Value) -> Tally {
         }
     }
     if let Ok(report) = &results.model {
-        let interactions: Vec<f64> = report.interactions.iter().filter_map(|test| test.p).collect();
+        let interactions: Vec<f64> = report.interactions.iter().filter_map(|own| own.test.p).collect();
         if !report.interactions.is_empty() {
             tally.add("interaction", (!interactions.is_empty()).then(|| interactions.iter().any(|p| *p < ALPHA)));
         }

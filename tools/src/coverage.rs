@@ -85,7 +85,7 @@ pub fn recover(random: Random, studies: u32, seed: u64) -> Result<Recovery, Faul
     let sds: Vec<_> = models().filter_map(|m| m.random.as_ref()).map(|r| (r.sd, r.se.unwrap_or_default())).collect();
     let sd = Parameter { name: "sd of the random intercept".to_owned(), truth: SUBJECT_SD, estimates: sds };
     let significant = |report: &&ModelReport| {
-        report.terms.iter().any(|test| test.term == FACTORS[2] && test.p.is_some_and(|p| p < 0.05))
+        report.terms.iter().any(|test| test.term.name() == FACTORS[2] && test.p.is_some_and(|p| p < 0.05))
     };
     Ok(Recovery {
         coefficients: names.enumerate().map(coefficient).collect(),

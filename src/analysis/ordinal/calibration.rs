@@ -5,15 +5,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{
-    checks::{self, Checks},
+    checks::{self, Checks, Order, order},
     design::{coefficients, is_level},
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
     likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, without_terms},
     margins::{self, Comparison, Margin, Pair},
-    model::{Model, ModelError, ModelSpec, Random, RandomEffect},
-    order::{Order, order},
+    model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
     resampling::{Resampling, simulate},
     terms::{Term, Variable},
@@ -43,7 +42,7 @@ const MANY_PER_PARAMETER: u64 = 50;
 const USUAL_DRAWS: u32 = 199;
 /// Maximum time of the simulated studies, minutes of one processor, unless the user allows more. Five factors with ten
 /// levels each, 8 participants and 600 ratings of each take 4.
-pub const MAX_MINUTES: u64 = 5;
+const MAX_MINUTES: u64 = 5;
 
 /// A model with its tests.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -109,8 +108,6 @@ fn usual_limits(full: &Fitted) -> Limits {
 #[derive(Clone, Copy)]
 pub struct Calibration<'a> {
     pub resampling: Resampling,
-    /// Maximum time of the simulated studies, minutes of one processor.
-    pub max_minutes: u64,
     /// The trials that are known one by one.
     pub trials: &'a [Trial],
     /// Whether to compute [`ModelReport::checks`].
@@ -131,9 +128,9 @@ pub fn fit_calibrated(
     calibration: &Calibration<'_>,
 ) -> Result<ModelReport, ModelError> {
     let (frame, _) = Frame::new(counts, spec)?;
-    let (minutes, most) = (minutes(&frame, spec, calibration.resampling.draws), calibration.max_minutes);
-    if minutes > most {
-        return Err(ModelError::TooMuchWork { minutes, most });
+    let minutes = minutes(&frame, spec, calibration.resampling.draws);
+    if minutes > MAX_MINUTES && spec.max_coefficients <= MAX_COEFFICIENTS {
+        return Err(ModelError::TooMuchWork { minutes, most: MAX_MINUTES });
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
@@ -144,7 +141,7 @@ pub fn fit_calibrated(
     for place in (0..terms.len()).rev() {
         limits[place] = match report.terms[place].withheld {
             // Its coefficients are effects in the larger term.
-            Some(Withheld::Contained | Withheld::EmptyCells) => {
+            Some(Withheld::EmptyCells) => {
                 let larger = (place + 1..terms.len()).find(|&other| terms[other].contains(terms[place]));
                 larger.map_or(limits[place], |larger| limits[larger])
             }
@@ -166,7 +163,7 @@ pub fn fit_calibrated(
     report.comparisons = margins::comparisons(&full, &report.model, &limits, &report.terms, &wanted);
     for own in report.comparisons.iter_mut().filter(|own| own.at.is_none() && own.p.is_some()) {
         // The only difference of a term has the term's probability.
-        let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor).to_string();
+        let is_own = |test: &&TermTest| test.df == 1 && test.term == Term::factor(&own.factor);
         if let Some(p) = report.terms.iter().find(is_own).and_then(|test| test.p) {
             (own.p, own.p_holm) = (Some(p), Some(p));
         }

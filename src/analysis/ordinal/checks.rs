@@ -1,13 +1,31 @@
 //! How well a model describes the data: it is compared with studies simulated from it.
+//!
+//! Whether ratings depend on the order of the trials, from the residuals of a model: a drift over a session, and the
+//! correlation of successive trials.
+//!
+//! The residual of a rating is the derivative of its log-probability with respect to the location, given the participant's
+//! effects. One step of Fisher scoring from these gives the drift (a score test), whose distribution comes from the signs of
+//! the participants. Only what the participant and the model do not already tell about a trial's place counts, so that
+//! conditions shown in blocks do not hide a drift. If the order does not matter, the residuals of a session can be exchanged; the mean and the variance of
+//! the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math. Stat. 14, 378).
 
-use nalgebra::DMatrix;
+use std::collections::{BTreeMap, HashMap};
+
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{fitting::Fitted, resampling::Simulator};
+use super::{
+    clm::category_bounds,
+    clmm::Modes,
+    fitting::{Fitted, Layout, lay_out},
+    interactions::{LEAST_FOR_SIGNS, each_block_of_signs, exceedances},
+    resampling::Simulator,
+    search::MixedFit,
+};
 use crate::{
-    analysis::counts::{Combinations, CountRow},
-    statistics::{Interval, mean_and_sd},
+    analysis::counts::{Combinations, CountRow, Trial},
+    statistics::{Interval, mean_and_sd, normal_two_sided},
 };
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
@@ -106,4 +124,201 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
         proportions: described.iter().flat_map(|factor| compare(&[*factor])).collect(),
         cells: if has_cells { compare(&described) } else { Vec::new() },
     }
+}
+
+/// How ratings depend on the order of the trials.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Order {
+    /// Number of ratings with a known place.
+    pub ratings: u64,
+    /// Change of the latent rating from the first to the last trial of a session, on the scale of the link; `None` if the
+    /// effects of the model tell the place of every trial.
+    pub drift: Option<f64>,
+    /// Probability of a drift at least as large if the mean drift of participants is 0; `None` without a drift or with
+    /// fewer than six participants.
+    pub drift_p: Option<f64>,
+    /// Correlation of the residuals of successive trials of a session.
+    pub lag_one: f64,
+    /// Two-sided probability of such a correlation if the order of the trials does not matter.
+    pub lag_one_p: f64,
+}
+
+impl Order {
+    /// Returns whether successive ratings are clearly related.
+    pub fn is_dependent(&self) -> bool {
+        self.lag_one_p < 0.05 && self.lag_one.abs() >= 0.1
+    }
+
+    /// Returns whether ratings clearly drift.
+    pub fn is_drifting(&self) -> bool {
+        self.drift_p.is_some_and(|p| p < 0.05) && self.drift.is_some_and(|drift| drift.abs() >= 0.5)
+    }
+}
+
+/// The least share of the places that the model must leave open for a drift to be estimated.
+const LEAST_LEFT: f64 = 0.01;
+
+/// The residual of a rating.
+#[derive(Clone, Copy, Default)]
+struct Residual {
+    score: f64,
+    /// The expected information of the rating on the location.
+    information: f64,
+    /// The score in units of its standard deviation.
+    standard: f64,
+}
+
+/// Returns the residual of a rating: of a participant and a category, given as in the frame, in a condition.
+fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl FnMut(usize, u32, usize) -> Residual + use<'a> {
+    let Layout { data, row_of } = layout;
+    let mixed = fitted.usable();
+    let parameters = fitted.searched(mixed, data);
+    let (location, weights) = (data.location(&parameters), data.weights(&parameters));
+    let (own, _) = fitted.random.effects();
+    let people = fitted.frame.subjects.len();
+    // With items, the effects of all participants stand one after the other, and then those of the items.
+    let mode = move |modes: &Modes, subject: usize, slot: usize| match fitted.random.is_crossed() {
+        false => modes[subject][slot],
+        true if slot < own => modes[0][subject * own + slot],
+        true => modes[0][people * own + slot - own],
+    };
+    let of = move |subject: usize, condition: u32| -> Vec<Residual> {
+        let (row, slots) = (row_of[condition as usize], data.loadings.slots_per_row);
+        let slots = weights[row * slots..(row + 1) * slots].iter();
+        let effect = |mixed: &MixedFit| slots.map(|(slot, weight)| weight * mode(&mixed.modes, subject, *slot)).sum();
+        let at = location[row] + mixed.map_or(0.0, effect);
+        let category = |category| {
+            let (a, b) = category_bounds(&parameters.as_slice()[..data.thresholds()], category);
+            let cell = data.link.cell(a - at, b - at);
+            (cell.log_p.exp(), -cell.a - cell.b)
+        };
+        let categories: Vec<(f64, f64)> = (0..data.categories).map(category).collect();
+        let information = categories.iter().map(|(p, score)| p * score * score).sum::<f64>();
+        let residual = |(_, score)| Residual { score, information, standard: score / information.sqrt() };
+        categories.into_iter().map(residual).collect()
+    };
+    let mut known = HashMap::new();
+    move |subject, condition, category| {
+        known.entry((subject, condition)).or_insert_with(|| of(subject, condition))[category]
+    }
+}
+
+/// A rating in the order of the trials.
+struct Timed {
+    subject: usize,
+    /// The row of the design.
+    row: usize,
+    /// The place in the session, −½…½.
+    x: f64,
+    residual: Residual,
+}
+
+/// Subtracts from each place what the participant and the location of the model tell about it: the weighted regression on
+/// both.
+fn project(timed: &mut [Timed], design: &DMatrix<f64>) {
+    let mut cells: BTreeMap<(usize, usize), [f64; 2]> = BTreeMap::new();
+    for one in &*timed {
+        let cell = cells.entry((one.subject, one.row)).or_default();
+        cell[0] += one.residual.information;
+        cell[1] += one.residual.information * one.x;
+    }
+    let terms = design.ncols();
+    let mut means = HashMap::new();
+    let (mut normal, mut right) = (DMatrix::zeros(terms, terms), DVector::zeros(terms));
+    let cells: Vec<_> = cells.into_iter().collect();
+    for own in cells.chunk_by(|l, r| l.0.0 == r.0.0) {
+        let all: f64 = own.iter().map(|(_, [weight, _])| weight).sum();
+        let row = |row: usize| design.row(row).transpose();
+        let mean = own.iter().map(|((_, of), [weight, _])| row(*of) * (weight / all)).sum::<DVector<f64>>();
+        let mean_x = own.iter().map(|(_, [_, product])| product).sum::<f64>() / all;
+        for ((_, of), [weight, product]) in own {
+            let centered = row(*of) - &mean;
+            normal.ger(*weight, &centered, &centered, 1.0);
+            right.axpy(product - weight * mean_x, &centered, 1.0);
+        }
+        means.insert(own[0].0.0, (mean, mean_x));
+    }
+    // A term that is constant within participants tells nothing more.
+    let tolerance = 1e-9 * normal.diagonal().max();
+    // Without terms, there is no matrix to invert.
+    let inverse = if terms > 0 { normal.pseudo_inverse(tolerance).ok() } else { None };
+    let slopes = inverse.map_or_else(|| DVector::zeros(terms), |inverse| inverse * right);
+    for one in timed {
+        let (mean, mean_x) = &means[&one.subject];
+        one.x -= mean_x + (design.row(one.row).transpose() - mean).dot(&slopes);
+    }
+}
+
+/// Measures how ratings depend on the order of the trials; `None` if no session has several trials with known places.
+pub(super) fn order(fitted: &Fitted, trials: &[Trial], seed: u64) -> Option<Order> {
+    let counts = fitted.frame.counts;
+    let place = |names: &[String], name: &String| names.iter().position(|own| own == name);
+    let subjects: Vec<Option<usize>> = counts.subjects.iter().map(|name| place(&fitted.frame.subjects, name)).collect();
+    let categories: Vec<Option<usize>> =
+        counts.categories.iter().map(|name| place(&fitted.frame.categories, name)).collect();
+    let mut occurs = vec![false; counts.conditions.len()];
+    fitted.frame.conditions().into_iter().for_each(|condition| occurs[condition as usize] = true);
+    let mut placed: Vec<(f64, &Trial)> = (trials.iter().filter(|trial| occurs[trial.condition as usize]))
+        .filter_map(|trial| Some((trial.position?, trial)))
+        .collect();
+    let session = |(_, trial): &(f64, &Trial)| (trial.subject, trial.session);
+    placed.sort_by(|l, r| session(l).cmp(&session(r)).then(l.0.total_cmp(&r.0)));
+    let layout = lay_out(fitted, false);
+    let mut residual = residuals(fitted, &layout);
+    let mut scores = vec![0.0; fitted.frame.subjects.len()];
+    let mut timed = Vec::new();
+    let (mut products, mut expected, mut variance, mut squares) = (0.0, 0.0, 0.0, 0.0);
+    for session in placed.chunk_by(|l, r| session(l) == session(r)) {
+        let Some(subject) = subjects[session[0].1.subject as usize] else { continue };
+        let own = |(_, trial): &(f64, &Trial)| {
+            let category = categories[usize::from(trial.rating)]?;
+            Some((layout.row_of[trial.condition as usize], residual(subject, trial.condition, category)))
+        };
+        let own: Vec<(usize, Residual)> = session.iter().filter_map(own).collect();
+        // The variance below needs four trials.
+        if own.len() < 4 {
+            continue;
+        }
+        let n = own.len() as f64;
+        timed.extend(own.iter().enumerate().map(|(index, &(row, residual))| {
+            let x = index as f64 / (n - 1.0) - 0.5;
+            Timed { subject, row, x, residual }
+        }));
+        let mean = own.iter().map(|(_, residual)| residual.standard).sum::<f64>() / n;
+        let centered: Vec<f64> = own.iter().map(|(_, residual)| residual.standard - mean).collect();
+        let sum = |power: i32| centered.iter().map(|e| e.powi(power)).sum::<f64>();
+        let (s2, s4) = (sum(2), sum(4));
+        let own_expected = -s2 / n;
+        let second = (s2 * s2 - s4) / n
+            + 2.0 * (2.0 * s4 - s2 * s2) / (n * (n - 1.0))
+            + (3.0 * s2 * s2 - 6.0 * s4) / (n * (n - 1.0));
+        products += centered.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
+        expected += own_expected;
+        variance += second - own_expected * own_expected;
+        squares += s2;
+    }
+    let information = |timed: &[Timed]| timed.iter().map(|one| one.residual.information * one.x.powi(2)).sum::<f64>();
+    let whole = information(&timed);
+    if timed.is_empty() || variance <= 0.0 || whole <= 0.0 {
+        return None;
+    }
+    project(&mut timed, &layout.data.x);
+    timed.iter().for_each(|one| scores[one.subject] += one.residual.score * one.x);
+    let left = information(&timed);
+    // Where each condition has its place, a drift cannot be told from an effect.
+    let is_told = left > LEAST_LEFT * whole;
+    Some(Order {
+        ratings: timed.len() as u64,
+        drift: is_told.then(|| scores.iter().sum::<f64>() / left),
+        drift_p: (is_told && scores.len() >= LEAST_FOR_SIGNS).then(|| {
+            let mut statistics = Vec::new();
+            each_block_of_signs(scores.len(), seed, |signs| {
+                let sums = signs.column_iter().map(|signs| signs.iter().zip(&scores).map(|(a, b)| a * b).sum::<f64>());
+                statistics.extend(sums.map(|sum| sum * sum));
+            });
+            exceedances(&statistics)[0]
+        }),
+        lag_one: (products - expected) / squares,
+        lag_one_p: normal_two_sided((products - expected) / variance.sqrt()),
+    })
 }

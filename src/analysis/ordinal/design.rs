@@ -234,7 +234,9 @@ impl Span {
         // Project twice, because a single Gram–Schmidt pass loses orthogonality if columns are nearly dependent.
         let once = &column - self.project(&column);
         let rest = &once - self.project(&once);
-        let is_new = column.norm() > 0.0 && rest.norm() >= SPAN_TOLERANCE * column.norm();
+        // A constant is part of the span, so only the variation counts: a year and its days vary little about a large mean.
+        let varied = column.add_scalar(-column.mean()).norm();
+        let is_new = varied > 1e-12 * column.norm() && rest.norm() >= SPAN_TOLERANCE * varied;
         if is_new {
             self.basis.push(rest.normalize());
         }

@@ -57,7 +57,7 @@ pub(super) fn report(fitted: &Fitted) -> Model {
         let z = se.map(|se| estimate / se);
         Coefficient {
             name: fitted.x.columns[column].name.clone(),
-            term: fitted.term_name(column),
+            term: fitted.term_of(column).clone(),
             parts: fitted.x.columns[column].parts.clone(),
             estimate,
             se,
@@ -216,16 +216,8 @@ fn covariance(fitted: &Fitted) -> Option<DMatrix<f64>> {
     Some(covariance)
 }
 
-/// Returns the linear predictor of each of these conditions, without thresholds.
-pub(crate) fn predictors(fitted: &Fitted, conditions: &[u32]) -> Vec<f64> {
-    let estimates = estimates(fitted);
-    let coefficients = estimates.rows(fitted.frame.categories.len() - 1, fitted.x.columns.len());
-    let x = fitted.x.matrix(conditions);
-    x.row_iter().map(|row| dot_ignoring_zero_weights(row.iter(), coefficients.iter())).collect()
-}
-
 /// Returns the scalar product. An infinite value counts as 0 if its weight is 0 up to rounding.
-pub(crate) fn dot_ignoring_zero_weights<'a>(
+pub(super) fn dot_ignoring_zero_weights<'a>(
     weights: impl Iterator<Item = &'a f64>,
     values: impl Iterator<Item = &'a f64>,
 ) -> f64 {
@@ -240,7 +232,7 @@ fn note_design(fitted: &Fitted, notes: &mut Vec<Note>) {
     let design = &fitted.x;
     for (index, term) in fitted.spec.terms.iter().enumerate() {
         if !design.columns.iter().any(|column| column.term == index) {
-            notes.push(Note::AliasedTerm { term: term.to_string() });
+            notes.push(Note::AliasedTerm { term: term.to_string(), of: term.clone() });
         } else {
             let dropped = design.dropped.iter().filter(|column| column.term == index);
             notes.extend(dropped.map(|column| Note::Aliased { column: column.name.clone() }));
@@ -255,7 +247,7 @@ fn note_separation(fitted: &Fitted, notes: &mut Vec<Note>) {
             None => Note::SeparatedThreshold { threshold: fitted.frame.categories[index..index + 2].join("|") },
             Some(column) => Note::Separation {
                 coefficient: fitted.x.columns[column].name.clone(),
-                term: fitted.term_name(column),
+                term: fitted.term_of(column).to_string(),
                 positive: direction > 0.0,
             },
         });
@@ -284,7 +276,7 @@ fn note_mixed(fitted: &Fitted, notes: &mut Vec<Note>) {
         notes.extend(zeros.map(|component| match component.term.variables.is_empty() {
             true => Note::NoSubjectVariance,
             false if component.shared => Note::NoItemVariance { items: component.name.clone() },
-            false => Note::NoSlopeVariance { term: component.name.clone() },
+            false => Note::NoSlopeVariance { term: component.name.clone(), of: component.term.clone() },
         }));
     }
 }

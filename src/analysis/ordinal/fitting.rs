@@ -319,9 +319,9 @@ impl Fitted<'_> {
         self.infinite().any(|(index, _)| index < self.frame.categories.len() - 1)
     }
 
-    /// Returns the name of the term to which a column belongs.
-    pub fn term_name(&self, column: usize) -> String {
-        self.spec.terms.iter().nth(self.x.columns[column].term).map(ToString::to_string).unwrap_or_default()
+    /// Returns the term to which a column belongs.
+    pub fn term_of(&self, column: usize) -> &Term {
+        &self.spec.terms.iter().as_slice()[self.x.columns[column].term]
     }
 
     /// Returns the log-likelihood that the tests compare.

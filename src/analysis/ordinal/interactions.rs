@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::{
     fitting::{Fitted, How, Layout, fit_terms, layout},
-    likelihood_ratios::{LEAST_PER_PARAMETER, Withheld, without_term},
+    likelihood_ratios::{LEAST_PER_PARAMETER, TermTest, Withheld, without_term},
     model::ModelSpec,
     resampling::{Resampling, simulate},
     terms::{Term, Terms},
@@ -41,23 +41,13 @@ const MAX_SIMULATED: usize = 6;
 /// The test of an interaction that is not in the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Interaction {
-    /// The interaction as a term, such as `width:depth`.
-    pub term: String,
     /// Names of the two factors.
     pub factors: [String; 2],
-    /// The score statistic or, with fewer than six participants, the likelihood ratio.
-    pub chi_squared: Option<f64>,
-    /// Number of its degrees of freedom.
-    pub df: usize,
-    /// Probability of a statistic at least as large without any interaction, corrected for the number of interactions that
-    /// are tested.
-    pub p: Option<f64>,
-    /// Number of patterns of signs or of simulated studies.
-    pub draws: usize,
-    /// True if the probability comes from patterns of signs.
+    /// True if the statistic is that of the scores, and the probability comes from patterns of signs.
     pub by_signs: bool,
-    /// Why there is no probability.
-    pub withheld: Option<Withheld>,
+    /// The test; its probability is corrected for the number of interactions that are tested.
+    #[serde(flatten)]
+    pub test: TermTest,
 }
 
 /// Tests every pair of factors whose main effects, but not their interaction, are in the model.
@@ -71,8 +61,8 @@ pub(super) fn interactions(full: &Fitted, settings: Resampling) -> Vec<Interacti
     }
 }
 
-/// An interaction that is not tested yet, its term, and the indices of the main effects.
-type Pair = (Interaction, Term, [usize; 2]);
+/// An interaction that is not tested yet, and the indices of the main effects.
+type Pair = (Interaction, [usize; 2]);
 
 /// Returns the interactions that the model leaves out.
 fn pairs(full: &Fitted) -> Vec<Pair> {
@@ -85,17 +75,9 @@ fn pairs(full: &Fitted) -> Vec<Pair> {
         let is_known = full.spec.terms.iter().any(|known| known.contains(&term));
         let is_tested = !is_known && factor(one).is_ok_and(|own| factor(other).is_ok_and(|other| own != other));
         let columns = |index: usize| full.x.columns.iter().filter(|column| column.term == index).count();
-        let untested = Interaction {
-            term: term.to_string(),
-            factors: [name(one), name(other)],
-            chi_squared: None,
-            df: columns(i) * columns(j),
-            p: None,
-            draws: 0,
-            by_signs: true,
-            withheld: Some(Withheld::NoRatio),
-        };
-        (is_tested && untested.df > 0).then_some((untested, term, [i, j]))
+        let test = TermTest::new(&term, None, columns(i) * columns(j));
+        (is_tested && test.df > 0)
+            .then(|| (Interaction { factors: [name(one), name(other)], by_signs: true, test }, [i, j]))
     };
     let all =
         main.iter().enumerate().flat_map(|(place, one)| main[place + 1..].iter().map(move |other| (*one, *other)));
@@ -107,7 +89,7 @@ fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
         let residuals = Residuals::of(full);
         pairs
             .par_iter()
-            .map(|(pair, _, terms)| residuals.scores(full, *terms).filter(|_| pair.df <= MAX_COLUMNS))
+            .map(|(pair, terms)| residuals.scores(full, *terms).filter(|_| pair.test.df <= MAX_COLUMNS))
             .collect()
     };
     // The statistics of each tested interaction, the observed one first; then the share of patterns that reach each one.
@@ -125,18 +107,19 @@ fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
     let least = |pattern: usize| reached.iter().filter_map(|p| p.get(pattern).copied()).fold(1.0, f64::min);
     let least: Vec<f64> = (0..patterns).map(least).collect();
     let mut tested = Vec::new();
-    for (((mut pair, ..), scores), (statistics, p)) in
+    for (((mut pair, _), scores), (statistics, p)) in
         pairs.into_iter().zip(&scores).zip(statistics.iter().zip(&reached))
     {
-        if pair.df <= MAX_COLUMNS {
-            pair.withheld = Some(Withheld::Aliased);
+        let test = &mut pair.test;
+        if test.df <= MAX_COLUMNS {
+            test.withheld = Some(Withheld::Aliased);
         }
         if let (Some(scores), Some(statistic), Some(own)) = (scores, statistics.first(), p.first()) {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
             let df = scores.enlarged.nrows();
             let chi_squared = statistic * df as f64 / scores.enlarged.norm_squared();
-            (pair.chi_squared, pair.df, pair.draws) = (Some(chi_squared), df, patterns);
-            (pair.p, pair.withheld) = (Some(reaching as f64 / patterns as f64), None);
+            (test.lr, test.df, test.draws) = (Some(chi_squared), df, Some(patterns));
+            (test.p, test.withheld) = (Some(reaching as f64 / patterns as f64), None);
         }
         tested.push(pair);
     }
@@ -253,40 +236,32 @@ impl Residuals {
 
 /// Tests the interactions by likelihood ratios of wider models in simulated studies.
 fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Interaction> {
-    let test = |(mut pair, term, _): Pair| {
-        pair.by_signs = false;
-        if full.ignores_people() {
-            pair.withheld = Some(Withheld::NoMixedModel);
-            return pair;
-        }
-        if full.mixed.is_some() && pair.df > MAX_SIMULATED {
-            pair.withheld = Some(Withheld::FewPeople);
-            return pair;
-        }
-        let spec = ModelSpec { terms: Terms::new(full.spec.terms.iter().chain([&term]).cloned()), ..full.spec.clone() };
-        let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
-        let parameters = full.frame.categories.len() - 1 + full.rank() + pair.df;
-        if full.frame.total() < LEAST_PER_PARAMETER * parameters as u64 {
-            pair.withheld = Some(Withheld::FewRatings);
-            return pair;
-        }
-        let Ok((mut test, wider)) = wider.and_then(|wider| Ok((without_term(&wider, &term)?, wider))) else {
-            return pair;
+    let tested = |test: TermTest| {
+        let parameters = full.frame.categories.len() - 1 + full.rank() + test.df;
+        let withheld = if full.ignores_people() {
+            Some(Withheld::NoMixedModel)
+        } else if full.mixed.is_some() && test.df > MAX_SIMULATED {
+            Some(Withheld::FewPeople)
+        } else {
+            (full.frame.total() < LEAST_PER_PARAMETER * parameters as u64).then_some(Withheld::FewRatings)
         };
-        if let Some(lr) = test.lr {
-            test.calibrate(&simulate(&wider, &[(&term, lr)], settings, &|| ())[0]);
+        if withheld.is_some() {
+            return TermTest { withheld, ..test };
         }
-        Interaction {
-            chi_squared: test.lr,
-            df: test.df,
-            p: test.p,
-            draws: test.draws.unwrap_or(0),
-            withheld: test.withheld,
-            ..pair
+        let term = &test.term;
+        let spec = ModelSpec { terms: Terms::new(full.spec.terms.iter().chain([term]).cloned()), ..full.spec.clone() };
+        let wider = fit_terms(full.frame.clone(), spec, Vec::new(), How::default());
+        let Ok((mut own, wider)) = wider.and_then(|wider| Ok((without_term(&wider, term)?, wider))) else {
+            return test;
+        };
+        if let Some(lr) = own.lr {
+            own.calibrate(&simulate(&wider, &[(term, lr)], settings, &|| ())[0]);
         }
+        own
     };
+    let test = |(pair, _): Pair| Interaction { by_signs: false, test: tested(pair.test), ..pair };
     let mut tested: Vec<Interaction> = pairs.into_par_iter().map(test).collect();
-    let corrected = holm(&tested.iter().map(|test| test.p).collect::<Vec<_>>());
-    tested.iter_mut().zip(corrected).for_each(|(test, p)| test.p = p);
+    let corrected = holm(&tested.iter().map(|own| own.test.p).collect::<Vec<_>>());
+    tested.iter_mut().zip(corrected).for_each(|(own, p)| own.test.p = p);
     tested
 }

@@ -17,7 +17,7 @@ use crate::statistics::{chi_squared_quantile, chi_squared_tail};
 /// A likelihood-ratio test of one term.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
-    pub term: String,
+    pub term: Term,
     /// Twice the difference of the log-likelihoods; `None` if one of the models has no maximum.
     pub lr: Option<f64>,
     /// The difference in the number of parameters.
@@ -62,9 +62,6 @@ pub enum Withheld {
     /// Both models are the same in the conditions that were rated.
     #[error("the conditions that were rated cannot separate it from the other terms")]
     Aliased,
-    /// The model has no meaning without the term, because it has a larger one but not all parts of that.
-    #[error("the model has an interaction that contains it, but not the other parts of this interaction")]
-    Contained,
     /// In an interaction that contains the term, not every combination of the levels has ratings, so that the mean effect over
     /// all of them is not known.
     #[error(
@@ -98,9 +95,6 @@ impl Fitted<'_> {
         if self.ignores_people() {
             return Some(Withheld::NoMixedModel);
         }
-        if terms.is_marginal(term) && !is_mean_effect(self, term) {
-            return Some(Withheld::Contained);
-        }
         let is_larger = |other: &Term| other.variables.len() > term.variables.len() && other.contains(term);
         let larger: Vec<usize> =
             terms.iter().enumerate().filter(|(_, other)| is_larger(other)).map(|(i, _)| i).collect();
@@ -132,9 +126,8 @@ impl Fitted<'_> {
 }
 
 /// Tests each term by the likelihood ratio against the model without it. A term that is part of a larger one is its mean
-/// effect over the other variables: the model without it has sum contrasts (type III). If the model lacks another part of the
-/// larger term, there is no test, because the model without the term would be the same model (as in R's `drop1`); nor if a
-/// combination of levels has no ratings, because the sum contrasts would depend on the order of the levels.
+/// effect over the other variables: the model without it has sum contrasts (type III). If a combination of levels has no
+/// ratings, there is no test, because the sum contrasts would depend on the order of the levels.
 pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> {
     let test = |(place, term): (usize, &Term)| match full.untestable(term) {
         None => without_term(full, term),
@@ -146,16 +139,9 @@ pub(crate) fn without_terms(full: &Fitted) -> Result<Vec<TermTest>, ModelError> 
     full.spec.terms.iter().enumerate().collect::<Vec<_>>().into_par_iter().map(test).collect()
 }
 
-/// Returns whether a term is part of larger ones, of which all parts are in the model.
-fn is_mean_effect(full: &Fitted, term: &Term) -> bool {
-    let terms = &full.spec.terms;
-    let mut larger = terms.iter().filter(|other| other.variables.len() > 1 && other.contains(term));
-    terms.is_marginal(term) && larger.all(|larger| terms.has_parts(larger))
-}
-
 /// Returns the same model with the columns in which a term can be tested; `None` for those of the model itself.
 pub(super) fn recoded<'a>(full: &Fitted<'a>, term: &Term) -> Result<Option<Fitted<'a>>, ModelError> {
-    if !is_mean_effect(full, term) {
+    if !full.spec.terms.is_marginal(term) {
         return Ok(None);
     }
     let x = full.x.revalued(&full.frame, true, &[])?;
@@ -168,7 +154,9 @@ pub(crate) fn without_term(full: &Fitted, term: &Term) -> Result<TermTest, Model
     let mut spec = full.spec.clone();
     let mut how = How { near: Some(full), informed: Some(full), ..How::default() };
     let x;
-    if let Some(index) = full.spec.terms.iter().position(|own| own == term).filter(|_| is_mean_effect(full, term)) {
+    if let Some(index) =
+        full.spec.terms.iter().position(|own| own == term).filter(|_| full.spec.terms.is_marginal(term))
+    {
         x = full.x.revalued(&full.frame, true, &[])?.without_columns(index);
         how.x = Some(&x);
     } else {
@@ -229,10 +217,10 @@ fn nominal_test(full: &Fitted, term: &Term) -> Result<TermTest, ModelError> {
 
 impl TermTest {
     /// Creates a test from the difference of two log-likelihoods.
-    fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
+    pub(super) fn new(term: &Term, difference: Option<f64>, df: usize) -> Self {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
         Self {
-            term: term.to_string(),
+            term: term.clone(),
             lr,
             df,
             p: lr.map(|lr| chi_squared_tail(lr, df)),

@@ -34,9 +34,6 @@ pub struct Margin {
     pub mean: f64,
     /// The 95 % interval, which stays on the scale.
     pub interval: Option<Interval>,
-    /// The cells of the other factors over which it is a mean, if not all levels of the factor were rated in every one.
-    #[serde(skip)]
-    pub over: Vec<Vec<TermPart>>,
 }
 
 /// The difference between two levels of a factor on the scale of the link, at a level of another factor or over all.
@@ -75,11 +72,7 @@ const MAX_COMPARISONS: usize = 120;
 pub type Pair = (String, [String; 2]);
 
 /// The design rows of each combination of the levels of some factors, in the cells of the other factors.
-struct Cells {
-    rows: BTreeMap<Vec<u32>, DMatrix<f64>>,
-    /// These cells, if others lack a combination.
-    over: Vec<Vec<TermPart>>,
-}
+type Cells = BTreeMap<Vec<u32>, DMatrix<f64>>;
 
 /// Returns, for each combination of the levels of some factors, the design rows in the cells of the other factors of the
 /// model, with covariates at their means. If these factors interact with no others, they are all rated cells, because their
@@ -115,20 +108,11 @@ fn cells(fitted: &Fitted, factors: &[usize]) -> Option<Cells> {
             }
             rows
         };
-        let rows = all.iter().map(|own| ((*own).clone(), at(own))).collect();
-        return (!conditions.is_empty()).then_some(Cells { rows, over: Vec::new() });
+        return (!conditions.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), at(own))).collect());
     }
-    let whole: Vec<_> = by_cell.iter().filter(|(_, cell)| cell.len() == all.len()).collect();
-    let rows = |own: &Vec<u32>| x.matrix(&whole.iter().map(|(_, cell)| cell[own]).collect::<Vec<_>>());
-    let part = |(&factor, level): (&usize, &Option<u32>)| {
-        let factor = &counts.factors[factor];
-        let level = level.map(|level| factor.levels[level as usize].clone());
-        TermPart { variable: Variable::Factor(factor.name.clone()), level }
-    };
-    let names = |cell: &Vec<Option<u32>>| others.iter().zip(cell).map(part).collect();
-    let over = whole.iter().filter(|_| whole.len() < by_cell.len()).map(|(cell, _)| names(cell)).collect();
-    let rows = all.iter().map(|own| ((*own).clone(), rows(own))).collect();
-    (!whole.is_empty()).then_some(Cells { rows, over })
+    let whole: Vec<_> = by_cell.values().filter(|cell| cell.len() == all.len()).collect();
+    let rows = |own: &Vec<u32>| x.matrix(&whole.iter().map(|cell| cell[own]).collect::<Vec<_>>());
+    (!whole.is_empty()).then(|| all.iter().map(|own| ((*own).clone(), rows(own))).collect())
 }
 
 /// Returns the estimated marginal means of every factor that varies in the model, but not of covariates.
@@ -137,7 +121,7 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
     let mut margins = Vec::new();
     let left_out = fitted.left_out();
     for factor in factors(fitted).into_iter().filter(|factor| !left_out.contains(factor)) {
-        let Some(Cells { rows, over }) = cells(fitted, &[factor]) else { continue };
+        let Some(rows) = cells(fitted, &[factor]) else { continue };
         let description = &fitted.frame.counts.factors[factor];
         // A number has one slope, whatever the number of its values.
         let is_factor = |term: &Term| term.variables.contains(&Variable::Factor(description.name.clone()));
@@ -148,7 +132,7 @@ pub(super) fn margins(fitted: &Fitted, model: &Model) -> Vec<Margin> {
             let (mean, gradient) = expected(model, &x, &values);
             let interval = model.interval_of_mean(mean, &gradient, reach, &values);
             let level = description.levels[level[0] as usize].clone();
-            margins.push(Margin { factor: description.name.clone(), level, mean, interval, over: over.clone() });
+            margins.push(Margin { factor: description.name.clone(), level, mean, interval });
         }
     }
     margins
@@ -188,7 +172,7 @@ pub(super) fn comparisons(
     let mut all = Vec::new();
     for (term, &limit) in terms.iter().zip(limits) {
         if terms.is_marginal(term) {
-            let test = tests.iter().find(|test| test.term == term.to_string() && test.p.is_some());
+            let test = tests.iter().find(|test| test.term == *term && test.p.is_some());
             if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
                 all.extend(compare(fitted, model, factor, Scope::Average(test), limit));
             }
@@ -237,7 +221,7 @@ fn compare(
     let index = |variable: &Variable| counts.factor(variable.name()).map(|(index, _)| index);
     let other = if let Scope::At(other) = scope { index(other) } else { None };
     let Some(own) = index(factor) else { return Vec::new() };
-    let Some(Cells { rows: cells, .. }) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else {
+    let Some(cells) = cells(fitted, &[own].into_iter().chain(other).collect::<Vec<_>>()) else {
         return Vec::new();
     };
     let mut levels = fitted.frame.levels(own).to_vec();

@@ -9,7 +9,7 @@
 //! | `estimates`, `likelihood_ratios` | estimates, tests and predictions, on the scale of the data |
 //! | `resampling`, `profile` | studies simulated from a fit, and profile-likelihood intervals |
 //! | `interactions` | tests of the interactions that a model leaves out |
-//! | `margins`, `checks` | marginal means and comparisons, and how well the model describes the data |
+//! | `margins`, `checks` | marginal means and comparisons, and how well the model describes the data and their order |
 //! | `calibration` | the whole report on a model, with tests and intervals that hold for few participants |
 //! | `model` | fitted models, their notes, and the errors if there is no model |
 
@@ -26,17 +26,14 @@ mod likelihood_ratios;
 mod link;
 mod margins;
 mod model;
-mod order;
 mod profile;
 mod random;
 mod resampling;
 mod search;
 pub mod terms;
 
-pub use calibration::{
-    Calibration, FEW_FOR_LIKELIHOOD_RATIOS, MAX_MINUTES, ModelReport, fit_calibrated, fit_with_tests,
-};
-pub use checks::{Checks, Proportion};
+pub use calibration::{Calibration, FEW_FOR_LIKELIHOOD_RATIOS, ModelReport, fit_calibrated, fit_with_tests};
+pub use checks::{Checks, Order, Proportion};
 pub use estimates::{Prediction, fit};
 pub use interactions::{Interaction, LEAST_FOR_SIGNS};
 pub use likelihood_ratios::{TermTest, Withheld};
@@ -47,11 +44,9 @@ pub use model::{
     SubjectMode, Threshold,
 };
 
-pub use order::Order;
 pub use resampling::Resampling;
 
 pub(super) use design::{Design, Span, check_size};
-pub(super) use estimates::{dot_ignoring_zero_weights, predictors};
 pub(super) use fitting::fit_counts;
 pub(super) use likelihood_ratios::{without_term, without_terms};
 pub(super) use random::terms_with_slopes;

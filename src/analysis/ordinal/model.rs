@@ -96,7 +96,7 @@ pub struct Coefficient {
     /// The name, as in R: the factor followed by the level, or the name of the number.
     pub name: String,
     /// The term it belongs to.
-    pub term: String,
+    pub term: Term,
     /// What it stands for: each variable of the term, with its level.
     pub parts: Vec<TermPart>,
     /// Estimate on the scale of the link; infinite if there is no finite estimate.
@@ -246,7 +246,11 @@ pub enum Note {
     },
     /// A term has no remaining columns.
     #[error("the term {term} has one level, or adds nothing to the preceding terms, and is dropped")]
-    AliasedTerm { term: String },
+    AliasedTerm {
+        term: String,
+        #[serde(skip)]
+        of: Term,
+    },
     /// A factor is not a term, because it determines another one.
     #[error(
         "the factor {factor} is not in the model, because each of its levels occurs with one level of {other}{}",
@@ -298,12 +302,20 @@ pub enum Note {
     NoSubjectVariance,
     /// Participants do not differ in an effect, as far as the ratings show.
     #[error("the estimated variance between participants in the effect of {term} is 0")]
-    NoSlopeVariance { term: String },
+    NoSlopeVariance {
+        term: String,
+        #[serde(skip)]
+        of: Term,
+    },
     /// There are too few ratings per participant and level for a random slope.
     #[error(
         "the design does not support differences between participants in the effect of {term}: there are fewer than two ratings per random effect"
     )]
-    NoSlope { term: String },
+    NoSlope {
+        term: String,
+        #[serde(skip)]
+        of: Term,
+    },
     /// Items do not differ, as far as the ratings show.
     #[error("the estimated variance between the levels of {items} is 0")]
     NoItemVariance { items: String },

@@ -121,7 +121,7 @@ impl RandomPart {
             if is_supported {
                 self.components.push(component);
             } else {
-                notes.push(Note::NoSlope { term: component.name });
+                notes.push(Note::NoSlope { term: component.name, of: component.term });
             }
         }
         Ok(())

@@ -69,9 +69,9 @@ pub(super) fn simulate(
     let held = |term: &Term| {
         let recoded = recoded(full, term).ok()?;
         let model = recoded.as_ref().unwrap_or(full);
-        let (name, estimates) = (term.to_string(), finite_estimates(model));
+        let estimates = finite_estimates(model);
         let thresholds = model.frame.categories.len() - 1;
-        let own = (0..model.x.columns.len()).filter(|&column| model.term_name(column) == name);
+        let own = (0..model.x.columns.len()).filter(|&column| model.term_of(column) == term);
         let own: Vec<(usize, f64)> = own.map(|column| (column, estimates[thresholds + column])).collect();
         Some(model.x.held(&model.standard, &own))
     };

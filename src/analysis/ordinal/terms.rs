@@ -24,13 +24,8 @@ pub struct Term {
 /// One variable of a coefficient and, unless it is a number, the level that it stands for.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct TermPart {
-    #[serde(serialize_with = "as_text")]
     pub variable: Variable,
     pub level: Option<String>,
-}
-
-fn as_text<S: Serializer>(variable: &Variable, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_str(variable)
 }
 
 /// The terms of a model in R's order: main effects first, then interactions by the number of their variables.
@@ -62,6 +57,18 @@ impl fmt::Display for Term {
     }
 }
 
+impl Serialize for Variable {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl Serialize for Term {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 impl fmt::Display for Terms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
@@ -85,7 +92,14 @@ impl std::str::FromStr for Terms {
             };
             terms.extend(expand(item).ok_or_else(empty)?);
         }
-        Ok(Self::new(terms))
+        let terms = Self::new(terms);
+        match terms.iter().find(|term| !term.is_main() && !terms.has_parts(term)) {
+            None => Ok(terms),
+            Some(term) => Err(format!(
+                "{term}: the effects and interactions that it contains are missing; expected {}, which has them",
+                term.variables.iter().map(ToString::to_string).collect::<Vec<_>>().join("*")
+            )),
+        }
     }
 }
 
@@ -102,6 +116,16 @@ impl Term {
     /// Creates the main effect of a factor.
     pub fn factor(name: &str) -> Self {
         Self { variables: vec![Variable::Factor(name.to_owned())] }
+    }
+
+    /// Returns the name of the first variable.
+    pub fn name(&self) -> &str {
+        self.variables.first().map_or("", Variable::name)
+    }
+
+    /// Returns whether this is the term of one variable.
+    pub fn is_main(&self) -> bool {
+        self.variables.len() == 1
     }
 
     /// Returns whether both terms have the same variables, in any order.

@@ -42,24 +42,12 @@ pub struct Effect {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
     /// The term of the model, or the factor of Friedman's test.
-    pub term: String,
+    pub term: Term,
     pub test: Test,
     /// The true effect; `None` if the term has no effect, so that finding one is a false alarm.
     pub effect: Option<Effect>,
-    /// Index of the factor of Friedman's test.
-    pub(super) factor: Option<usize>,
-    /// One weight per condition. The weighted sum of the fitted predictors is the estimate of the effect.
-    pub(super) contrast: Option<DVector<f64>>,
-    /// What would be true without the effect; only for likelihood-ratio tests.
-    pub(super) absent: Option<Absent>,
-}
-
-/// The observer without the effect of a term.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Absent {
-    pub term: Term,
-    /// The linear predictor for each condition.
-    pub predictors: Vec<f64>,
+    /// The observer's linear predictor for each condition without the effect; only for likelihood-ratio tests.
+    pub(super) absent: Option<Vec<f64>>,
 }
 
 /// A predictor of −∞ is replaced by one this far below all others, where ratings other than 0 have almost no
@@ -130,23 +118,10 @@ impl<'a> Layout<'a> {
         }
         let part = whole.project(&self.predictors) - rest.project(&self.predictors);
         let extremes = self.extremes(&part);
-        let contrast = extremes.filter(|_| self.finite).map(|(above, below)| {
-            let mut contrast = DVector::zeros(part.len());
-            contrast[above] += 1.0;
-            contrast[below] -= 1.0;
-            &contrast - rest.project(&contrast)
-        });
         let factors = self.factors(term)?;
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
         let predictors = (&self.predictors - &part).iter().copied().collect();
-        Ok(Hypothesis {
-            term: term.to_string(),
-            test: Test::LikelihoodRatio,
-            effect,
-            factor: None,
-            contrast,
-            absent: Some(Absent { term: term.clone(), predictors }),
-        })
+        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent: Some(predictors) })
     }
 
     /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
@@ -167,11 +142,9 @@ impl<'a> Layout<'a> {
         let part = DVector::from_iterator(conditions.len(), part);
         let extremes = self.extremes(&part);
         Some(Hypothesis {
-            term: description.name.clone(),
+            term: Term::factor(&description.name),
             test: Test::Friedman,
             effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
-            factor: Some(factor),
-            contrast: None,
             absent: None,
         })
     }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{
-    hypothesis::{Absent, Hypothesis, Layout, Test},
+    hypothesis::{Hypothesis, Layout, Test},
     scenario::{PlanError, Scenario, Shift, Slope},
 };
 use crate::{
@@ -11,15 +11,12 @@ use crate::{
         FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Withheld,
         counts::Counts,
         frame::{Frame, find_factor},
-        ordinal::{
-            check_size, dot_ignoring_zero_weights, fit_counts, predictors, terms_with_slopes, without_term,
-            without_terms,
-        },
+        ordinal::{check_size, fit_counts, terms::Term, terms_with_slopes, without_term, without_terms},
         rank_tests::{SubjectMeans, friedman},
         results::model_spec,
     },
     experiment::{OrderedLogit, Protocol},
-    statistics::{Interval, median},
+    statistics::Interval,
 };
 
 /// Number of random orders in Friedman's test of a simulated study, if they cannot be enumerated.
@@ -70,9 +67,6 @@ pub struct Power {
     pub untested: usize,
     /// Why an analysis withholds the test in the last of these studies, if it does.
     pub withheld: Option<Withheld>,
-    /// Median of the estimated effect over studies, on the scale of the link, for the same contrast as
-    /// `Effect::logits`. It is infinite if the ratings are separated in half of the studies or more.
-    pub estimate: Option<f64>,
 }
 
 impl Power {
@@ -174,7 +168,8 @@ impl Plan {
         let nulls: Vec<Option<Vec<f64>>> = (self.hypotheses.iter())
             .map(|hypothesis| {
                 let studies = self.calibration(people, sampling)?;
-                Some(self.ratios_without(hypothesis.absent.as_ref()?, people, studies, sampling.seed, progress))
+                let absent = (&hypothesis.term, &hypothesis.absent.as_ref()?[..]);
+                Some(self.ratios_without(absent, people, studies, sampling.seed, progress))
             })
             .collect();
         let outcomes: Vec<Vec<Outcome>> = (0..sampling.studies)
@@ -200,7 +195,7 @@ impl Plan {
     /// for, so that a model without a slope that people do have gives as many false alarms here as in an analysis.
     fn ratios_without(
         &self,
-        absent: &Absent,
+        (term, predictors): (&Term, &[f64]),
         people: u32,
         studies: u32,
         seed: u64,
@@ -209,9 +204,9 @@ impl Plan {
         // The model of one participant has no random effects.
         let slopes: &[Slope] = if people > 1 { &self.modeled } else { &[] };
         let ratio = |study: u32| {
-            let counts = self.scenario.study((&absent.predictors, slopes), false, people, study, seed);
+            let counts = self.scenario.study((predictors, slopes), false, people, study, seed);
             let fitted = fit_counts(&counts, &self.spec, false).ok();
-            let test = fitted.and_then(|fitted| without_term(&fitted, &absent.term).ok());
+            let test = fitted.and_then(|fitted| without_term(&fitted, term).ok());
             progress(people.into());
             test.and_then(|test| test.lr).unwrap_or(f64::NAN)
         };
@@ -226,23 +221,14 @@ fn power(participants: u32, hypothesis: usize, outcomes: &[Vec<Outcome>], alpha:
         participants,
         hypothesis,
         studies: outcomes.len(),
-        found: all().filter(|outcome| outcome.p.is_some_and(|p| p < alpha)).count(),
-        untested: all().filter(|outcome| outcome.p.is_none()).count(),
-        withheld: all().rev().find_map(|outcome| outcome.withheld),
-        estimate: median(all().filter_map(|outcome| outcome.estimate).collect()),
+        found: all().filter(|(p, _)| p.is_some_and(|p| p < alpha)).count(),
+        untested: all().filter(|(p, _)| p.is_none()).count(),
+        withheld: all().rev().find_map(|(_, withheld)| withheld),
     }
 }
 
-/// The outcome of one hypothesis in one study.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Outcome {
-    /// Probability from the test; `None` if there is no test, for example because there is no model.
-    pub p: Option<f64>,
-    /// Why an analysis withholds the test.
-    pub withheld: Option<Withheld>,
-    /// Estimate of the effect; infinite if the ratings are separated.
-    pub estimate: Option<f64>,
-}
+/// The outcome of one hypothesis in one study: the probability from the test, if there is one, and why an analysis withholds it.
+type Outcome = (Option<f64>, Option<Withheld>);
 
 /// Returns the outcome of each hypothesis in a study. `nulls` are the likelihood ratios without the effect, for the
 /// hypotheses that they calibrate.
@@ -250,26 +236,18 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls:
     // Omit the standard errors: likelihood-ratio tests do not need them.
     let fitted = fit_counts(counts, spec, false).ok();
     let tests = fitted.as_ref().and_then(|fitted| without_terms(fitted).ok());
-    let conditions: Vec<u32> = (0..counts.conditions.len() as u32).collect();
-    let predictors = (fitted.as_ref()).filter(|_| tests.is_some()).map(|fitted| predictors(fitted, &conditions));
     let probability = |hypothesis: &Hypothesis, null: &Option<Vec<f64>>| {
         let mut test = tests.iter().flatten().find(|test| test.term == hypothesis.term)?.clone();
         null.iter().for_each(|ratios| test.calibrate(ratios));
         test.p
     };
-    let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.absent.as_ref()?.term);
-    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, hypothesis.factor) {
-        (Test::Friedman, Some(factor)) => {
-            let test = friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS);
-            Outcome { p: test.map(|test| test.p), ..Outcome::default() }
+    let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.term);
+    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, counts.factor(hypothesis.term.name()))
+    {
+        (Test::Friedman, Some((factor, _))) => {
+            (friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), None)
         }
-        _ => Outcome {
-            p: probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()),
-            withheld: withheld(hypothesis),
-            estimate: (hypothesis.contrast.as_ref().zip(predictors.as_ref()))
-                .map(|(contrast, predictors)| dot_ignoring_zero_weights(contrast.iter(), predictors.iter()))
-                .filter(|estimate| !estimate.is_nan()),
-        },
+        _ => (probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()), withheld(hypothesis)),
     };
     hypotheses.iter().zip(nulls).map(outcome).collect()
 }

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        Step, hint, paragraph, parameter, secondary, show_error, theme,
+        Step, fields, hint, paragraph, secondary, show_error, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -320,7 +320,7 @@ impl Opened for OpenStudy {
         // The columns of others are named as they name them.
         let protocol = self.study.source.protocol.as_ref();
         let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
-        self.filters.show(ui, counts, |factor| parameter::label(known, factor));
+        self.filters.show(ui, counts, |factor| fields::label(known, factor));
         if ui.add_enabled(self.filters != Filters::default(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
@@ -339,7 +339,7 @@ impl Opened for OpenStudy {
                 write: Arc::new(move |writer, made, folder| {
                     // The report covers the ratings on which the results are based.
                     let shown = Study { source: study.source.clone(), measured: results.measured.clone() };
-                    let (contents, _) = study_files(&shown, &results, made, folder, false)?;
+                    let contents = study_files(&shown, &results, made, folder, false)?;
                     Ok(write_files(writer, folder, contents)?.len())
                 }),
             }

@@ -8,7 +8,7 @@ use std::{
 use eframe::egui::{Align, ComboBox, Id, Layout, Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::{self, Dialog, Field, parameter, theme::Icon},
+    app::ui::{self, Dialog, Field, fields, theme::Icon},
     experiment::Protocol,
     report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus, picture::Picture},
@@ -133,7 +133,7 @@ impl DefinitionForm {
 
     /// Returns the label of a factor.
     pub fn factor(&self, name: &str) -> String {
-        parameter::label(self.parameters(), name)
+        fields::label(self.parameters(), name)
     }
 
     /// Returns the errors that this frame has not shown next to a field.

@@ -25,7 +25,7 @@ use super::{
     input::{Input, Pressed, Stamps},
     program::{Program, Shared, WindowError},
 };
-use crate::{app::ui::logo, system::signals};
+use crate::{app::ui::pixels, system::signals};
 
 /// Size of the window at first, points. It fits a screen of 1366 × 768 pixels with its bars.
 const SIZE: egui::Vec2 = egui::vec2(1280.0, 700.0);
@@ -97,7 +97,7 @@ fn options(fullscreen: bool) -> NativeOptions {
             .with_title("machband")
             .with_inner_size(SIZE)
             .with_app_id("machband")
-            .with_icon(logo::icon())
+            .with_icon(pixels::icon())
             .with_min_inner_size(MIN_SIZE)
             .with_fullscreen(fullscreen),
         // egui's dither would add noise to every pixel, including the stimulus.

@@ -59,15 +59,12 @@ impl Kind for Choice {
         if ![2, 4].contains(&self.alternatives) {
             errors.add("task.alternatives", format!("alternatives is {}; expected 2 or 4", self.alternatives));
         }
-        let usual = Self::default();
-        for (key, value, usual) in
-            [("task.duration_s", self.duration_s, usual.duration_s), ("task.gap_s", self.gap_s, usual.gap_s)]
-        {
-            errors.check_range(key, value, 0.001, 60.0, "seconds");
-            if self.shown == Shown::Places && value != usual {
-                let message = "applies to intervals only; expected [presentation] for how long the images are shown";
-                errors.add(key, format!("{key} {message}"));
-            }
+        errors.check_range("task.duration_s", self.duration_s, 0.001, 60.0, "seconds");
+        errors.check_range("task.gap_s", self.gap_s, 0.001, 60.0, "seconds");
+        let times = [("duration_s", self.duration_s, 0.5), ("gap_s", self.gap_s, 0.4)];
+        for (key, ..) in times.iter().filter(|(_, own, default)| self.shown == Shown::Places && own != default) {
+            let message = format!("{key} applies to intervals only; expected [presentation], or shown = \"intervals\"");
+            errors.add(format!("task.{key}"), message);
         }
         given.check_reference(&self.reference, errors);
     }

@@ -13,7 +13,6 @@ mod kind;
 mod options;
 mod pair;
 mod quest;
-mod ranking;
 mod rating;
 mod scaling;
 mod staircase;
@@ -30,8 +29,8 @@ pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, 
 pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
-pub use ranking::Ranking;
 pub use rating::{Rating as RatingTask, Scale as RatingScale};
+pub use scaling::Ranking;
 pub use scaling::{Mode, Scaling, Wins};
 pub use staircase::{Staircase, Stairs};
 pub use track::Track;

@@ -7,7 +7,7 @@ use super::{
     common::Common,
     kind::Pick,
     quest::{Quest, QuestPlus},
-    ranking::Ranking,
+    scaling::Ranking,
     staircase::{Staircase, Stairs},
 };
 use crate::statistics::shuffle;

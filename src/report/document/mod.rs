@@ -5,8 +5,8 @@ pub mod numbers;
 mod shown;
 
 pub use numbers::{
-    count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, unit, whole,
-    with_interval,
+    count, either, fixed, list, mean, p_is, percent, probability, range, ratio, short_list, significant, times, unit,
+    whole, with_interval,
 };
 pub use shown::Shown;
 

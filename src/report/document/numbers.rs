@@ -13,6 +13,15 @@ pub fn whole(number: u64) -> Shown {
     Shown::new(number, digits.rchunks(3).rev().map(String::from_iter).collect::<Vec<_>>().join(","))
 }
 
+/// Says how often: `once`, `twice`, `3 times`.
+pub fn times(number: u32) -> String {
+    match number {
+        1 => "once".to_owned(),
+        2 => "twice".to_owned(),
+        n => format!("{n} times"),
+    }
+}
+
 /// Formats a number with the given number of decimals and a true minus sign.
 pub fn fixed(number: impl Into<Option<f64>>, decimals: usize) -> Shown {
     let number = number.into().unwrap_or(f64::NAN);

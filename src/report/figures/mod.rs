@@ -3,17 +3,15 @@
 //! The colors are the palette of Okabe & Ito (2008), which color-blind readers can also distinguish. Markers, dashes
 //! and lightness carry the same information without color. Text is 8 pt if the chart is printed 8 cm wide.
 
+mod answers;
 mod axes;
 mod display;
-mod effects;
 mod figure;
 mod labels;
 mod means;
 pub mod palette;
-mod proportions;
 mod svg;
 pub(super) mod tasks;
-mod times;
 
 use rayon::prelude::*;
 
@@ -28,11 +26,11 @@ pub use svg::Plotted;
 pub fn all(results: &Results) -> Vec<Figure> {
     let kinds: [fn(&Results) -> Vec<Figure>; 6] = [
         means::figures,
-        |results| proportions::figure(results).into_iter().collect(),
+        |results| answers::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
-        |results| effects::figure(results).into_iter().collect(),
-        |results| times::figure(results).into_iter().collect(),
+        |results| means::effects(results).into_iter().collect(),
+        |results| answers::times(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()
 }

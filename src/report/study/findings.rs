@@ -124,30 +124,16 @@ fn caveat(results: &Results, factor: &FactorResults, size: Option<&Size>) -> Opt
     let at = |place: usize| {
         format!("{} at {}", mean(raw.means()[place]), names::level_of(results, factor, &factor.levels[place]))
     };
-    Some(
-        if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
-            format!(
-                "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
-                at(first),
-                at(second),
-                if factor.within { "within participants" } else { "in the model" }
-            )
-        } else {
-            format!("The raw means by {name} are not comparable: {reason}. ")
-        } + &averaged(results, factor).map(|text| text + " ").unwrap_or_default(),
-    )
-}
-
-/// Says over which conditions the model's means of a factor are averaged, if some lack a level.
-pub(super) fn averaged(results: &Results, factor: &FactorResults) -> Option<String> {
-    let report = results.model.as_ref().ok()?;
-    let margin = report.margins.iter().find(|margin| margin.factor == factor.name && !margin.over.is_empty())?;
-    let over: Vec<String> = margin.over.iter().map(|parts| names::coefficient(results, parts)).collect();
-    let name = names::factor(results, &factor.name);
-    Some(format!(
-        "The model’s means by {name} are averages over {}, where all of its levels were rated.",
-        short_list(&over, 4)
-    ))
+    Some(if is_clear && difference(&raw.means()) * difference(&factor.means()) < 0.0 {
+        format!(
+            "The raw means by {name} mislead ({} and {}): {reason}, and {} the order is the opposite. ",
+            at(first),
+            at(second),
+            if factor.within { "within participants" } else { "in the model" }
+        )
+    } else {
+        format!("The raw means by {name} are not comparable: {reason}. ")
+    })
 }
 
 /// Says why the raw means of a factor cannot be compared: other variables differ between its levels, or people lack levels.
@@ -267,15 +253,6 @@ pub(super) fn is_clustered(results: &Results) -> bool {
     !results.ignores_people() && results.model.as_ref().is_ok_and(|report| accounts(&report.model))
 }
 
-/// True if a term compares all combinations of a factor with others, because the model lacks a part of it: then the factor has
-/// no effect of its own.
-pub(super) fn is_combined(results: &Results, factor: &str) -> bool {
-    let (terms, counts) = (&results.spec.terms, results.modeled());
-    let is_own = |v: &Variable| find_factor(counts, v).is_ok_and(|(own, _)| counts.factors[own].name == factor);
-    let is_combination = |term: &&Term| term.variables.len() > 1 && !terms.has_parts(term);
-    results.model.is_ok() && terms.iter().filter(is_combination).flat_map(|term| &term.variables).any(is_own)
-}
-
 /// Returns whether a factor's likelihood ratio, if it is not withheld, can be relied on: the model allows for all ways in
 /// which participants may differ, unless the user said otherwise, or there is only one participant.
 fn is_reliable(results: &Results, factor: &FactorResults) -> bool {
@@ -286,9 +263,6 @@ fn is_reliable(results: &Results, factor: &FactorResults) -> bool {
 /// Returns the test that leads: the likelihood ratio of the factor's main effect if it can be relied on, and otherwise
 /// Friedman's test.
 pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evidence> {
-    if is_combined(results, &factor.name) {
-        return None;
-    }
     let test = main_effect(results, &factor.name)
         .filter(|_| is_reliable(results, factor))
         .and_then(|term| likelihood_ratio(results, term));
@@ -314,8 +288,7 @@ pub(super) fn ratio_test(test: &TermTest) -> String {
 }
 
 pub(super) fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {
-    let name = term.to_string();
-    results.model.as_ref().ok()?.terms.iter().find(|test| test.term == name)
+    results.model.as_ref().ok()?.terms.iter().find(|test| test.term == *term)
 }
 
 /// Returns the term that contains only this factor, as levels or as a number.

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        Comparison, Note, Results, Withheld, find_factor,
+        Comparison, Interaction, Note, Results, TermTest, find_factor,
         results::{FactorResults, factor_results},
         summary::Group,
         terms::{Term, Variable},
@@ -19,26 +19,31 @@ use crate::{
     statistics::{holm, mean_and_sd},
 };
 
-/// Factors whose effects may depend on each other, or of which a term without its parts compares the combinations, and the
-/// test of it.
+/// Factors whose effects may depend on each other, and the test of it.
 pub(super) struct Dependence<'a> {
     /// Names of the factors and covariates.
     pub names: Vec<&'a str>,
     /// The factors. If there are two, the effect of the first is described at each level of the second.
     pub factors: Vec<&'a FactorResults>,
-    /// The test and its statistic.
-    test: String,
-    pub p: Option<f64>,
-    withheld: Option<Withheld>,
+    test: &'a TermTest,
+    /// Whether the test is that of the scores.
+    by_signs: bool,
     /// Whether the model has this interaction.
     pub is_modeled: bool,
-    /// Of a term without its parts, which compares combinations whether or not the effects add up: the parts that it has.
-    parts: Option<Vec<String>>,
 }
 
 impl Dependence<'_> {
     pub fn is_clear(&self) -> bool {
-        self.p.is_some_and(|p| p < ALPHA)
+        self.test.p.is_some_and(|p| p < ALPHA)
+    }
+
+    /// Returns the test with its statistic.
+    fn statistic(&self) -> String {
+        let TermTest { df, lr, .. } = self.test;
+        match self.by_signs {
+            true => format!("score test over the participants’ signs: χ²({df}) = {}", fixed(*lr, 1)),
+            false => ratio_test(self.test),
+        }
     }
 
     /// Returns the names of the factors, such as `width and depth`.
@@ -55,35 +60,17 @@ pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
     let in_model = |term: &Term| {
         let name = |variable: &Variable| Some(counts.factors[find_factor(counts, variable).ok()?.0].name.as_str());
         let names: Vec<&str> = term.variables.iter().map(name).collect::<Option<_>>()?;
-        let test = report.terms.iter().find(|test| test.term == term.to_string())?;
-        Some(Dependence {
-            factors: names.iter().filter_map(find).collect(),
-            names,
-            test: ratio_test(test),
-            p: test.p,
-            withheld: test.withheld,
-            is_modeled: true,
-            parts: (!terms.has_parts(term)).then(|| {
-                let parts = terms.iter().filter(|part| *part != term && term.contains(part));
-                parts.map(|part| names::term(results, &part.to_string())).collect()
-            }),
-        })
+        let test = report.terms.iter().find(|test| test.term == *term)?;
+        let factors = names.iter().filter_map(find).collect();
+        Some(Dependence { factors, names, test, by_signs: false, is_modeled: true })
     };
     let shown = !results.is_inferential() || is_clustered(results);
     let larger = terms.iter().filter(|term| shown && term.variables.len() > 1);
     let mut all: Vec<Dependence<'_>> = larger.filter_map(in_model).collect();
-    for test in &report.interactions {
-        let name = if test.by_signs { "score test over the participants’ signs" } else { "likelihood-ratio test" };
-        let names: Vec<&str> = test.factors.iter().map(String::as_str).collect();
-        all.push(Dependence {
-            factors: names.iter().filter_map(find).collect(),
-            names,
-            test: format!("{name}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1)),
-            p: test.p,
-            withheld: test.withheld,
-            is_modeled: false,
-            parts: None,
-        });
+    for Interaction { factors, by_signs, test } in &report.interactions {
+        let names: Vec<&str> = factors.iter().map(String::as_str).collect();
+        let factors = names.iter().filter_map(find).collect();
+        all.push(Dependence { factors, names, test, by_signs: *by_signs, is_modeled: false });
     }
     // What holds for some of the factors on average says nothing where all of them depend on each other.
     let clear: Vec<Vec<&str>> = all.iter().filter(|found| found.is_clear()).map(|found| found.names.clone()).collect();
@@ -106,23 +93,18 @@ pub(super) fn product(results: &Results, names: &[&str]) -> String {
     names.iter().map(|name| variable(name).to_string()).collect::<Vec<_>>().join("*")
 }
 
-/// Returns whether the effect of a factor or covariate depends on another one, or is not told apart from it, so that it has no
-/// single size.
+/// Returns whether the effect of a factor or covariate depends on another one, so that it has no single size.
 pub(super) fn is_dependent(dependences: &[Dependence<'_>], name: &str) -> bool {
-    dependences.iter().any(|found| (found.is_clear() || found.parts.is_some()) && found.names.contains(&name))
+    dependences.iter().any(|found| found.is_clear() && found.names.contains(&name))
 }
 
 /// Describes an interaction: the effect of one factor at each level of the other; `None` if there is nothing to say.
 pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<String> {
     let together = found.names(results);
     let what = if results.is_inferential() { "This study" } else { "These trials" };
-    let fact = match &found.parts {
-        None => format!("the effects of {together} depend on each other"),
-        Some(parts) if parts.is_empty() => format!("ratings depend on the combination of {together}"),
-        Some(parts) => format!("ratings depend on the combination of {together}, beyond the effect of {}", list(parts)),
-    };
-    let Some(p) = found.p else {
-        let reason = found.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
+    let fact = format!("the effects of {together} depend on each other");
+    let Some(p) = found.test.p else {
+        let reason = found.test.withheld.map_or_else(String::new, |reason| format!(": {reason}"));
         return Some(format!("Whether {fact} could not be tested{reason}."));
     };
     if p >= ALPHA {
@@ -130,7 +112,7 @@ pub(super) fn interaction(results: &Results, found: &Dependence<'_>) -> Option<S
         return found.is_modeled.then_some(text);
     }
     let whose = if results.is_inferential() { "" } else { " for this participant" };
-    let mut text = format!("{}{whose} ({}, {}).", names::capitalized(&fact), found.test, p_is(p));
+    let mut text = format!("{}{whose} ({}, {}).", names::capitalized(&fact), found.statistic(), p_is(p));
     let number = found.names.iter().find(|name| found.is_modeled && is_slope(results, name));
     match (&found.factors[..], number) {
         ([.., at], Some(number)) if found.names.len() == 2 && !is_slope(results, &at.name) => {
@@ -244,20 +226,8 @@ fn simple_effects(
         ),
         (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
-    let at_which = match strata.iter().filter(|stratum| is_raw(stratum)).count() {
-        raw if raw == strata.len() => None,
-        0 => Some("each level"),
-        _ => Some("some levels"),
-    };
-    let raw = at_which.map_or_else(String::new, |at_which| {
-        let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
-        format!(
-            " The raw means by {of} at {at_which} of {at} are not comparable: not everyone rated all levels in the same \
-             conditions."
-        )
-    });
     let text = names::capitalized(&parts.join("; "));
-    format!(" {text}.{raw}{test}")
+    format!(" {text}.{test}")
 }
 
 /// Describes the effect of a number over its range at each level of a factor with which it interacts in the model.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{exclusions, findings, names, sittings};
+use super::{findings, health, names};
 use crate::{
     analysis::{
         ModelReport, RandomSlope, Results, TermTest,
@@ -11,7 +11,7 @@ use crate::{
         terms::{Term, Variable},
     },
     experiment::{Protocol, ResponseScale},
-    report::document::{Section, count, fixed, list, p_is, unit, with_interval},
+    report::document::{Section, count, fixed, list, p_is, times, unit, with_interval},
     store::ratings::Source,
 };
 
@@ -54,8 +54,8 @@ pub(super) fn sections(source: &Source, results: &Results) -> (Section, Section)
 
 fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
     let people = count(results.people() as u64, "participant");
-    let simulated = sittings::simulated(source, results);
-    let who = match simulated.values().filter(|counts| sittings::all_simulated(counts)).count() {
+    let simulated = health::simulated(source, results);
+    let who = match simulated.values().filter(|counts| health::all_simulated(counts)).count() {
         0 => people,
         n if n >= results.people() => count(n as u64, "simulated observer"),
         n => format!("{people}, {n} of them simulated,"),
@@ -65,8 +65,7 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         levels.collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
-    let excluded: String =
-        exclusions::sentences(source, results).iter().map(|sentence| format!(" {sentence}")).collect();
+    let excluded: String = health::exclusions(source, results).iter().map(|sentence| format!(" {sentence}")).collect();
     format!("{rated}{excluded}{shown}")
 }
 
@@ -77,11 +76,7 @@ fn shown(cited: &mut Cited, protocol: &Protocol) -> String {
     } else {
         String::new()
     };
-    let times = match protocol.design.repetitions {
-        1 => "once".to_owned(),
-        2 => "twice".to_owned(),
-        n => format!("{n} times"),
-    };
+    let times = times(protocol.design.repetitions);
     format!(
         " Each session was planned to show every condition {times}, after {}. A uniform field of relative luminance {} was \
          shown for {} s before each stimulus. The answers were {answers}{scale}. The planned viewing distance was {} cm, and \
@@ -97,8 +92,7 @@ fn shown(cited: &mut Cited, protocol: &Protocol) -> String {
 fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     let report = results.model.as_ref().ok()?;
     let model = &report.model;
-    let terms: Vec<String> =
-        results.spec.terms.iter().map(|term| names::term(results, &term.to_string()).to_owned()).collect();
+    let terms: Vec<String> = results.spec.terms.iter().map(|term| names::term(results, term)).collect();
     let terms =
         if terms.is_empty() { "no fixed effects".to_owned() } else { format!("fixed effects of {}", list(&terms)) };
     let terms = if model.random.is_some() { format!(", {terms}") } else { format!(" and {terms}") };
@@ -211,13 +205,13 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
 /// Says how the interactions that the model does not have were tested.
 fn interactions_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
     let tested: Vec<String> = (report.interactions.iter())
-        .filter_map(|test| {
-            let (name, statistic) = (list_of(results, &test.factors), fixed(test.chi_squared, 2));
-            Some(format!("{name}, χ²({}) = {statistic}, {}", test.df, p_is(test.p?)))
+        .filter_map(|own| {
+            let (name, TermTest { lr, df, p, .. }) = (names::term(results, &own.test.term), &own.test);
+            Some(format!("{name}, χ²({df}) = {}, {}", fixed(*lr, 2), p_is((*p)?)))
         })
         .collect();
     let left_out =
-        |by_signs: bool| report.interactions.iter().any(|test| test.p.is_some() && test.by_signs == by_signs);
+        |by_signs: bool| report.interactions.iter().any(|own| own.test.p.is_some() && own.by_signs == by_signs);
     if left_out(true) {
         let corrected = match tested.len() {
             1 => String::new(),
@@ -256,10 +250,6 @@ fn limits(report: &ModelReport) -> String {
 
 fn is_number(term: &Term) -> bool {
     term.variables.iter().all(|variable| matches!(variable, Variable::Number(_)))
-}
-
-fn list_of(results: &Results, factors: &[String; 2]) -> String {
-    factors.each_ref().map(|name| names::factor(results, name)).join(" × ")
 }
 
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {

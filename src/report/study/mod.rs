@@ -4,11 +4,8 @@
 //! Every sentence that could be false for some results is computed from the results. A single participant allows no
 //! inference about people: tests and intervals are then about that participant's trials.
 
-mod agreement;
-mod cautions;
 mod description;
 mod document;
-mod exclusions;
 mod findings;
 mod health;
 mod interactions;
@@ -16,7 +13,6 @@ mod methods;
 mod model;
 mod names;
 mod provenance;
-mod sittings;
 mod summary;
 mod vision;
 

@@ -1,10 +1,11 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{cautions::is_serious, findings::averaged, names};
+use super::{names, summary::is_serious};
 use crate::{
     analysis::{
         Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
-        Slopes, TermTest, Withheld, terms::Variable,
+        Slopes, TermTest, Withheld,
+        terms::{Term, Variable},
     },
     report::{
         document::{
@@ -49,19 +50,42 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         [
             "Does each term matter?",
             &format!(
-                "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
-             its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
-             ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
-             terms. Methods says where they come from.",
-                if model.random.is_some() { " but has the same random effects" } else { "" }
+                "Each row compares the model with one that lacks the term{}.{} A small p means that ratings like these would be \
+                 rare if the term had no effect. The p values are not corrected for the number of terms. Methods says where they \
+                 come from.",
+                if model.random.is_some() { " but has the same random effects" } else { "" },
+                if is_additive(results) {
+                    ""
+                } else {
+                    " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
+                     (sum contrasts)."
+                }
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
-        &report.terms,
-        false,
+        &report.terms.iter().collect::<Vec<_>>(),
+        &[("p", |test| test.p)],
     );
-    interactions(&mut section, results, report);
+    tests(
+        &mut section,
+        results,
+        [
+            "Do the effects depend on each other?",
+            if is_additive(results) {
+                "The model is additive: each factor has the same effect at every level of the others. Each row tests this \
+                 for two factors. The p values are corrected for the number of rows."
+            } else {
+                "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row \
+                 tests this. The p values are corrected for the number of rows."
+            },
+            "Tests of the interactions that are not in the model",
+        ],
+        &report.interactions.iter().map(|own| &own.test).collect::<Vec<_>>(),
+        &[("Corrected p", |test| test.p)],
+    );
     let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
+    let of_odds: [(&str, fn(&TermTest) -> Option<f64>); 2] =
+        [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
     tests(
         &mut section,
         results,
@@ -75,40 +99,14 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             ),
             "Tests of proportional odds",
         ],
-        &report.proportional_odds,
-        is_corrected,
+        &report.proportional_odds.iter().collect::<Vec<_>>(),
+        &of_odds[..1 + usize::from(is_corrected)],
     );
     order(&mut section, report);
     if let Some(checks) = &report.checks {
         fit_of_model(&mut section, results, checks);
     }
     section
-}
-
-/// Lists the interactions that the model leaves out.
-fn interactions(section: &mut Section, results: &Results, report: &ModelReport) {
-    if report.interactions.is_empty() {
-        return;
-    }
-    section.heading("Do the effects depend on each other?");
-    section.text(if results.spec.terms.iter().any(|term| term.variables.len() > 1) {
-        "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row tests this. The p \
-         values are corrected for the number of rows."
-    } else {
-        "The model is additive: each factor has the same effect at every level of the others. Each row tests this for two \
-         factors. The p values are corrected for the number of rows."
-    });
-    TableOf::new("Tests of the interactions that are not in the model", &report.interactions)
-        .text("Factors", |test| test.factors.each_ref().map(|name| names::factor(results, name)).join(", "))
-        .number("χ²", |test| fixed(test.chi_squared, 2))
-        .number("df", |test| whole(test.df as u64))
-        .number("Corrected p", |test| probability(test.p))
-        .add_to(section);
-    for test in &report.interactions {
-        if let Some(reason) = test.withheld {
-            section.note(format!("No p for {}: {reason}.", names::term(results, &test.term)));
-        }
-    }
 }
 
 /// Describes how ratings depend on the order of the trials.
@@ -189,10 +187,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model; those of factors in an interaction are on average over the other \
-         factors and, in an interaction of two that is not part of a larger one, at each level of the other (simple effects). Their p values and intervals come from the likelihood ratio of each \
-         difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among \
-         the coefficients above; others are profile intervals where there is one. Holm’s method corrects p for all comparisons \
+        "Differences on the latent scale, in the model. Their p values and intervals come from the likelihood ratio of each \
+         difference{}; the intervals are those of its profile where there is one.{} Holm’s method corrects p for all comparisons \
          of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
          on the latent scale, where there are no ties; d is the difference divided by the residual standard deviation, that of \
          ratings of the same stimulus by the same participant.",
@@ -200,6 +196,13 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
             ""
+        },
+        if is_additive(results) {
+            ""
+        } else {
+            " Differences of a factor in an interaction are on average over the other factors and, in an interaction of two that \
+             is not part of a larger one, at each level of the other (simple effects). Those of simple effects come from their \
+             standard errors, and their intervals are symmetric, also among the coefficients above."
         }
     ));
     let link = report.model.link;
@@ -235,9 +238,16 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Estimated marginal means");
     let covariates = if results.covariates.is_empty() { "" } else { ", with covariates at their means" };
+    let over = match is_additive(results) {
+        true if results.factors.len() == 1 => "",
+        true => ", averaged over the conditions of the other factors",
+        false => {
+            ", averaged over the conditions of the other factors or, for a factor in an interaction, over those in which all of \
+             its levels were rated"
+        }
+    };
     section.text(format!(
-        "The rating that the model expects{}, averaged over the conditions of the other factors{covariates}. Unequal numbers \
-         of ratings do not matter.",
+        "The rating that the model expects{}{over}{covariates}. Unequal numbers of ratings do not matter.",
         match &report.model.random {
             None => "",
             Some(random) if random.items.is_some() => " of a participant and an item with average random effects",
@@ -250,7 +260,10 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("Expected rating", |margin| mean(margin.mean))
         .number("95\u{a0}% interval", |margin| range(margin.interval, mean))
         .add_to(section);
-    results.factors.iter().filter_map(|factor| averaged(results, factor)).for_each(|text| section.note(text));
+}
+
+fn is_additive(results: &Results) -> bool {
+    results.spec.terms.iter().all(Term::is_main)
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
@@ -347,13 +360,13 @@ fn meaning(results: &Results, model: &Model) -> String {
     text
 }
 
-/// Adds a table of likelihood-ratio tests, if there are any.
+/// Adds a table of tests, if there are any, with these probabilities.
 fn tests(
     section: &mut Section,
     results: &Results,
     [heading, about, caption]: [&str; 3],
-    tests: &[TermTest],
-    corrected: bool,
+    tests: &[&TermTest],
+    p: &[(&str, fn(&TermTest) -> Option<f64>)],
 ) {
     if tests.is_empty() {
         return;
@@ -363,10 +376,9 @@ fn tests(
     let mut table = TableOf::new(caption, tests)
         .text("Term", |test| names::term(results, &test.term))
         .number("χ²", |test| fixed(test.lr, 2))
-        .number("df", |test| whole(test.df as u64))
-        .number("p", |test| probability(test.p));
-    if corrected {
-        table = table.number("Holm-corrected p", |test| probability(test.p_holm));
+        .number("df", |test| whole(test.df as u64));
+    for (head, of) in p {
+        table = table.number(*head, move |test| probability(of(test)));
     }
     table.add_to(section);
     let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();

@@ -8,7 +8,7 @@ use crate::{
         number_of,
         results::{FactorResults, SubjectResults},
         summary::Group,
-        terms::TermPart,
+        terms::{Term, TermPart},
     },
     experiment::{Category, Protocol},
     report::{
@@ -23,8 +23,8 @@ pub(super) fn factor(results: &Results, name: &str) -> String {
 }
 
 /// Returns a term in a sentence, such as `width`, or `width × depth` for `width:depth`.
-pub(super) fn term(results: &Results, text: &str) -> String {
-    names::term(results.options.parameters, text)
+pub(super) fn term(results: &Results, term: &Term) -> String {
+    names::term(results.options.parameters, term)
 }
 
 /// Formats a level, such as `45°`, `∞` or `0.4`; `(none)` if the value is missing.
@@ -46,13 +46,14 @@ pub(super) fn note(results: &Results, model: &Model, note: &Note) -> String {
             [baseline, separated].into_iter().for_each(|own| *own = level(results, name, own).to_string());
             *name = factor(results, name);
         }
-        Note::AliasedTerm { term: own } | Note::NoSlope { term: own } | Note::NoSlopeVariance { term: own } => {
-            *own = term(results, own);
-        }
+        Note::AliasedTerm { term: own, of }
+        | Note::NoSlope { term: own, of }
+        | Note::NoSlopeVariance { term: own, of } => *own = term(results, of),
         Note::Separation { coefficient: own, term: of, .. } => {
             let found = model.coefficients.iter().find(|coefficient| coefficient.name == *own);
-            found.into_iter().for_each(|found| *own = coefficient(results, &found.parts));
-            *of = term(results, of);
+            if let Some(found) = found {
+                (*own, *of) = (coefficient(results, &found.parts), term(results, &found.term));
+            }
         }
         _ => {}
     }
@@ -82,7 +83,7 @@ pub(super) fn coefficient(results: &Results, parts: &[TermPart]) -> String {
 /// Returns in what participants differ: a term, or a coefficient if the random effects are correlated.
 pub(super) fn slope(results: &Results, model: &Model, own: &RandomSlope) -> String {
     let found = model.coefficients.iter().find(|coefficient| coefficient.name == own.name);
-    found.map_or_else(|| term(results, &own.name), |found| coefficient(results, &found.parts))
+    found.map_or_else(|| term(results, &own.term), |found| coefficient(results, &found.parts))
 }
 
 /// Returns the answers of a definition, such as `0 (No band)`, or `0` if this is its label.

@@ -1,7 +1,7 @@
 //! The section about the vision model's predictions: predicted and measured versions of the paper's Figure 4, the
 //! agreement in rank order.
 
-use super::{names, sittings};
+use super::{health, names};
 use crate::{
     analysis::{Results, counts::Counts},
     report::{
@@ -40,7 +40,7 @@ pub(super) fn section(
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
-    let is_circular = sittings::all(source, results)
+    let is_circular = health::all_sittings(source, results)
         .any(|(_, sitting)| matches!(sitting.observer, Some(SimulatedObserver::Vision { .. })));
     if is_circular {
         section.warning(

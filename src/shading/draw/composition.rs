@@ -1,12 +1,9 @@
-//! Several meshes in one picture, some of them transparent. Shoaff §4.4.
+//! Draws one mesh, or several in one picture, some of them transparent. Shoaff §4.4.
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{
-    one::ROWS,
-    rays::{Meeting, Target, Targets},
-};
+use super::rays::{Meeting, Target, Targets};
 use crate::{
     light::LinearImage,
     shading::{
@@ -278,4 +275,31 @@ impl Picture<'_> {
         let color = frame.paint.as_ref().map_or(DVec3::ONE, |paint| paint.color(at.of.1 as usize, at.weights));
         frame.lighting.painted(from + along * at.distance, normal, -along, color)
     }
+}
+
+/// The number of rows that one thread draws at a time.
+pub(super) const ROWS: usize = 16;
+
+/// Draws `frame` with `shade` in linear light, with every pixel sampled at its center. The picture is the same for any
+/// number of threads.
+pub fn image(frame: &Frame, shade: &Shade) -> LinearImage {
+    let (shading, outlines) = (Shading::new(frame, shade), coverage::outlines(frame));
+    let background = frame.background.as_vec3().to_array();
+    let mut image = LinearImage::new(frame.width, frame.height);
+    let width = frame.width as usize;
+    image.data.par_chunks_mut((3 * width * ROWS).max(1)).enumerate().for_each(|(band, pixels)| {
+        checkpoint();
+        let first = band * ROWS;
+        let seen = coverage::visible_in(frame, &outlines, first as u32..(first + pixels.len() / (3 * width)) as u32);
+        for (i, (pixel, triangle)) in pixels.as_chunks_mut::<3>().0.iter_mut().zip(seen).enumerate() {
+            if triangle == coverage::NONE {
+                *pixel = background;
+                continue;
+            }
+            let center = DVec2::new((i % width) as f64, (first + i / width) as f64) + 0.5;
+            let light = shading.light(triangle as usize, frame.weights(triangle as usize, center));
+            *pixel = light.as_vec3().to_array();
+        }
+    });
+    image
 }

@@ -7,8 +7,7 @@
 
 mod microfacets;
 mod model;
-mod transmission;
 
 pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry};
 pub use model::{Lamp, LampPosition, Lighting, Material, Specular, attenuation};
-pub use transmission::{Refraction, Transparency};
+pub use model::{Refraction, Transparency};

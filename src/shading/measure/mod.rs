@@ -8,10 +8,9 @@
 //! a property of the light. Whether it is visible as a band is another question, which depends on its size, its length,
 //! and its surroundings.
 
-mod colors;
 mod creases;
 mod truth;
 
-pub use colors::color;
 pub use creases::{Creases, EdgeCrease, NOISE};
 pub use truth::Truth;
+pub use truth::color;

@@ -1,5 +1,5 @@
 //! The smooth surface that a mesh approximates, as the picture should show it: traced along the line of sight of every
-//! pixel, or taken from a much finer mesh.
+//! pixel, or taken from a much finer mesh. The colors of maps of the difference.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -73,7 +73,9 @@ impl Truth {
             let is_back = point.normal.dot(frame.view.to_viewer(point.eye)) < 0.0;
             Some(if is_back { Point { normal: -point.normal, ..point } } else { point })
         };
-        Truth { points: (0..width * frame.height as usize).into_par_iter().map(at).collect() }
+        // Unwinding at every pixel would take longer than the pixels do.
+        let pixels = (0..width * frame.height as usize).into_par_iter().with_min_len(width);
+        Truth { points: pixels.map(at).collect() }
     }
 
     /// Returns the picture of the surface under the lighting of `frame`, in linear light, or encoded as the frame is.
@@ -157,4 +159,17 @@ fn eroded(inside: &[bool], width: usize) -> Vec<bool> {
         inside[i] && [left, right, i.checked_sub(width), Some(i + width)].into_iter().all(at)
     };
     (0..inside.len()).map(is_inside).collect()
+}
+
+/// The scale from nothing to the largest value, as encoded sRGB: from blue through gray to yellow, with increasing lightness,
+/// so that all trichromats and dichromats see the same order.
+const MAP: [[f64; 3]; 5] =
+    [[0.13, 0.19, 0.42], [0.27, 0.36, 0.58], [0.55, 0.53, 0.52], [0.86, 0.72, 0.33], [1.0, 0.96, 0.62]];
+
+/// Returns the color of a value that is this share of the largest, as encoded sRGB.
+pub fn color(share: f64) -> [f64; 3] {
+    let at = share.clamp(0.0, 1.0) * (MAP.len() - 1) as f64;
+    let low = (at as usize).min(MAP.len() - 2);
+    let (a, b) = (DVec3::from_array(MAP[low]), DVec3::from_array(MAP[low + 1]));
+    a.lerp(b, at - low as f64).to_array()
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::{rings::rings, triangles::Mesh};
+use super::{triangles::Mesh, triangles::rings};
 use crate::text::names::named;
 
 named! {

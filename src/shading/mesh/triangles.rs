@@ -1,11 +1,11 @@
-//! Meshes of triangles, and the triangles that meet at each edge.
+//! Meshes of triangles: their vertices, edges and curvature, and where they are.
 
 use std::{collections::HashMap, sync::Arc};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3, DVec4};
 
 use super::{paint::Paint, smooth::Smooth};
-use crate::system::checkpoint;
+use crate::{shading::cubic, system::checkpoint};
 
 /// A corner of triangles: a position, and the normal with which it is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,5 +145,107 @@ impl Edges {
             }));
         }
         Edges { edges, of_triangle }
+    }
+}
+
+/// Returns, for each of `count` fans or vertices, the other vertices of its triangles, each once, in the order of the
+/// triangles. Each triangle is given by the fans and the vertices of its corners.
+pub fn rings(count: usize, triangles: impl Iterator<Item = ([u32; 3], [u32; 3])>) -> Vec<Vec<u32>> {
+    let mut rings = vec![Vec::new(); count];
+    for (fans, vertices) in triangles {
+        for k in 0..3 {
+            let ring = &mut rings[fans[k] as usize];
+            for other in [vertices[(k + 1) % 3], vertices[(k + 2) % 3]] {
+                if !ring.contains(&other) {
+                    ring.push(other);
+                }
+            }
+        }
+    }
+    rings
+}
+
+/// A mesh with its edges and its curvature, which depend on neither the view nor the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// The triangles.
+    pub mesh: Mesh,
+    /// The edges at which the triangles meet.
+    pub edges: Edges,
+    /// The curvature at the vertices: dN/dp, the change of the unit normal along the surface, which is symmetric, and zero
+    /// along the normal. A sphere of radius r with outward normals has (I − NNᵀ)/r.
+    pub fans: cubic::Fans,
+}
+
+impl Surface {
+    /// Computes the edges and the curvature of `mesh`, as [`cubic::fans`] does. Vertices on either side of a crease use
+    /// only their own faces.
+    pub fn new(mesh: Mesh) -> Surface {
+        let edges = Edges::of(&mesh);
+        let mut across = vec![[cubic::NONE; 3]; mesh.triangles.len()];
+        for edge in edges.edges.iter().filter(|edge| edge.kind == EdgeKind::Smooth) {
+            let [(t, k), (u, l)] = [edge.sides[0], edge.sides[1]];
+            across[t as usize][usize::from(k)] = 3 * u + u32::from(l);
+            across[u as usize][usize::from(l)] = 3 * t + u32::from(k);
+        }
+        checkpoint();
+        let of = |vector: fn(&super::Vertex) -> DVec3| -> Vec<cubic::V> {
+            mesh.vertices.iter().map(|vertex| vector(vertex).to_array()).collect()
+        };
+        let fans = cubic::fans(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles, &across);
+        checkpoint();
+        Surface { mesh, edges, fans }
+    }
+}
+
+impl Mesh {
+    /// Returns this mesh with `paint`, unless that is plain. Corners whose coat has a normal map and which have no
+    /// tangent get the mean over the triangles that share their vertex and place on the texture, weighted by area
+    /// (Lengyel 2001).
+    ///
+    /// # Panics
+    /// Panics if the paint is not that of as many triangles.
+    pub fn painted(mut self, mut paint: Paint) -> Mesh {
+        assert_eq!(paint.corners.len(), self.triangles.len(), "every triangle has its paint");
+        self.find_tangents(&mut paint);
+        self.paint = (!paint.is_plain()).then(|| Arc::new(paint));
+        self
+    }
+
+    /// Returns this mesh scaled, then rotated, then moved. Which surface it approximates is no longer known.
+    pub fn placed(mut self, scale: f64, rotation: DMat3, position: DVec3) -> Mesh {
+        for vertex in &mut self.vertices {
+            vertex.position = position + rotation * (scale * vertex.position);
+            vertex.normal = rotation * vertex.normal;
+        }
+        for corner in self.paint.iter_mut().flat_map(|paint| Arc::make_mut(paint).corners.iter_mut().flatten()) {
+            corner.tangent = (rotation * corner.tangent.truncate()).extend(corner.tangent.w);
+        }
+        self.smooth = None;
+        self
+    }
+
+    fn find_tangents(&self, paint: &mut Paint) {
+        let wants = |t: &usize| {
+            paint.coats[paint.of_triangles[*t] as usize].normals.is_some()
+                && paint.corners[*t].iter().any(|corner| corner.tangent == DVec4::ZERO)
+        };
+        let mut means: HashMap<_, DVec3> = HashMap::new();
+        let mut keys = Vec::new();
+        for t in (0..self.triangles.len()).filter(wants) {
+            let ([a, b, c], places) = (self.corners(t), paint.corners[t].map(|corner| corner.place));
+            let (u, v) = (places[1] - places[0], places[2] - places[0]);
+            let area = u.perp_dot(v);
+            // Multiplied by the area on the texture: triangles without one do not count.
+            let tangent = ((b - a) * v.y - (c - a) * u.y) * area.signum();
+            for (k, place) in places.into_iter().enumerate() {
+                let key = (self.triangles[t][k], place.to_array().map(f64::to_bits), area < 0.0);
+                *means.entry(key).or_default() += tangent;
+                keys.push((t, k, key));
+            }
+        }
+        for (t, k, key) in keys {
+            paint.corners[t][k].tangent = means[&key].normalize_or_zero().extend(if key.2 { -1.0 } else { 1.0 });
+        }
     }
 }

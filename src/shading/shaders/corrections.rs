@@ -5,9 +5,9 @@
 use glam::DVec3;
 
 use super::{
-    gouraud::weighted,
+    interpolated::{OTHERS, weighted},
     shade::{Correction, Shade},
-    strips::{Curve, MIN_WIDTH, OTHERS, least, narrowed},
+    strips::{Curve, MIN_WIDTH, least, narrowed},
 };
 use crate::shading::frame::Frame;
 

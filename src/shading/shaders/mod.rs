@@ -1,36 +1,24 @@
-//! The shaders, one per file. Their equations give the light at a point in a triangle from the weights w_A, w_B, w_C of
+//! The shaders. Their equations give the light at a point in a triangle from the weights w_A, w_B, w_C of
 //! the corners on the screen and from the light values I_A, I_B, I_C of the corners.
 //!
 //! `kernel`, below, lists the shaders.
 
-mod c1_phong;
 mod corrections;
-mod fixed;
-mod flat;
-mod gouraud;
-mod gradient;
-mod painted;
-mod patch;
+mod interpolated;
 mod phong;
-mod quadratic;
 mod shade;
 mod strips;
 
-pub use gouraud::ShaderKernel;
+pub use interpolated::ShaderKernel;
 pub use shade::{Correction, Shade, Shader};
 
 use glam::DVec3;
 
 use self::{
-    c1_phong::C1Phong,
     corrections::Corrections,
-    fixed::Fixed,
-    flat::Flat,
-    gouraud::{Gouraud, weighted},
-    gradient::Gradient,
-    painted::Painted,
-    phong::{Phong, PixelLight},
-    quadratic::Quadratic,
+    interpolated::{Flat, Gouraud, Quadratic, weighted},
+    phong::{C1Phong, Painted, Phong, PixelLight},
+    strips::{Fixed, Gradient},
 };
 use crate::shading::frame::{Field, Frame, Patches};
 
@@ -79,7 +67,8 @@ impl<'f> Shading<'f> {
     /// # Panics
     /// Panics if the frame has no such triangle.
     pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
-        let gouraud = weighted(w, self.frame.corners(triangle).map(|v| v.light));
+        let [a, b, c] = self.frame.corners(triangle);
+        let gouraud = weighted(w, [a.light, b.light, c.light]);
         let light = self.kernel.light(triangle, w, gouraud);
         let light = self.corrections.as_ref().map_or(light, |corrections| corrections.corrected(triangle, w, light));
         self.paint.as_ref().map_or(light, |paint| light * paint.color(triangle, w))

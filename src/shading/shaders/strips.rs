@@ -1,12 +1,15 @@
-//! The strips at the edges of triangles, Bangay §4: their widths, and I_n, the curve across them.
+//! The shaders with strips at the edges of triangles, Bangay §4; the widths of the strips, and I_n, the curve across them.
 //!
 //! The corners are A, B, C; the edge opposite A runs from B to C. All positions are positions on the **screen**: the
 //! weights are affine there, and slopes matched elsewhere would not match in the picture.
 
-use crate::light::{Depth, Interpolation};
+use glam::DVec3;
 
-/// For each corner, the other two, in order.
-pub const OTHERS: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
+use super::interpolated::{OTHERS, ShaderKernel};
+use crate::{
+    light::{Depth, Interpolation},
+    shading::frame::Frame,
+};
 
 /// The width used for strips of zero width, to avoid dividing by zero.
 pub const MIN_WIDTH: f64 = 1e-30;
@@ -49,5 +52,99 @@ impl Curve {
     /// Returns I_n(u): 0 for u ≤ 0, 1 for u ≥ 1, except that the printed curve of n = ∞ is not 0 at u = 0.
     pub fn value(&self, u: f64) -> f64 {
         ((self.interpolation.value(u) - self.missing) / (1.0 - 2.0 * self.missing)).clamp(0.0, 1.0)
+    }
+}
+
+/// Bangay's fixed boundary shader, eq. 4, as printed: it flattens the light at every edge. The light is continuous and,
+/// at the edge, has no slope along the line from A. It is not C1 across the edge because these lines bend there. The
+/// shader flattens the edges of linear fields, too.
+///
+/// The light is J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t, and Gouraud's light
+/// elsewhere. This follows the text of the paper; its pseudocode uses the first weight below b, which makes the light
+/// jump.
+pub struct Fixed<'f> {
+    pub(super) frame: &'f Frame,
+    strip: f64,
+    /// I_n as printed.
+    pub(super) step: Curve,
+}
+
+/// A point in the strip opposite a corner.
+pub(super) struct InStrip {
+    /// The relative position across the strip, t/b'; 0 at the corners, where the strip has no width.
+    pub across: f64,
+    /// I_E, the light where the line from the corner through the point meets the edge. Bangay eq. 3.
+    pub on_edge: DVec3,
+    /// The light J(t).
+    pub light: DVec3,
+}
+
+impl<'f> Fixed<'f> {
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
+    pub fn new(frame: &'f Frame, b: f64, depth: Depth) -> Self {
+        Fixed { frame, strip: b, step: Curve::printed(depth) }
+    }
+
+    /// Returns the corner opposite whose edge a point is in the strip: the one with the smallest weight, the first of
+    /// equal ones. `None` outside the strips.
+    pub(super) fn strip(&self, w: [f64; 3]) -> Option<usize> {
+        let least = least(w);
+        (0..3).find(|k| w[*k] <= least && least < self.strip)
+    }
+
+    /// Computes a point in the strip opposite corner `k`.
+    pub(super) fn in_strip(&self, triangle: usize, k: usize, w: [f64; 3]) -> InStrip {
+        let (i, j) = OTHERS[k];
+        let lights = self.frame.corners(triangle).map(|v| v.light);
+        let across = w[k] / narrowed(w, self.strip).max(MIN_WIDTH);
+        let on_edge = (w[i] * lights[i] + w[j] * lights[j]) * (1.0 / (1.0 - w[k]));
+        let light = on_edge + (lights[k] - on_edge) * (w[k] * self.step.value(across));
+        InStrip { across, on_edge, light }
+    }
+}
+
+impl ShaderKernel for Fixed<'_> {
+    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
+        self.strip(w).map_or(gouraud, |k| self.in_strip(triangle, k, w).light)
+    }
+}
+
+/// Bangay's second boundary shader, §4.2.1: it is intended to give the light at an edge a slope between the slopes of
+/// the two triangles.
+///
+/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight. At an edge
+/// without a neighbor, it is the light of [`Fixed`].
+pub struct Gradient<'f> {
+    fixed: Fixed<'f>,
+    /// The slope at the edge. As printed, (I_F − I_E)/2 leaves half of Gouraud's bend at the middle of an edge, and
+    /// increases the bend elsewhere. Repaired, (I_A − I_F)/2 is the mean of the two slopes, which makes the light C1 at the
+    /// middle of the edges of parallelograms.
+    is_repaired: bool,
+}
+
+impl<'f> Gradient<'f> {
+    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
+    pub fn new(frame: &'f Frame, is_repaired: bool, b: f64, depth: Depth) -> Self {
+        Gradient { fixed: Fixed::new(frame, b, depth), is_repaired }
+    }
+}
+
+impl ShaderKernel for Gradient<'_> {
+    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
+        let Some(k) = self.fixed.strip(w) else { return gouraud };
+        let (strip, frame) = (self.fixed.in_strip(triangle, k, w), self.fixed.frame);
+        let Some(neighbor) = frame.triangles[triangle].across[k] else { return strip.light };
+        let apex = frame.vertices[neighbor.apex as usize].light;
+        let (i, j) = OTHERS[k];
+        let lights = frame.corners(triangle).map(|v| v.light);
+        // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C
+        // if a = 2w_B/(w_B+w_C) − 1 is negative. This is exact only if D is the reflection of A through the midpoint of
+        // the edge.
+        let a = w[i] * 2.0 / (w[i] + w[j]) - 1.0;
+        let size = a.abs();
+        let f = size * 2.0 / (size + 1.0);
+        let beyond = (if a < 0.0 { lights[j] } else { lights[i] }) * f + (1.0 - f) * apex;
+        let slope = if self.is_repaired { lights[k] - beyond } else { beyond - strip.on_edge };
+        strip.light + slope * (w[k] * self.fixed.step.value(1.0 - strip.across) * 0.5)
     }
 }

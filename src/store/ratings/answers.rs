@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     files::Header,
-    reader::{alike, content, doubled, how_read},
+    reader::{alike, how_read},
     rows::{RowError, Rows, Status, is_mark, is_missing, with_point},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
@@ -102,7 +102,6 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     let factors = columns.factors.iter().zip(&used.factors);
     notes.extend(factors.filter_map(|(name, cell)| alike(&input.name, Some(name), &[&rows.columns[*cell]])));
     notes.extend(used.pooled(&input, &rows));
-    notes.extend(content(&input)?.and_then(|bytes| doubled(&input, &bytes)));
     let errors = rows.errors.finish(&input.name, &input.header.names);
     let all = found.len();
     let rows: Vec<AnswerRow> = found.into_iter().flatten().collect();

@@ -8,14 +8,12 @@
 pub mod answers;
 mod cells;
 mod files;
-mod options;
 mod reader;
 mod rows;
 mod selection;
 mod source;
 
 pub use files::{Listed, column_names, files, with_files};
-pub use options::{Levels, ReadOptions};
 pub use reader::{read, read_columns};
 pub(super) use rows::with_point;
-pub use source::{FileRead, Layout, Reason, SessionRead, Shape, Source, TimeLimits};
+pub use source::{FileRead, Layout, Levels, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

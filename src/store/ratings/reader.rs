@@ -11,10 +11,9 @@ use rayon::{iter::Either, prelude::*};
 use super::{
     cells::{Known, add_rows},
     files::{self, Header},
-    options::ReadOptions,
     rows::{self, MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
-    source::{Definitions, FileRead, Layout, Reason, SessionRead, Shape, Source},
+    source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
@@ -116,9 +115,7 @@ fn read_inputs<T>(
     let (mut reports, mut contents) = (Vec::new(), HashMap::new());
     for (input, mut rows) in selection.inputs.iter().zip(tables) {
         let mut read = add_rows(&selection, &known, input, &mut rows, |row| add(&mut all, row));
-        let content = content(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
-        read.sha256 = content.as_deref().map(file::sha256);
-        notes.extend(content.and_then(|bytes| doubled(input, &bytes)));
+        read.sha256 = hash(input).map_err(|error| FileErrors(error.errors(&input.path)))?;
         let may_repeat = input.layout != Layout::Results && selection.inputs.len() > 1;
         if let Some(hash) = read.sha256.clone().filter(|_| may_repeat)
             && let Some(other) = contents.insert(hash, &input.name)
@@ -387,9 +384,9 @@ fn read_attempts<'a>(
             return Err(RowError::new(row, column, format!("{expected}, as in the first row")));
         }
         let phase = phases.get(row).ok_or_else(|| wrong(own.phase, "practice or main"))?;
-        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1000000"))?;
+        let trial = trials.get(row).ok_or_else(|| wrong(own.trial, "the number of a trial, from 1 to 1,000,000"))?;
         let attempt = attempts.as_ref().map_or(Ok(1), |(column, numbers)| {
-            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1000000"))
+            numbers.get(row).ok_or_else(|| wrong(*column, "the number of an attempt, from 1 to 1,000,000"))
         })?;
         let subject = present(input.columns.subject, "a participant")?;
         let session = present(own.session, "a session")?;
@@ -450,22 +447,13 @@ fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut 
     }
 }
 
-/// Returns the content of a file, unless it is large.
-pub(super) fn content(input: &Input) -> Result<Option<Vec<u8>>, StoreError> {
+/// Returns the SHA-256 of a file, unless it is large.
+fn hash(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    read_regular(&input.path, MAX_HASHED).map_err(io(&input.path, "read")).map(Some)
-}
-
-/// Says that the second half of the lines below the header repeats the first half.
-pub(super) fn doubled(input: &Input, bytes: &[u8]) -> Option<FileError> {
-    let bytes = input.header.converted.as_ref().map_or(bytes, |converted| &converted.bytes);
-    let header = bytes.iter().position(|byte| *byte == b'\n')? + 1;
-    let (one, other) = bytes[header..].split_at((bytes.len() - header) / 2);
-    let is_doubled = input.layout == Layout::Long && one.ends_with(b"\n") && one == other;
-    let message = "its second half repeats the first one, as if it had been appended to itself; expected each row once";
-    is_doubled.then(|| FileError::whole(&input.name, message))
+    let bytes = read_regular(&input.path, MAX_HASHED).map_err(io(&input.path, "read"))?;
+    Ok(Some(file::sha256(&bytes)))
 }
 
 /// Returns the error that no row counts, with the reasons.

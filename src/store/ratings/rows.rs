@@ -120,7 +120,7 @@ impl Rows {
         let ids = [Some(subject), session, record.map(|own| own.session)];
         let read = table::rows_from(header.content(&input.path), header.separator, header.start.as_ref(), |row| {
             let incomplete = if input.layout == Layout::Results { interrupted(row) } else { None };
-            if std::mem::take(&mut is_header) {
+            if std::mem::take(&mut is_header) || is_blank(row, input) {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
                     Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
@@ -193,6 +193,9 @@ impl Rows {
         let from = self.marks.get(error.row / MARK);
         // The row is read again, which is acceptable because errors are rare.
         let _ = table::rows_from(header.content(&input.path), header.separator, from, |row| {
+            if is_blank(row, input) {
+                return true;
+            }
             if skipped == 0 {
                 let written = |column| row.record.get(column).map(decoded).unwrap_or_default().into_owned();
                 let place = row.place(error.cell.unwrap_or(0));
@@ -230,6 +233,11 @@ impl RowError {
             }
         }
     }
+}
+
+/// True if no cell of a table from elsewhere has a value: spreadsheets write such rows as separators.
+fn is_blank(row: &Row<'_>, input: &Input) -> bool {
+    input.layout != Layout::Results && row.record.iter().all(|cell| cell.trim_ascii().is_empty())
 }
 
 /// Returns what looks like an interrupted write, if this is the last row: a file may have been enlarged but not filled.

@@ -10,8 +10,7 @@ use serde_json::{Map, Value};
 
 use super::{
     files::{Header, SUBJECT},
-    options::ReadOptions,
-    source::{Definitions, Layout, Shape},
+    source::{Definitions, Layout, ReadOptions, Shape},
 };
 use crate::{
     experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, STIMULUS, columns_by_header},

@@ -1,21 +1,21 @@
-//! Cosine transforms of pictures. A picture continues beyond its borders as its own mirror image, so a border is no
-//! edge.
+//! Fourier transforms of any length, and cosine transforms of pictures, each planned once per thread. A picture continues
+//! beyond its borders as its own mirror image, so a border is no edge.
 
 use std::{cell::RefCell, sync::Arc};
 
 use rayon::prelude::*;
 use rustdct::{DctPlanner, TransformType2And3};
+use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
-use super::fft::{SHORT, transpose};
 use crate::system::checkpoint;
 
 thread_local! {
-    static PLANNER: RefCell<DctPlanner<f64>> = RefCell::new(DctPlanner::new());
+    static COSINES: RefCell<DctPlanner<f64>> = RefCell::new(DctPlanner::new());
 }
 
 /// Returns the transforms of `length` values.
 fn plan(length: usize) -> Arc<dyn TransformType2And3<f64>> {
-    PLANNER.with_borrow_mut(|planner| planner.plan_dct2(length))
+    COSINES.with_borrow_mut(|planner| planner.plan_dct2(length))
 }
 
 /// The amplitudes of the cosines whose sum is a picture, column by column: the one at `across · rows + down` has
@@ -119,4 +119,62 @@ fn each(
             transform(&*plan, run, scratch);
         },
     );
+}
+
+thread_local! {
+    static FOURIER: RefCell<FftPlanner<f64>> = RefCell::new(FftPlanner::new());
+}
+
+/// Returns the forward transform for `length` values.
+fn forward(length: usize) -> Arc<dyn Fft<f64>> {
+    FOURIER.with_borrow_mut(|planner| planner.plan_fft_forward(length))
+}
+
+/// Returns the smallest number that is at least `least` and has no prime factor above 5. Transforms of such lengths are
+/// fast.
+pub fn next_fast_length(least: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    (least.max(1)..).find(|n| is_smooth(*n)).unwrap_or(least)
+}
+
+/// Performs an unnormalized two-dimensional Fourier transform in place.
+pub(super) fn transform(values: &mut [Complex64], columns: usize, rows: usize) {
+    let (across, down) = (forward(columns), forward(rows));
+    values.par_chunks_exact_mut(columns).for_each(|row| {
+        checkpoint();
+        across.process(row);
+    });
+    let mut turned = vec![Complex64::default(); values.len()];
+    transpose(values, &mut turned, [columns, rows]);
+    turned.par_chunks_exact_mut(rows).for_each(|column| {
+        checkpoint();
+        down.process(column);
+    });
+    transpose(&turned, values, [rows, columns]);
+}
+
+/// Fewer runs, or values, than this are not worth another thread.
+pub(super) const SHORT: usize = 4096;
+
+/// Turns rows of `columns` values into columns, in tiles that fit in the processor's cache.
+pub(super) fn transpose<T: Copy + Send + Sync>(from: &[T], to: &mut [T], [columns, rows]: [usize; 2]) {
+    const TILE: usize = 16;
+    to.par_chunks_mut(TILE * rows).enumerate().with_min_len(SHORT.div_ceil(TILE * rows)).for_each(|(tile, to)| {
+        let first = tile * TILE;
+        for top in (0..rows).step_by(TILE) {
+            for (x, column) in to.chunks_exact_mut(rows).enumerate() {
+                let bottom = (top + TILE).min(rows);
+                for (y, to) in column[top..bottom].iter_mut().enumerate() {
+                    *to = from[(top + y) * columns + first + x];
+                }
+            }
+        }
+    });
 }

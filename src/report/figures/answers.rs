@@ -1,4 +1,5 @@
-//! A chart of how often each category was used, with one bar for each level of a factor.
+//! Charts of the answers: how often each category was used, with one bar for each level of a factor, and how long they
+//! took.
 
 use super::{
     axes::{EDGE, Levels, PANEL, Values, beside, legend},
@@ -6,17 +7,19 @@ use super::{
     labels::{self, chosen, evenly},
     palette::{Marker, Series, category},
     svg::WIDTH,
+    tasks::estimates,
 };
 use crate::{
-    analysis::{Results, summary::by_levels},
-    report::names,
+    analysis::{Results, counts::Quartiles, summary::by_levels},
+    report::{document::count, names},
+    statistics::Interval,
 };
 
 /// Maximum number of categories in the legend; readers can interpolate the colors in between.
 const MAX_NAMED: usize = 10;
 
 /// Draws `proportions`.
-pub(super) fn figure(results: &Results) -> Option<Figure> {
+pub(super) fn proportions(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
     let chosen: Vec<usize> = chosen(counts).into_iter().take(1).collect();
     let groups = by_levels(counts, &chosen);
@@ -59,4 +62,23 @@ pub(super) fn figure(results: &Results) -> Option<Figure> {
         }
         legend(svg, &panel, "Rating", &series, false);
     }))
+}
+
+/// Draws `times`, if response times are known.
+pub(super) fn times(results: &Results) -> Option<Figure> {
+    let counts = &results.measured.counts;
+    let n: u64 = results.times.iter().flatten().map(|quartiles| quartiles.n).sum();
+    let caption = format!(
+        "Markers are medians, with bars from the lower to the upper quartile; {}, {}.",
+        count(results.people() as u64, "participant"),
+        count(n, "response time"),
+    );
+    let value = |times: Quartiles| (times.median, Some(Interval { low: times.lower, high: times.upper }));
+    let (by, places, times): (_, _, Vec<Option<Quartiles>>) = if results.is_inferential() {
+        ("participant", &counts.subjects, results.subjects.iter().map(|subject| subject.times).collect())
+    } else {
+        ("rating", &counts.categories, results.times.clone())
+    };
+    let series = (String::new(), times.into_iter().map(|times| times.map(value)).collect());
+    estimates("times", places, &[series], (&format!("Response times by {by}"), "Response time (s)", caption))
 }
