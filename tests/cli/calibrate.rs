@@ -72,13 +72,14 @@ fn calibrate_writes_a_profile() {
 
 #[test]
 fn every_error_in_a_file_has_its_line_and_column() {
-    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
+    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\nr,1.5,20\n");
     assert_eq!(
         found,
         [
             "r.csv:3:1: channel \"violet\" is not known; expected r, g, b or gray",
             "r.csv:4:7: luminance_cd_m2 \"\" is not a number; expected one such as 0.5",
             "r.csv:6:5: luminance_cd_m2 \"x\" is not a number; expected one such as 0.5",
+            "r.csv:7:3: level 1.5 is outside 0…1; expected the code divided by the largest code",
         ]
     );
     let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\nr,0.75,100001\n");

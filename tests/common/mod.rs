@@ -16,7 +16,7 @@ use std::{
 
 use machband::{
     experiment::{Protocol, TrialRecord, columns},
-    store::{results, verify},
+    store::{recorded, results},
 };
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
@@ -241,8 +241,8 @@ pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
 }
 
 /// The findings of `machband verify` about a session.
-pub fn verified(csv: &Path) -> verify::Verified {
-    verify::session(csv, &mut verify::Renderer::default())
+pub fn verified(csv: &Path) -> recorded::Verified {
+    recorded::verify(csv, &mut recorded::Renderer::default())
 }
 
 /// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.

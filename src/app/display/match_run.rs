@@ -42,14 +42,14 @@ impl MatchRun {
             Key::Backspace if !repeated => {
                 if let Some(undone) = self.matching.undo() {
                     let number = self.matching.done().len() + 1;
-                    let saved = self.file.undo(number, &undone, since_start);
+                    let saved = self.file.record(number, &undone, since_start, true);
                     self.next(saved, now);
                 }
             }
             _ if now < due_s => {}
             Key::Enter if !repeated => {
                 if let Some(accepted) = self.matching.accept() {
-                    let saved = self.file.accept(self.matching.done().len(), &accepted, since_start);
+                    let saved = self.file.record(self.matching.done().len(), &accepted, since_start, false);
                     self.next(saved, now);
                 }
             }

@@ -280,7 +280,7 @@ impl Gallery {
             self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
                 match ending {
-                    "csv" => store::curve::write_profile(writer, path, recipe, &quantizer),
+                    "csv" => writer.write(path, &store::curve::table(recipe, &quantizer).csv()),
                     _ => store::image::write_recipe(writer, path, recipe, &quantizer),
                 }
             });

@@ -16,7 +16,7 @@ use crate::{
     store::{
         check::missing_fonts,
         profile,
-        sitting::{Geometry, PreflightNote, Sitting},
+        sidecar::{Geometry, PreflightNote, Sitting},
     },
 };
 

@@ -5,7 +5,7 @@ use crate::{
     display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::FrameCount,
     report::document::numbers::count,
-    store::sitting::FrameSummary,
+    store::sidecar::FrameSummary,
 };
 
 /// The refresh of the screen, updated if the window moves to another screen.

@@ -27,9 +27,10 @@ use crate::{
     report::terminal::message,
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError, frames, image,
+        FileErrors, StoreError, image,
+        results::frames_line,
         session::{Interrupted, SessionStore},
-        sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
+        sidecar::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
     system::{after, before, data_folder, make_private_folder, now},
 };
@@ -128,7 +129,7 @@ impl Recording {
 
     fn store_frames(&mut self, session: &mut Session) {
         let runs = session.take_frame_runs();
-        let lines = runs.iter().filter_map(|run| frames::line(run, session.schedule(), self.sitting));
+        let lines = runs.iter().filter_map(|run| frames_line(run, session.schedule(), self.sitting));
         self.store.append_frames(&lines.collect::<Vec<_>>());
     }
 
@@ -164,7 +165,7 @@ impl Recording {
         // This is the last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
-        self.store.describe_input(self.input());
+        self.store.sitting().input = Some(self.input());
         let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
         self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());

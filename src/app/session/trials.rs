@@ -25,7 +25,7 @@ use crate::{
     },
     light::{Bits, Quantizer},
     stimulus::Stimulus,
-    store::{StoreError, sitting::PreflightNote},
+    store::{StoreError, sidecar::PreflightNote},
 };
 
 /// Number of textures in memory: the stimuli of the current trial and of the next one.
