@@ -13,7 +13,7 @@ use super::{
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        Step, fields, hint, paragraph, secondary, show_error, theme,
+        Step, hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -320,7 +320,7 @@ impl Opened for OpenStudy {
         // The columns of others are named as they name them.
         let protocol = self.study.source.protocol.as_ref();
         let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
-        self.filters.show(ui, counts, |factor| fields::label(known, factor));
+        self.filters.show(ui, counts, |factor| parameter::label(known, factor));
         if ui.add_enabled(self.filters != Filters::default(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }

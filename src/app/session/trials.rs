@@ -11,8 +11,8 @@ use super::{
     frames::ScreenRefresh,
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::Recording,
-    recording::{SaveChoice, UnsavedAnswerPage},
     request::{Prepared, Request, has_slider, room},
+    unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
     app::{

@@ -9,7 +9,7 @@ use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_tit
 use crate::{
     app::ui::{
         Field,
-        fields::swatch_edge,
+        parameter::swatch_edge,
         secondary, text,
         theme::{focus_ring, ink},
     },
