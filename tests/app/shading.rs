@@ -7,7 +7,7 @@ use machband::{
         App, Launch,
         explore::shading::{Comparison, MeshChoice},
     },
-    light::{Bits, CodeImage, Quantizer},
+    light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Scene, Shader, Surface, image, shapes::Shape},
 };
 
@@ -71,7 +71,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
 
 fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
-    Quantizer::new(&compared.transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
+    Quantizer::new(&Transfer::Srgb, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 
 /// Compares both halves at the start and with another shader on the right.

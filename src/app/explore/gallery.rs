@@ -41,10 +41,8 @@ const BESIDE: f32 = 200.0;
 const TILE: f32 = 72.0;
 const SMALL_TILE: f32 = 44.0;
 const WIDE: f32 = 640.0;
-/// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
-/// range of light.
-const STRONGEST: f64 = 100.0;
-const MARKS: [f64; 2] = [0.06, 0.22];
+/// Length of the mark of a predicted band, as a share of the plotted range of light.
+const MARK: f64 = 0.12;
 
 /// The page with the stimuli of the catalog.
 pub struct Gallery {
@@ -53,7 +51,6 @@ pub struct Gallery {
     history: History<Choices>,
     /// Whether the size has been chosen, so that the image and its plot fit the window.
     is_fitted: bool,
-    derivatives: bool,
     shown: Option<Shown>,
     out: String,
     saving: Saving,
@@ -138,35 +135,26 @@ impl Choices {
     }
 }
 
-impl Gallery {
-    /// Creates the gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
-    pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
-        let settings = Choices::new(SIZES[0]);
+impl Default for Gallery {
+    fn default() -> Self {
+        let (settings, display) = (Choices::new(SIZES[0]), DisplayProfile::default());
         Self {
-            prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
+            prediction: Prediction::new(ViewingPlace::new(&display, None)),
             history: History::new(settings.clone()),
             settings,
             faults: Faults::new(),
             is_fitted: false,
-            derivatives: false,
             shown: None,
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
             display,
-            distance_cm,
+            distance_cm: None,
             tiles: Drawn::default(),
         }
     }
+}
 
-    /// Uses another screen, or the same screen from another distance.
-    pub fn set_screen(&mut self, display: &DisplayProfile, distance_cm: Option<f64>) {
-        if self.display != *display || self.distance_cm != distance_cm {
-            self.display = display.clone();
-            self.distance_cm = distance_cm;
-            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
-        }
-    }
-
+impl Gallery {
     /// Chooses the largest size with which the image and its plot fit the window, once.
     fn fit(&mut self, ui: &Ui) {
         if self.is_fitted {
@@ -179,8 +167,13 @@ impl Gallery {
         self.history = History::new(self.settings.clone());
     }
 
-    /// Draws the page; returns whether the user left it.
-    pub fn show(&mut self, ui: &mut Ui) -> bool {
+    /// Draws the page for a screen viewed from `distance_cm` centimeters, if that is known; returns whether the user left
+    /// it.
+    pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, distance_cm: Option<f64>) -> bool {
+        if self.display != *display || self.distance_cm != distance_cm {
+            (self.display, self.distance_cm) = (display.clone(), distance_cm);
+            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
+        }
         // Escape first answers the question whether to replace a file.
         let escaped = ui::escaped(ui) && !self.saving.cancel();
         self.fit(ui);
@@ -256,8 +249,6 @@ impl Gallery {
             .column(LABELS)
             .choice(ui, dither, &dithers, Dither::to_string)
             .on_hover_text("How a value between two codes is rounded to one of them.");
-        ui.checkbox(&mut self.derivatives, "First and second derivative")
-            .on_hover_text("Adds plots of the slope and of its change. Mach bands appear where the slope changes.");
     }
 
     fn export(&mut self, ui: &mut Ui) {
@@ -379,34 +370,21 @@ impl Gallery {
         });
         // The requested light is drawn last: where the curves agree, it covers the other.
         let lines = [(after, &curves.emitted), (requested, &curves.requested)];
-        let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Trace)], marks: &[Mark]| {
-            plot(ui, what, AXIS + side, lines, |plot| {
-                marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.ink));
-            })
-        };
-        let response = plot(ui, "light, 1 = white", &lines, marks);
+        let response = plot(ui, AXIS + side, lines, |plot| {
+            marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.ink));
+        });
         if stimulus.is_line() {
             let bands = if is_predicted { prediction::description(marks) } else { "no Mach bands".to_owned() };
             ui::describe(&response, &format!("Plot: light, {bands}"));
         }
-        if self.derivatives {
-            let slope = slopes(&curves.requested);
-            let curvature = slopes(&slope);
-            for (what, curve) in [("slope, per side", &slope), ("change of slope, per side²", &curvature)] {
-                let response = plot(ui, what, &[(requested, curve)], &[]);
-                ui::describe(&response, &format!("Plot: {what}"));
-            }
-        }
     }
 }
 
-/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one. Stronger bands have
-/// longer arrows.
+/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one.
 fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Color32) {
     let light = || curve.iter().map(|point| point[1]);
     let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
-    let share = (mark.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
-    let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
+    let length = (most - least).max(0.02) * MARK;
     let nearest = curve.partition_point(|point| point[0] < mark.place).min(curve.len().saturating_sub(1));
     let Some([_, light]) = curve.get(nearest) else { return };
     let (tip, shape) =
@@ -417,18 +395,12 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Colo
 }
 
 /// Draws a plot whose data area, right of its axis, is below the image.
-fn plot(
-    ui: &mut Ui,
-    what: &str,
-    width: f32,
-    lines: &[(Color32, &Trace)],
-    over: impl FnOnce(&mut PlotUi<'_>),
-) -> egui::Response {
+fn plot(ui: &mut Ui, width: f32, lines: [(Color32, &Trace); 2], over: impl FnOnce(&mut PlotUi<'_>)) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
     // The title of the vertical axis begins left of its place.
     let margin = egui::Margin { left: theme::SMALL_GAP as i8, ..Default::default() };
     let plot = |ui: &mut Ui| {
-        ui::still_plot(ui, what, ["position, in sides of the image", what])
+        ui::still_plot(ui, "light", ["position, in sides of the image", "light, 1 = white"])
             .width(width - theme::SMALL_GAP)
             .height(PLOT)
             .y_axis_min_width(AXIS - theme::SMALL_GAP)
@@ -447,7 +419,7 @@ fn plot(
             .x_axis_formatter(|mark, _| ui::signed(&mark.value.to_string()))
             .show(ui, |plot| {
                 for (color, points) in lines {
-                    plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
+                    plot.line(Line::new("", points.clone()).color(color).width(2.0));
                 }
                 over(plot);
             })
@@ -466,10 +438,4 @@ impl Curves {
             store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
         Self { requested, emitted }
     }
-}
-
-/// Returns the slope between each pair of neighboring points, placed at their midpoint.
-pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
-    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }

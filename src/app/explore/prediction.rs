@@ -5,7 +5,7 @@ use eframe::egui;
 
 use crate::{
     app::ui::{self, work::Latest},
-    display::{DisplayProfile, Screen, Viewing},
+    display::{DisplayProfile, LuminanceRange, Screen, Viewing},
     stimulus::{Stimulus, ViewingConditions, Visible},
     vision::RampBands,
 };
@@ -14,8 +14,8 @@ use crate::{
 #[derive(Clone, Copy)]
 pub struct ViewingPlace {
     viewing: Option<Viewing>,
-    white_cd_m2: f64,
-    black_cd_m2: f64,
+    /// With a window of the usual width.
+    usual: ViewingConditions,
 }
 
 impl ViewingPlace {
@@ -25,16 +25,16 @@ impl ViewingPlace {
             let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
             Viewing::new(Screen::new(columns, rows, width).ok()?, distance_cm?).ok()
         };
-        let typical = [ViewingConditions::WHITE_CD_M2, ViewingConditions::BLACK_CD_M2];
-        let of_range =
-            |range: crate::display::LuminanceRange| [range.white_cd_m2 - range.black_cd_m2, range.black_cd_m2];
-        let [white_cd_m2, black_cd_m2] = display.luminance.map_or(typical, of_range);
-        Self { viewing: viewing(), white_cd_m2, black_cd_m2 }
+        let mut usual = ViewingConditions::new(ViewingConditions::WINDOW_DEG);
+        if let Some(LuminanceRange { black_cd_m2, white_cd_m2 }) = display.luminance {
+            (usual.white_cd_m2, usual.black_cd_m2) = (white_cd_m2 - black_cd_m2, black_cd_m2);
+        }
+        Self { viewing: viewing(), usual }
     }
 
     /// Returns the size in degrees of a window of `size` pixels.
     fn window_deg(&self, size: u32) -> f64 {
-        self.viewing.map_or(ViewingConditions::WINDOW_DEG, |viewing| f64::from(size) / viewing.px_per_degree())
+        self.viewing.map_or(self.usual.window_deg, |viewing| f64::from(size) / viewing.px_per_degree())
     }
 
     fn sentence(&self, size: u32) -> String {
@@ -47,8 +47,7 @@ impl ViewingPlace {
 
     fn predict(&self, (stimulus, size): &Key) -> Result<Predicted, String> {
         let window_deg = self.window_deg(*size);
-        let Self { white_cd_m2, black_cd_m2, .. } = *self;
-        let conditions = ViewingConditions { window_deg, white_cd_m2, black_cd_m2 };
+        let conditions = ViewingConditions { window_deg, ..self.usual };
         let predict = || {
             let visible = conditions.visible(&[stimulus], Some(*size))?.remove(0);
             Ok((visible, conditions.detection(stimulus)?))
@@ -162,13 +161,11 @@ pub struct Mark {
     /// Signed distance from the center, in window sides.
     pub place: f64,
     pub is_bright: bool,
-    /// Times threshold.
-    pub strength: f64,
 }
 
 /// Returns the visible bands of a ramp.
 fn marks(RampBands { bright, dark, at_deg, .. }: &RampBands, window_deg: f64) -> Vec<Mark> {
     let both = [(*bright, at_deg[0], true), (*dark, at_deg[1], false)];
     let visible = both.into_iter().filter(|(strength, ..)| *strength >= JUST_VISIBLE);
-    visible.map(|(strength, at_deg, is_bright)| Mark { place: at_deg / window_deg, is_bright, strength }).collect()
+    visible.map(|(_, at_deg, is_bright)| Mark { place: at_deg / window_deg, is_bright }).collect()
 }

@@ -84,7 +84,7 @@ impl Finish {
                 self.opened = ui::open(folder);
             }
             // Participants who return must not see trends in their answers.
-            self.complete && ui.button("Analyze these results…").clicked()
+            self.complete && ui.button("Analyze these results").clicked()
         });
         if let Some(frames) = &self.frames {
             ui::hint(ui, frames);

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, EulerRot};
 use serde_json::{Value, json};
 
 use crate::{
-    light::{Depth, Transfer},
+    light::Depth,
     shading::{
         Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
@@ -37,7 +37,6 @@ pub struct Comparison {
     pub scene: Scene,
     /// The left and the right shader.
     pub sides: [Shade; 2],
-    pub transfer: Transfer,
 }
 
 impl Default for Comparison {
@@ -47,18 +46,11 @@ impl Default for Comparison {
             mesh: MeshChoice::Named(Shape::Torus, 200),
             scene: Scene::default(),
             sides: [Shader::Gouraud, Shader::C1Phong].map(Shade::new),
-            transfer: Transfer::Srgb,
         }
     }
 }
 
 impl Comparison {
-    /// Returns this comparison for another transfer function, which belongs to the display and to no preset.
-    #[must_use]
-    pub fn on_display(self, transfer: &Transfer) -> Self {
-        Self { transfer: transfer.clone(), ..self }
-    }
-
     /// Rotates the mesh by `right` degrees to the right and `down` degrees downward, from the viewer's perspective.
     pub fn turn(&mut self, right: f64, down: f64) {
         let before = self.scene.view(1, 1).rotation;
@@ -97,7 +89,6 @@ impl Comparison {
         };
         all["left"] = json!(self.sides[0]);
         all["right"] = json!(self.sides[1]);
-        all["transfer"] = json!(self.transfer.to_string());
         all
     }
 }

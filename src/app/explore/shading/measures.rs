@@ -9,10 +9,7 @@ use glam::{DVec2, DVec3};
 
 use super::{comparison::Comparison, pictures::Pictures};
 use crate::{
-    app::{
-        explore::gallery::slopes,
-        ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
-    },
+    app::ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     light::{CodeImage, Samples},
     shading::{Shade, Shader, Surface, crease},
     stimulus::{Judged, ViewingConditions, along, emitted},
@@ -176,4 +173,10 @@ fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]
         }
     });
     describe(&plot.response, &format!("Plot: {what} along the scan line"));
+}
+
+/// Returns the slope between each pair of neighboring points, placed at their midpoint.
+fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }

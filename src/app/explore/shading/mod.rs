@@ -6,13 +6,12 @@
 //! | `pictures` | drawing, only if something has changed |
 //! | `measures` | visible differences of both sides; light along a line |
 //! | `canvas` | the image and dragging on it; keys to its colors |
-//! | `controls`, `export` | the panel of controls |
-//! | `page` | the complete page |
+//! | `controls` | the panel of controls |
+//! | `page` | the complete page, and its export |
 
 mod canvas;
 mod comparison;
 mod controls;
-mod export;
 mod measures;
 mod page;
 mod pictures;

@@ -7,7 +7,7 @@ use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
 use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
     app::ui::pixels,
-    light::{Bits, CodeImage, Quantizer, Samples},
+    light::{Bits, CodeImage, Quantizer, Samples, Transfers},
     shading::{Frame, Shade, Surface, image},
 };
 
@@ -35,8 +35,9 @@ impl Picture {
 
 /// Both pictures of a comparison at a size.
 pub struct Pictures {
-    /// The comparison that they show.
+    /// The comparison that they show, and the transfer functions of the display for which they were drawn.
     pub compared: Comparison,
+    pub transfers: Transfers,
     /// The surface that they show.
     pub surface: Arc<Surface>,
     /// A number that increases whenever either image changes.
@@ -53,21 +54,23 @@ impl Pictures {
         ctx: &egui::Context,
         before: Option<Pictures>,
         surface: &Arc<Surface>,
-        compared: &Comparison,
+        (compared, transfers): (&Comparison, &Transfers),
         size: [u32; 2],
     ) -> Pictures {
         let edition = before.as_ref().map_or(0, |before| before.edition + 1);
         let is_right = |p: &Pictures| {
-            [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface) && p.compared == *compared
+            let same = p.compared == *compared && p.transfers == *transfers;
+            same && [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface)
         };
         if let Some(before) = before.filter(is_right) {
             return before;
         }
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let quantizer = Quantizer::new(&compared.transfer, Bits::Eight);
+        let quantizer = Quantizer::new(transfers.clone(), Bits::Eight);
         let draw = |which: usize| Picture::draw(ctx, &frame, &compared.sides[which], &quantizer);
         let sides = [0, 1].map(draw);
-        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, sides }
+        let (compared, transfers) = (compared.clone(), transfers.clone());
+        Pictures { compared, transfers, surface: surface.clone(), edition, frame, sides }
     }
 }
 
