@@ -10,8 +10,12 @@ use super::{
     photometer::{READING_S, SETTLING_S},
 };
 use crate::{
-    app::ui::{Field, hint, note, success, table},
+    app::{
+        analysis::TableView,
+        ui::{Field, note, success},
+    },
     display::{Channel, Viewing, photometer::Patch},
+    report::document::{Shown, TableOf},
     store::readings,
 };
 
@@ -65,7 +69,7 @@ impl Method for SizeTest {
 }
 
 /// The luminance of white at each size.
-pub struct SizeFindings([f64; PERCENTS.len()]);
+pub struct SizeFindings([f64; PERCENTS.len()], TableView);
 
 impl Findings for SizeFindings {
     fn read(path: &Path) -> Result<Self, String> {
@@ -76,7 +80,12 @@ impl Findings for SizeFindings {
             let (path, sizes) = (path.display(), PERCENTS.len());
             format!("{path}: there are {} readings of white; expected {sizes}, one for each size", found.len())
         };
-        cd_m2.try_into().map(Self).map_err(wrong)
+        let cd_m2: [f64; PERCENTS.len()] = cd_m2.try_into().map_err(wrong)?;
+        let rows: Vec<(u32, f64)> = PERCENTS.into_iter().zip(cd_m2).collect();
+        let table = TableOf::new("Luminance of white, by the height of the patch", &rows)
+            .number("% of the screen", |(percent, _)| Shown::new(*percent, percent.to_string()))
+            .number("cd/m²", |(_, cd_m2)| Shown::new(*cd_m2, format!("{cd_m2:.1}")));
+        Ok(Self(cd_m2, TableView::new(table.into())))
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
@@ -99,8 +108,6 @@ impl Findings for SizeFindings {
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
-        hint(ui, "Height of the patch in percent of the screen's height, and the luminance of white.");
-        let rows = PERCENTS.iter().zip(self.0);
-        table(ui, "sizes", ["%", "cd/m²"], rows.map(|(percent, cd_m2)| [percent.to_string(), format!("{cd_m2:.1}")]));
+        self.1.show(ui, 0);
     }
 }

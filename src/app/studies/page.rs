@@ -9,7 +9,7 @@ use std::{
 use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::{
-    form::{Checked, SessionField, SessionForm},
+    form::{self, Checked, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
     jobs::{Checked as FilesChecked, Job},
     list::StudyList,
@@ -171,9 +171,7 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
-            self.form.screen.screen_width_cm = width.to_string();
-        }
+        CardHelper::measure(&mut self.card, ui.ctx(), &mut self.form.screen, monitor);
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
 
@@ -228,7 +226,7 @@ impl Studies {
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
-            let error = checked.error(SessionField::Experiment);
+            let error = checked.error(form::EXPERIMENT);
             error.lines().for_each(|line| ui::show_error(ui, line));
             return next;
         };

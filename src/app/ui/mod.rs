@@ -12,7 +12,7 @@
 //! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`figure`] | figures of the report |
-//! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
+//! | [`plot`], [`own_plot`] | static plots and their legends; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen |
 //! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
@@ -47,7 +47,7 @@ pub use page::{
     modal, neutral_primary, page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
-pub use plot::{legend, still_plot, table};
+pub use plot::{legend, still_plot};
 pub use saving::{Saving, full, open, saved};
 pub use screen::window_px;
 pub use side_bar::{Place, SideDialog, side_bar};

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, Label, RichText, Slider};
 use glam::DVec3;
 
-use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
+use super::comparison::{Comparison, MeshChoice, depth_title, shader_title};
 use crate::{
     app::ui::{
         Field, secondary, text,
@@ -28,20 +28,6 @@ const SHARE: RangeInclusive<f64> = 0.0..=1.0;
 
 fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
     Field::new(label).column(LABEL).named(name)
-}
-
-/// Draws the list of presets.
-pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
-    let presets = presets();
-    let before = presets.iter().position(|(_, preset)| preset == compared);
-    let mut chosen = before;
-    let all: Vec<Option<usize>> = (0..presets.len()).map(Some).collect();
-    let name = |chosen: &Option<usize>| chosen.map_or("Custom", |i| presets[i].0).to_owned();
-    let list = Field::new("Preset").column(LABEL).choice(ui, &mut chosen, &all, name);
-    list.on_hover_text("Sets the mesh, both shaders, the view, the light and the material.");
-    if let Some(i) = chosen.filter(|_| chosen != before) {
-        compared.clone_from(&presets[i].1);
-    }
 }
 
 /// Draws the controls of one side's renderer.

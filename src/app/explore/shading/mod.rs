@@ -2,7 +2,7 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `comparison` | the comparison; presets |
+//! | `comparison` | the comparison |
 //! | `pictures` | drawing, only if something has changed |
 //! | `measures` | visible differences of both sides; light along a line |
 //! | `canvas` | the image and dragging on it; keys to its colors |

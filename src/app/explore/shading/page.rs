@@ -102,7 +102,6 @@ impl ShadingPage {
                 the triangles are Mach bands: the visual system produces them where the slope of the luminance changes \
                 abruptly.",
         );
-        controls::preset(ui, &mut self.compared);
         let mesh = self.compared.mesh.clone();
         self.history.show(ui, &mut self.compared, Comparison::default());
         if self.compared.mesh != mesh {
