@@ -3,6 +3,8 @@
 //! A size is centered on the line of sight and perpendicular to it, so that size = 2·distance·tan(angle/2). Pixels are
 //! the display's physical pixels, not the scaled pixels of the window system, and are square.
 
+use serde::{Deserialize, Serialize};
+
 /// The width in centimeters of an identity card or bank card (ISO/IEC 7810 ID-1), which most people have at hand to
 /// measure a screen.
 pub const CARD_WIDTH_CM: f64 = 8.56;
@@ -153,4 +155,48 @@ pub fn width_cm_from_card(card_px: f64, screen_width_px: u32) -> Result<f64, Str
     check("card width", card_px, &(1.0..=screen_px), "pixels", expected)?;
     let width = CARD_WIDTH_CM * screen_px / card_px;
     check("screen width", width, &WIDTH_CM, "cm", "an outline as wide as the card")
+}
+
+/// What is known about a monitor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Monitor {
+    /// The system's name for the monitor.
+    pub name: Option<String>,
+    /// Width in physical pixels.
+    pub width_px: u32,
+    /// Height in physical pixels.
+    pub height_px: u32,
+    /// Refresh rate in hertz, if the system reports it.
+    pub refresh_hz: Option<f64>,
+    /// Physical pixels per logical point of the system.
+    pub scale: f64,
+}
+
+impl Monitor {
+    /// Returns the name and size, for a list to choose from.
+    pub fn title(&self) -> String {
+        let size = format!("{} × {} pixels", self.width_px, self.height_px);
+        match &self.name {
+            Some(name) => format!("{name}, {size}"),
+            None => size,
+        }
+    }
+
+    /// Says what [`Monitor::assumed_width_cm`] assumes.
+    pub fn assumption(&self) -> String {
+        let per_inch = self.assumed_per_inch();
+        let scaled =
+            if self.scale == 1.0 { String::new() } else { format!(", from the system's scale of {}", self.scale) };
+        format!("Assumed ({per_inch} pixels per inch{scaled}); measure it before an actual study")
+    }
+
+    /// Returns the pixels per inch that systems assume for unknown screens.
+    pub fn assumed_per_inch(&self) -> f64 {
+        (96.0 * self.scale).round()
+    }
+
+    /// Returns the width in cm with as many pixels per inch.
+    pub fn assumed_width_cm(&self) -> f64 {
+        f64::from(self.width_px) / self.scale.max(0.1) / 96.0 * 2.54
+    }
 }

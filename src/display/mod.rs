@@ -4,12 +4,10 @@ mod channel;
 pub mod frames;
 pub mod geometry;
 pub mod matching;
-mod monitor;
 pub mod photometer;
 pub mod profile;
 pub mod steps;
 
 pub use channel::Channel;
-pub use geometry::{Screen, Viewing};
-pub use monitor::Monitor;
+pub use geometry::{Monitor, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

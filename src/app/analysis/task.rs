@@ -6,8 +6,7 @@ use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
-    export::{Export, Exported},
-    opened::{Files, Opened, Request, problems, show_opened},
+    opened::{Export, Exported, Files, Opened, Request, problems, show_opened},
     query,
 };
 use crate::{

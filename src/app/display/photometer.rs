@@ -59,16 +59,11 @@ impl Method for Photometer {
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
-        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
-        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
-            ui,
-            &mut self.settle_s,
-            SETTLING_S,
-            0.5,
-        );
-        let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
-        height.slider(ui, &mut self.percent, 10..=80, 1.0);
+        let field = |label| Field::new(label).column(LABELS).width(SLIDER);
+        field("Levels per channel").slider(ui, &mut self.patches.levels, 5..=33, 1.0);
+        field("Readings per patch").slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
+        field("Settling time, seconds").slider(ui, &mut self.settle_s, SETTLING_S, 0.5);
+        field("Patch height, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
         Field::new("").column(LABELS).show(ui, |ui, _| {
             ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
         });

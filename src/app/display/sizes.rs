@@ -49,12 +49,8 @@ impl Method for SizeTest {
     const TITLE: &'static str = "Patch size";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
-            ui,
-            &mut self.settle_s,
-            SETTLING_S,
-            0.5,
-        );
+        let field = Field::new("Settling time, seconds").column(LABELS).width(SLIDER);
+        field.slider(ui, &mut self.settle_s, SETTLING_S, 0.5);
     }
 
     fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {

@@ -4,7 +4,11 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
-use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
+use super::{
+    form::DefinitionForm,
+    preview::{Preview, Thumbnails},
+    sections,
+};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Step, fonts::TextFonts, theme},
     report::document::numbers::count,

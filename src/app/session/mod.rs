@@ -4,7 +4,6 @@ mod answers;
 mod feedback;
 mod findings;
 mod finish;
-mod frames;
 mod instructions;
 mod participant;
 mod preflight;
@@ -12,7 +11,6 @@ mod recording;
 mod request;
 mod runner;
 mod trials;
-mod unsaved_answer;
 
 pub use request::{Request, room, stimulus_side_px};
 pub use runner::Runner;

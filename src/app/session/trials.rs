@@ -7,12 +7,10 @@ use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureH
 use super::{
     answers::{draw_scale, draw_slider, scale_height},
     feedback::Feedback,
-    finish::Finish,
-    frames::ScreenRefresh,
+    finish::{Finish, SaveChoice, UnsavedAnswerPage},
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
-    recording::Recording,
+    recording::{Recording, ScreenRefresh},
     request::{Prepared, Request, has_slider, room},
-    unsaved_answer::{SaveChoice, UnsavedAnswerPage},
 };
 use crate::{
     app::{

@@ -3,8 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `comparison` | the comparison |
-//! | `pictures` | drawing, only if something has changed |
-//! | `measures` | visible differences of both sides; light along a line |
+//! | `pictures` | drawing, only if something has changed; visible differences of both sides; light along a line |
 //! | `canvas` | the image and dragging on it; keys to its colors |
 //! | `controls` | the panel of controls |
 //! | `page` | the complete page, and its export |
@@ -12,7 +11,6 @@
 mod canvas;
 mod comparison;
 mod controls;
-mod measures;
 mod page;
 mod pictures;
 

@@ -12,8 +12,7 @@ use super::{
     canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    measures::{Measured, Measurement, SHORTER_SIDE_DEG, SIDE_PX, Scan},
-    pictures::{Difference, Picture, Pictures, divided},
+    pictures::{Difference, Measured, Measurement, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided},
 };
 use crate::{
     app::ui::{
