@@ -186,20 +186,19 @@ impl App {
 
     /// Draws the line at the lower edge: the latest message, and the folder or the display of the page.
     fn draw_status(&self, ui: &mut egui::Ui) {
-        let (icon, about) = match self.place {
-            Place::Studies => (Icon::Folder, self.studies.folder().display().to_string()),
-            Place::Analyze => {
-                let opened = self.analysis.as_ref().and_then(|analysis| analysis.opened());
-                (Icon::Folder, opened.map(|path| path.display().to_string()).unwrap_or_default())
-            }
+        let shown = |path: PathBuf| path.display().to_string();
+        let about = match self.place {
+            Place::Studies => Some(shown(self.studies.folder())),
+            Place::Analyze => self.analysis.as_ref().and_then(|analysis| analysis.opened()).map(shown),
             // The pages themselves say which display they are about.
-            Place::Display => (Icon::Display, String::new()),
+            Place::Display => None,
             Place::Stimuli | Place::Shading => {
                 let display = self.studies.checked().and_then(|checked| checked.display.as_ref());
-                (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
+                display.map(DisplayProfile::sentence)
             }
         };
-        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
+        let icon = if self.place.shows_stimuli() { Icon::Display } else { Icon::Folder };
+        ui::status_line(ui, about.as_deref().map(|about| (icon, about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {

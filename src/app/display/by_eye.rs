@@ -1,9 +1,6 @@
 //! Gamma by eye: estimates γ, with its interval, from matches.
 
-use std::{
-    path::Path,
-    time::{SystemTime, UNIX_EPOCH},
-};
+use std::path::Path;
 
 use eframe::egui::{self, Color32};
 
@@ -14,13 +11,13 @@ use super::{
 use crate::{
     app::{
         analysis::TableView,
+        session::fresh_seed,
         ui::{Field, note, paragraph, theme},
     },
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, MatchSettings, Matching, estimate, transfers},
     },
-    experiment::session_seed,
     report::document::{Shown, TableOf},
     store::matches::{self, MatchFile},
     system::found,
@@ -89,8 +86,7 @@ impl Method for ByEye {
         let (file, done) = if is_known {
             MatchFile::resume(path).map_err(|error| error.to_string())?
         } else {
-            let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
-            (MatchFile::create(path, session_seed(now)).map_err(|error| error.to_string())?, Vec::new())
+            (MatchFile::create(path, fresh_seed()).map_err(|error| error.to_string())?, Vec::new())
         };
         let matching = Matching::new(&self.settings(channels), file.seed(), done)
             .map_err(|error| format!("{}: {error}", path.display()))?;

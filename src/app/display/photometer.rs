@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use eframe::egui;
+use eframe::egui::{self, Color32};
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
-    patch_run::{PatchRun, PatchView},
+    patch_run::PatchRun,
 };
 use crate::{
     app::{
@@ -21,6 +21,8 @@ use crate::{
     store::readings,
 };
 
+/// Gray around a patch; this code emits about a fifth of full light.
+const AROUND: Color32 = Color32::from_gray(128);
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
 /// How long a patch may settle, seconds.
@@ -75,8 +77,9 @@ impl Method for Photometer {
     }
 
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: self.settle_s, percents: vec![self.percent], gray_around: self.gray_around };
-        PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
+        let around = if self.gray_around { AROUND } else { Color32::BLACK };
+        let run = PatchRun::begin(self.patches(channels)?, file, self.settle_s, vec![self.percent], around);
+        run.map_err(|error| error.to_string())
     }
 }
 

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use eframe::egui;
+use eframe::egui::{self, Color32};
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
-    patch_run::{PatchRun, PatchView},
+    patch_run::PatchRun,
     photometer::{READING_S, SETTLING_S},
 };
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, note, success},
+        ui::{Field, hint, note},
     },
     display::{Channel, Viewing, photometer::Patch},
     report::document::{Shown, TableOf},
@@ -58,9 +58,9 @@ impl Method for SizeTest {
     }
 
     fn begin(&self, _: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: self.settle_s, percents: PERCENTS.to_vec(), gray_around: false };
         let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
-        PatchRun::begin(vec![white; PERCENTS.len()], file, view).map_err(|error| error.to_string())
+        let run = PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK);
+        run.map_err(|error| error.to_string())
     }
 }
 
@@ -88,16 +88,13 @@ impl Findings for SizeFindings {
         let [small, .., large] = self.0;
         let most = self.0.into_iter().fold(0.0, f64::max);
         let change = (most - self.0.into_iter().fold(f64::INFINITY, f64::min)) / most.max(f64::MIN_POSITIVE);
-        let percent = 100.0 * change;
+        let told = format!("White changes by {:.1} % with the size of the patch", 100.0 * change);
         if change <= NOISE {
-            success(
-                ui,
-                format!("White changes by {percent:.1} % with the size of the patch: the size hardly matters."),
-            );
+            hint(ui, format!("{told}: the size hardly matters."));
         } else {
             let text = format!(
-                "White changes by {percent:.0} % with the size of the patch: {small:.1} cd/m² for the smallest, \
-                    {large:.1} cd/m² for the largest. Calibrate with a patch as large as the stimulus, on a similar field."
+                "{told}: {small:.1} cd/m² for the smallest, {large:.1} cd/m² for the largest. Calibrate with a patch as \
+                    large as the stimulus, on a similar field."
             );
             note(ui, text);
         }

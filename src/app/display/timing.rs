@@ -4,11 +4,11 @@
 use std::{path::PathBuf, time::Duration};
 
 use eframe::{
-    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2, ViewportCommand},
+    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2},
     emath::GuiRounding as _,
 };
 
-use super::tool::Tool;
+use super::{calibrate::full_screen, tool::Tool};
 use crate::{
     app::ui::{
         Field, Monitor, ScreenFields, Step,
@@ -304,8 +304,7 @@ impl Tool for TimingTool {
             self.settings(ui);
             if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
                 self.run = Some(TimingRun::new(self.scene, self.frames));
-                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
-                ui.ctx().request_repaint();
+                full_screen(ui.ctx(), true);
             }
             ui.add_space(12.0);
             self.show_found(ui);
@@ -314,7 +313,7 @@ impl Tool for TimingTool {
 
     fn pause(&mut self, ctx: &egui::Context) {
         self.run = None;
-        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        full_screen(ctx, false);
     }
 
     fn ground(&self) -> Option<Color32> {

@@ -12,6 +12,7 @@ mod request;
 mod runner;
 mod trials;
 
+pub use recording::fresh_seed;
 pub use request::{Request, room, stimulus_side_px};
 pub use runner::Runner;
 pub use trials::Trials;

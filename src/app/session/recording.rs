@@ -217,7 +217,7 @@ fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
 }
 
 /// Returns a seed that differs from session to session.
-fn fresh_seed() -> u64 {
+pub fn fresh_seed() -> u64 {
     let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
     session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
 }

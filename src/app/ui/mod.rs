@@ -51,4 +51,4 @@ pub use plot::{legend, still_plot};
 pub use saving::{Saving, full, open, saved};
 pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};
-pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};
+pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, tick};

@@ -246,8 +246,15 @@ impl ShadingPage {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => canvas::key_to_difference(ui),
-                Layer::Visible => canvas::key_to_visible(ui, self.measured().ok().map(|measured| measured.full_scale)),
+                Layer::Difference => {
+                    let most = format!("{} codes apart or more", u8::MAX.div_ceil(FACTOR));
+                    canvas::key(ui, "the same code", canvas::gray, &most);
+                }
+                Layer::Visible => {
+                    let most =
+                        self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
+                    canvas::key(ui, "as the smooth surface", canvas::heat, &format!("{most}times the threshold"));
+                }
             }
         });
     }
