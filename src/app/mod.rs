@@ -242,11 +242,9 @@ impl App {
             Some(SideDialog::Settings) => {
                 dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref())
             }
-            None => true,
+            None => return,
         };
-        if !open {
-            self.dialog = None;
-        }
+        self.dialog = self.dialog.filter(|_| open);
     }
 
     /// Asks before the window is closed while something would be left unfinished.

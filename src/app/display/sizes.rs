@@ -26,13 +26,7 @@ const NOISE: f64 = 0.02;
 
 /// The settings of the test.
 pub struct SizeTest {
-    settle_s: f64,
-}
-
-impl Default for SizeTest {
-    fn default() -> Self {
-        Self { settle_s: 2.0 }
-    }
+    pub settle_s: f64,
 }
 
 impl Method for SizeTest {
@@ -88,7 +82,8 @@ impl Findings for SizeFindings {
         let [small, .., large] = self.0;
         let most = self.0.into_iter().fold(0.0, f64::max);
         let change = (most - self.0.into_iter().fold(f64::INFINITY, f64::min)) / most.max(f64::MIN_POSITIVE);
-        let told = format!("White changes by {:.1} % with the size of the patch", 100.0 * change);
+        let digits = usize::from(change <= NOISE);
+        let told = format!("White changes by {:.digits$} % with the size of the patch", 100.0 * change);
         if change <= NOISE {
             hint(ui, format!("{told}: the size hardly matters."));
         } else {

@@ -27,8 +27,6 @@ const SIDE: f32 = 140.0;
 const PLOT: Vec2 = vec2(640.0, 180.0);
 /// Room for the captions below the stimuli, points.
 const CAPTION: f32 = 22.0;
-/// How long a definition must be unchanged before an observer is simulated, seconds.
-const SETTLED_S: f64 = 0.7;
 /// Maximum number of trials for which an observer is simulated.
 const MAX_TRIALS: usize = 2000;
 
@@ -44,15 +42,7 @@ pub struct Preview {
     of: Option<u64>,
     trial: Option<Presentation>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
-    pilot: Pilot,
-}
-
-/// The answers of a simulated observer.
-#[derive(Default)]
-struct Pilot {
-    /// The definition, and when it appeared, seconds.
-    of: Option<(Protocol, f64)>,
-    /// The plot of the answers to each definition; `None` if there is nothing to plot.
+    /// The plot of a simulated observer's answers to each definition; `None` if there is nothing to plot.
     plot: Latest<Protocol, Option<OwnPlot>>,
 }
 
@@ -65,7 +55,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot.show(ui, protocol, when);
+            self.pilot(ui, protocol, when);
         }
     }
 
@@ -117,28 +107,16 @@ impl Preview {
         };
         ui::hint(ui, format!("{question} {answers}"));
     }
-}
 
-impl Pilot {
-    /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
-    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
-        let now = ui.input(|input| input.time);
-        if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
-            self.of = Some((protocol.clone(), now));
-        }
-        let since = self.of.as_ref().map_or(now, |(_, since)| *since);
-        if now - since < SETTLED_S {
-            // A session is not simulated for every key that is typed.
-            ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
-        } else {
-            self.plot.want(ui.ctx(), protocol.clone(), || {
-                let protocol = protocol.clone();
-                move || {
-                    let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
-                    Ok(OwnPlot::new(&protocol, &rows))
-                }
-            });
-        }
+    /// Draws the levels that an observer sees, dimmed while they belong to an older definition.
+    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
+        self.plot.want(ui.ctx(), protocol.clone(), || {
+            let protocol = protocol.clone();
+            move || {
+                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
+                Ok(OwnPlot::new(&protocol, &rows))
+            }
+        });
         ui::section(ui, format!("The levels of a simulated observer{when}"));
         let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
         ui.allocate_ui(size, |ui| {

@@ -164,11 +164,9 @@ impl Studies {
         let field = checked.field(ui, form::PROFILE).hint("sRGB");
         field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
         if let Some(display) = &checked.display {
-            // If the profile is assumed, its description already says so.
-            let warning = display.warning(today()).filter(|_| display.measured.is_some());
             Field::new("").column(labels(ui)).show(ui, |ui, _| {
                 ui::hint(ui, display.sentence());
-                warning.into_iter().for_each(|warning| ui::note(ui, warning));
+                display.warning(today()).into_iter().for_each(|warning| ui::note(ui, warning));
             });
         }
         let browse = (FileKind::Folder, "Choose the results folder…");

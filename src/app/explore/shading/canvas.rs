@@ -160,7 +160,10 @@ fn drag(response: &Response, rect: Rect, compared: &mut Comparison, settings: &m
             settings.line[1] = place;
         }
         _ if response.drag_delta() == Vec2::ZERO => {}
-        _ if is_light => compared.move_light(right, -down),
+        _ if is_light => {
+            let [from_right, from_up] = compared.light_deg();
+            compared.set_light_deg([from_right + right, from_up - down]);
+        }
         _ => compared.turn(right, down),
     }
 }

@@ -71,12 +71,6 @@ impl Comparison {
         self.scene.light = DVec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos());
     }
 
-    /// Moves the light by this many degrees.
-    pub fn move_light(&mut self, right: f64, up: f64) {
-        let [from_right, from_up] = self.light_deg();
-        self.set_light_deg([from_right + right, from_up + up]);
-    }
-
     /// Returns all parameters, so that anyone can reproduce the image.
     pub fn describe(&self) -> Value {
         let mut all = describe_scene(&self.scene);
