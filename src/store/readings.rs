@@ -50,17 +50,17 @@ pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
         checked => checked.err().unwrap_or_default(),
     };
     let (mut errors, is_whole, mut others) = (RowErrors::default(), unread.is_empty(), unread);
-    for error in found {
-        let (index, column) = match error.location {
+    for (location, message) in found {
+        let (index, column) = match location {
             ErrorLocation::Luminance(index) => (index, 2),
             ErrorLocation::Level(index) => (index, 1),
             ErrorLocation::All => {
                 // What the rows that could not be read say is not known.
-                others.extend(is_whole.then(|| FileError::whole(file, error.message)));
+                others.extend(is_whole.then(|| FileError::whole(file, message)));
                 continue;
             }
         };
-        errors.add(None, Some(column), || FileError::at(file, rows[index].places[column], error.message));
+        errors.add(None, Some(column), || FileError::at(file, rows[index].places[column], message));
     }
     let mut all = [errors.finish(file, &COLUMNS), others].concat();
     all.sort_by_key(|error| (error.position.is_none(), error.position));
@@ -149,6 +149,8 @@ type Found = (Reading, usize);
 /// Reads the readings of another program; `None` if the text is not one of these formats. Black belongs to every channel
 /// that has readings; mixed colors are not readings of a channel and are left out.
 fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErrors>> {
+    // Editors may put a mark before the first character.
+    let text = text.trim_start_matches('\u{feff}');
     let first = text.split_whitespace().next().unwrap_or_default();
     if first.starts_with("CTI") || first.starts_with("CGATS") {
         return Some(cgats(text).map_err(|message| FileErrors::whole(file, message)));
@@ -162,7 +164,8 @@ fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErr
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
 fn cgats(text: &str) -> Result<Vec<Found>, String> {
     let mut fields: Vec<&str> = Vec::new();
-    let (mut in_format, mut in_data, mut white_cd_m2, mut relative) = (false, false, None, false);
+    let (mut in_format, mut in_data, mut is_whole) = (false, false, false);
+    let (mut white_cd_m2, mut relative) = (None, false);
     let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
     for (line, content) in (1..).zip(text.lines()) {
         let words: Vec<&str> = content.split_whitespace().collect();
@@ -171,7 +174,10 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
             Some("END_DATA_FORMAT") => in_format = false,
             Some("BEGIN_DATA") => in_data = true,
             // A second table describes something else.
-            Some("END_DATA") => break,
+            Some("END_DATA") => {
+                is_whole = true;
+                break;
+            }
             Some("LUMINANCE_XYZ_CDM2") => {
                 white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
             }
@@ -183,7 +189,8 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
                     let place =
                         place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
                     let word = words.get(place).copied().unwrap_or_default();
-                    word.parse::<f64>().map_err(|_| format!("line {line}: {name} {word:?} is not a number"))
+                    word.parse::<f64>()
+                        .map_err(|_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5"))
                 };
                 rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, line));
             }
@@ -192,6 +199,9 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
     }
     if rows.is_empty() {
         return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
+    }
+    if !is_whole {
+        return Err("ends within its data; expected END_DATA".to_owned());
     }
     let scale = match (relative, white_cd_m2) {
         (false, _) => 1.0,

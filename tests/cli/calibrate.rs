@@ -133,6 +133,7 @@ fn readings_of_other_programs() {
     }
     ti3 += "98 0 100 0 41.2 70.3 1.9\n99 20 40 60 1 2 3\nEND_DATA\n";
     let found = readings::parse("screen.ti3", &ti3).unwrap();
+    assert_eq!(readings::parse("screen.ti3", &format!("\u{feff}{ti3}")).unwrap(), found);
     let of = |channel: Channel| -> Vec<(f64, f64)> {
         let own = found.all().iter().filter(|reading| reading.channel == channel);
         own.map(|reading| (reading.level, reading.luminance_cd_m2)).collect()
@@ -157,6 +158,7 @@ fn readings_of_other_programs() {
         ),
         ("CTI3\nBEGIN_DATA_FORMAT\nRGB_R LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n0 1\nEND_DATA", "has no field"),
         ("CGATS.17\n", "has no data"),
+        (&ti3[..ti3.len() - "END_DATA\n".len()], "expected END_DATA"),
         ("{\"name\": {}}", "levelsPre"),
     ] {
         let told = readings::parse("other", text).unwrap_err().to_string();

@@ -296,7 +296,9 @@ pub mod eye {
     pub fn matched_code(display: &Transfers, shown: &Match, threshold: f64, rng: &mut ChaCha8Rng) -> u8 {
         let deviate: f64 = StandardNormal.sample(rng);
         let noise = deviate * threshold * SD_PER_QUARTILE;
-        let index = shown.channel.index().unwrap_or(1);
+        // Gray has the light of green.
+        let [red, _, blue] = shown.channel.rgb(1).map(usize::from);
+        let index = 1 + blue - red;
         let ratio = |code: u8| display.linear_from_encoded([f64::from(code) / 255.0; 3])[index] / shown.rows.share();
         let away = |code: &u8| (ratio(*code).ln() - noise).abs();
         (0..=255u8).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()

@@ -365,5 +365,6 @@ fn plain(error: &FileError) -> String {
         _ => error.message.clone(),
     };
     let least = u32::from(FROM_ONE.contains(&&*error.key));
-    message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more")).replace(" in quotes", "")
+    let message = message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more"));
+    capitalized(&message.replace(" in quotes", ""))
 }

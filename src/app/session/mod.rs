@@ -4,7 +4,6 @@ mod answers;
 mod feedback;
 mod findings;
 mod finish;
-mod frames;
 mod instructions;
 mod participant;
 mod preflight;
@@ -12,8 +11,8 @@ mod recording;
 mod request;
 mod runner;
 mod trials;
-mod unsaved_answer;
 
+pub use recording::fresh_seed;
 pub use request::{Request, room, stimulus_side_px};
 pub use runner::Runner;
 pub use trials::Trials;

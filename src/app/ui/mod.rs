@@ -12,10 +12,10 @@
 //! | [`history`] | undo and redo |
 //! | [`dialog`] | the desktop's file dialogs, the Browse button |
 //! | [`figure`] | figures of the report |
-//! | [`plot`], [`own_plot`] | static plots and their legends; tables; the plot of one participant's answers |
+//! | [`plot`], [`own_plot`] | static plots and their legends; the plot of one participant's answers |
 //! | [`saving`] | the button that writes a file, and its question before it replaces one |
 //! | [`pixels`] | pictures, one pixel of the image for each pixel of the screen; the logo |
-//! | [`screen`], [`platform`] | the monitor, and what the window system reports about it |
+//! | [`platform`] | the monitor, and what the window system reports about it |
 //! | [`work`] | long computations on separate threads |
 
 pub mod dialog;
@@ -30,7 +30,6 @@ pub mod pixels;
 pub mod platform;
 pub mod plot;
 pub mod saving;
-pub mod screen;
 pub mod side_bar;
 pub mod status;
 pub mod text;
@@ -46,9 +45,9 @@ pub use page::{
     modal, neutral_primary, page, page_from, pinned, place_page, primary, quiet, release_focus, shortcut, tool_page,
 };
 pub use parameter::parameter;
-pub use plot::{legend, still_plot, table};
+pub use platform::window_px;
+pub use plot::{legend, still_plot};
 pub use saving::{Saving, full, open, saved};
-pub use screen::window_px;
 pub use side_bar::{Place, SideDialog, side_bar};
 pub use status::{complain, say, status_line};
-pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, success, tick};
+pub use text::{describe, extent, hint, note, paragraph, secondary, section, show_error, signed, tick};

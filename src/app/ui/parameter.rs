@@ -1,11 +1,10 @@
 //! The control of a stimulus parameter.
 
-use eframe::egui::{self, ComboBox, TextEdit, Ui};
+use eframe::egui::{ComboBox, TextEdit, Ui};
 
 use super::{
     fields::{Field, entry},
     text,
-    theme::ink,
 };
 use crate::stimulus::{Parameter, ParameterValue};
 
@@ -71,10 +70,4 @@ pub fn parameter(ui: &mut Ui, column: f32, parameter: &'static Parameter, text: 
         list.response.on_hover_text("Lists values to choose from.");
     };
     field.show(ui, |ui, label| ui.horizontal(|ui| line(ui, label)));
-}
-
-/// Draws the edge of a swatch, so that a white one can be seen on a white page too.
-pub fn swatch_edge(ui: &Ui, swatch: &egui::Response) {
-    let edge = egui::Stroke::new(1.0, ink(ui).edge);
-    ui.painter().rect_stroke(swatch.rect, 4.0, edge, egui::StrokeKind::Inside);
 }

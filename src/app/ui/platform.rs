@@ -1,8 +1,11 @@
-//! What the window system reports about the screen, in particular whether codes reach the screen unchanged.
+//! The monitor that shows the window, what the user types about it, and what the window system reports, in particular
+//! whether codes reach the screen unchanged.
 //!
 //! X11 reports most of this through RandR. The preflight asks the person at the screen about everything else.
 
-use serde::Serialize;
+use std::path::Path;
+
+use eframe::egui;
 use x11rb::{
     connection::Connection as _,
     protocol::{
@@ -12,10 +15,14 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-use crate::display::Monitor;
+use super::fields::number;
+use crate::{
+    display::{DisplayProfile, Monitor, Screen, Viewing},
+    store::{profile, settings::ScreenFields},
+};
 
 /// The properties of a screen; `None` for those that the system does not report.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Platform {
     /// `X11`, `Wayland`, or the name of the operating system.
     pub window_system: &'static str,
@@ -68,7 +75,9 @@ impl Platform {
         let resources = x.randr_get_screen_resources_current(root).ok()?.reply().ok()?;
         for output in resources.outputs {
             let info = x.randr_get_output_info(output, resources.config_timestamp).ok()?.reply().ok()?;
-            if info.crtc == x11rb::NONE || !matches_name(&info.name, monitor) {
+            // A monitor without a name matches every output.
+            let is_named = |wanted: &String| wanted.as_bytes() == info.name;
+            if info.crtc == x11rb::NONE || !monitor.name.as_ref().is_none_or(is_named) {
                 continue;
             }
             let mode = |id: u32| resources.modes.iter().find(|mode| mode.id == id);
@@ -90,11 +99,6 @@ impl Platform {
         }
         Some(self)
     }
-}
-
-/// Returns whether an output has the monitor's name; a monitor without a name matches every output.
-fn matches_name(name: &[u8], monitor: &Monitor) -> bool {
-    monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
 }
 
 fn px(mode: &ModeInfo) -> [u32; 2] {
@@ -133,4 +137,66 @@ fn is_straight(ramp: &[u16]) -> Option<bool> {
     let off = |(i, value): (usize, &u16)| (f64::from(*value) - i as f64 / last as f64 * f64::from(u16::MAX)).abs();
     // One 8-bit code corresponds to 257 steps of a ramp.
     Some(ramp.iter().enumerate().map(off).fold(0.0, f64::max) < 257.0)
+}
+
+impl Monitor {
+    /// Returns the monitor that shows the window now; without a window, as in tests, a monitor of the size of the page.
+    pub fn current(ctx: &egui::Context, frame: &eframe::Frame) -> Self {
+        let Some(monitor) = frame.winit_window().and_then(|window| window.current_monitor()) else {
+            let (width_px, height_px) = window_px(ctx);
+            return Self {
+                name: None,
+                width_px,
+                height_px,
+                refresh_hz: None,
+                scale: f64::from(ctx.pixels_per_point()),
+            };
+        };
+        Self {
+            name: monitor.name(),
+            width_px: monitor.size().width,
+            height_px: monitor.size().height,
+            refresh_hz: monitor.refresh_rate_millihertz().map(|mhz| f64::from(mhz) / 1000.0),
+            scale: monitor.scale_factor(),
+        }
+    }
+}
+
+/// Returns the width and height of the window's content in physical pixels.
+pub fn window_px(ctx: &egui::Context) -> (u32, u32) {
+    let size = ctx.content_rect().size() * ctx.pixels_per_point();
+    (size.x.round() as u32, size.y.round() as u32)
+}
+
+impl ScreenFields {
+    /// Reads the display profile; sRGB if no path is given.
+    ///
+    /// # Errors
+    /// The errors in the file, one per line.
+    pub fn profile(&self) -> Result<DisplayProfile, String> {
+        match self.profile.trim() {
+            "" => Ok(DisplayProfile::default()),
+            path => profile::open(Path::new(path)).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// Returns the geometry of this screen.
+    ///
+    /// # Errors
+    /// A length is impossible, or is not a number.
+    pub fn viewing(&self, monitor: &Monitor) -> Result<Viewing, String> {
+        let width_cm = self.width_cm(monitor).unwrap_or(f64::NAN);
+        let screen = Screen::new(monitor.width_px, monitor.height_px, width_cm)?;
+        Viewing::new(screen, number(&self.distance_cm).unwrap_or(f64::NAN))
+    }
+
+    /// Returns whether the screen's width is assumed rather than measured or typed.
+    pub fn width_is_assumed(&self) -> bool {
+        self.screen_width_cm.trim().is_empty()
+    }
+
+    /// Returns the screen's width; `None` if what was typed is not a number.
+    pub fn width_cm(&self, monitor: &Monitor) -> Option<f64> {
+        if self.width_is_assumed() { Some(monitor.assumed_width_cm()) } else { number(&self.screen_width_cm) }
+    }
 }

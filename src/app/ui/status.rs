@@ -7,12 +7,8 @@ use super::theme::{GAP, Icon, LARGE_GAP, ink};
 /// Number of messages that a click on the line shows.
 const KEPT: usize = 50;
 
-/// A message of the program.
-#[derive(Clone, Debug)]
-struct Message {
-    text: String,
-    failed: bool,
-}
+/// A message of the program, and whether it is an error.
+type Message = (String, bool);
 
 /// Shows a message: that something was done.
 pub fn say(ctx: &Context, text: impl Into<String>) {
@@ -27,7 +23,7 @@ pub fn complain(ctx: &Context, text: impl Into<String>) {
 fn add(ctx: &Context, text: String, failed: bool) {
     ctx.data_mut(|data| {
         let messages: &mut Vec<Message> = data.get_temp_mut_or_default(id());
-        messages.insert(0, Message { text, failed });
+        messages.insert(0, (text, failed));
         messages.truncate(KEPT);
     });
     // The line may have been drawn already.
@@ -52,7 +48,7 @@ pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
                 icon.show(ui, ink(ui).dim);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let Some(Message { text, failed }) = messages.first() else { return };
+                let Some((text, failed)) = messages.first() else { return };
                 ui.spacing_mut().item_spacing.x = GAP;
                 let (icon, color) = if *failed { (Icon::Warn, ink(ui).bad) } else { (Icon::Check, ink(ui).text) };
                 icon.show(ui, color);
@@ -60,7 +56,7 @@ pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
                 let label = Label::new(RichText::new(line).small().color(color)).truncate().sense(Sense::click());
                 let shown = ui.add(label);
                 egui::Popup::menu(&shown).width(480.0).show(|ui| {
-                    for Message { text, failed } in &messages {
+                    for (text, failed) in &messages {
                         let color = if *failed { ink(ui).bad } else { ink(ui).text };
                         ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
                     }
