@@ -68,7 +68,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields)
 /// Returns the profile that the command `stimulus --profile` writes.
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Described<'py>> {
-    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(curve::table(&curve::samples(recipe, quantizer)));
+    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(curve::table(recipe, quantizer));
     described(py, made(py, (kind, parameters, image), false, table)?)
 }
 

@@ -222,7 +222,7 @@ impl Definition {
         errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
         self.check_task(errors);
-        self.participant.check(errors);
+        self.participant.0.iter().for_each(|field| field.check(errors));
         errors.0.extend(self.script_errors());
         conditions
     }

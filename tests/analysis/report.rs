@@ -21,8 +21,7 @@ use machband::{
     store::{
         FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
-        sidecar::Sidecar,
-        sitting::{Geometry, PreflightNote, SimulatedObserver, Sitting},
+        sidecar::{Geometry, PreflightNote, Sidecar, SimulatedObserver, Sitting},
     },
 };
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use machband::{
         App, Launch,
         explore::shading::{Comparison, MeshChoice},
     },
-    light::{Bits, CodeImage, Quantizer},
+    light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Scene, Shader, Surface, image, shapes::Shape},
     stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
 };
@@ -71,16 +71,24 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
     window.run_steps(2);
 }
 
-fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
+fn expected(compared: &Comparison, transfer: &Transfer, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
-    Quantizer::new(&compared.transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
+    Quantizer::new(transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 
-/// Compares both halves at the start and with another shader on the right.
+/// Compares both halves at the start and with another shader on the right, also with a display profile.
 #[test]
 fn each_half_shows_exactly_the_image_of_its_shader() {
-    for scale in [1.0, 1.5] {
+    let folder = tempfile::tempdir().unwrap();
+    let profile = folder.path().join("screen.toml");
+    std::fs::write(&profile, "schema = 1\nname = \"Left\"\ntransfer = \"gamma:1.8\"\n").unwrap();
+    for (scale, path, transfer) in [(1.0, "", Transfer::Srgb), (1.5, profile.to_str().unwrap(), Transfer::Gamma(1.8))] {
         let Some(mut window) = open_with_pixels(scale) else { return };
+        click(&mut window, "Display");
+        type_into(&mut window, "Profile in use", path);
+        click(&mut window, "Shading");
+        window.remove_cursor();
+        window.run_steps(4);
         let mut compared = Comparison::default();
         for (shader, title) in [(Shader::Patch, "Patch"), (Shader::Flat, "Flat")] {
             choose(&mut window, "Right shader", title);
@@ -88,7 +96,7 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
             window.get_by_label_contains(&format!("Gouraud on the left, {title} on the right"));
             let rect = picture(&window) * scale;
             let (width, height) = (rect.width().round() as u32, rect.height().round() as u32);
-            let [left, right] = [0, 1].map(|which| expected(&compared, which, width, height));
+            let [left, right] = [0, 1].map(|which| expected(&compared, &transfer, which, width, height));
             let column = width.div_ceil(2);
             let mut differing = 0;
             // The divider and its handle cover part of the picture.

@@ -233,7 +233,7 @@ fn terms_select_the_model() {
     };
     for (terms, expected) in [
         ("num:width,num:inv_n", &["width", "inv_n"][..]),
-        ("num:inv_n,num:inv_n:num:width", &["inv_n", "inv_n:width"]),
+        ("num:inv_n*num:width", &["inv_n", "width", "inv_n:width"]),
         // A column that is not a factor of the definition can still be a factor of the model.
         ("repetition", &["repetition2"]),
     ] {

@@ -72,13 +72,14 @@ fn calibrate_writes_a_profile() {
 
 #[test]
 fn every_error_in_a_file_has_its_line_and_column() {
-    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\n");
+    let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nviolet,half,1\nr,0.5,\n\ng,1,x\nr,1.5,20\n");
     assert_eq!(
         found,
         [
             "r.csv:3:1: channel \"violet\" is not known; expected r, g, b or gray",
             "r.csv:4:7: luminance_cd_m2 \"\" is not a number; expected one such as 0.5",
             "r.csv:6:5: luminance_cd_m2 \"x\" is not a number; expected one such as 0.5",
+            "r.csv:7:3: level 1.5 is outside 0…1; expected the code divided by the largest code",
         ]
     );
     let found = errors("channel,level,luminance_cd_m2\nr,0,0.3\nr,1.5,20\nr,1,-2\nr,0.25,NaN\nr,0.75,100001\n");
@@ -132,6 +133,7 @@ fn readings_of_other_programs() {
     }
     ti3 += "98 0 100 0 41.2 70.3 1.9\n99 20 40 60 1 2 3\nEND_DATA\n";
     let found = readings::parse("screen.ti3", &ti3).unwrap();
+    assert_eq!(readings::parse("screen.ti3", &format!("\u{feff}{ti3}")).unwrap(), found);
     let of = |channel: Channel| -> Vec<(f64, f64)> {
         let own = found.all().iter().filter(|reading| reading.channel == channel);
         own.map(|reading| (reading.level, reading.luminance_cd_m2)).collect()
@@ -156,6 +158,7 @@ fn readings_of_other_programs() {
         ),
         ("CTI3\nBEGIN_DATA_FORMAT\nRGB_R LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n0 1\nEND_DATA", "has no field"),
         ("CGATS.17\n", "has no data"),
+        (&ti3[..ti3.len() - "END_DATA\n".len()], "expected END_DATA"),
         ("{\"name\": {}}", "levelsPre"),
     ] {
         let told = readings::parse("other", text).unwrap_err().to_string();

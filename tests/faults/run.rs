@@ -17,7 +17,7 @@ use machband::{
     store::{
         StoreError, definition,
         session::{Changes, Interrupted, SessionStore},
-        sitting::Sitting,
+        sidecar::Sitting,
     },
 };
 

@@ -251,7 +251,7 @@ fn every_kind_of_bad_readings_has_its_own_message() {
         (exchanged(Channel::Gray, Channel::Green), "swapped", ""),
     ];
     for (readings, kind, detail) in cases {
-        let messages: Vec<String> = errors(readings).iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = errors(readings).into_iter().map(|(_, message)| message).collect();
         assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
         assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }

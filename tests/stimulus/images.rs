@@ -258,14 +258,21 @@ fn an_unreadable_list_of_images_is_an_error() {
 #[test]
 fn a_manifest_lists_only_images_of_one_definition_and_one_size() {
     let folder = tempfile::tempdir().unwrap();
-    let shard = |shard: &str, size: &str| {
-        machband(folder.path(), &["stimuli", "quick", "--out", "x", "--shard", shard, "--size", size])
+    let shard = |shard: &str, options: [&str; 2]| {
+        let command = ["stimuli", "quick", "--out", "x", "--force", "--shard", shard];
+        machband(folder.path(), &[&command[..], &options].concat())
     };
-    assert!(shard("1/2", "16").status.success());
-    let other = shard("2/2", "32");
-    let said = String::from_utf8(other.stderr).unwrap();
-    assert!(said.contains("is another image than this command makes"), "{said}");
-    assert!(!other.status.success() && !folder.path().join("x/manifest.csv").exists());
+    assert!(shard("1/2", ["--size", "16"]).status.success());
+    let others = [
+        (["--size", "32"], "is another image than this command makes"),
+        (["--size=16", "--bits=16"], "lists other images"),
+    ];
+    for (options, expected) in others {
+        let other = shard("2/2", options);
+        let said = String::from_utf8(other.stderr).unwrap();
+        assert!(said.contains(expected), "{said}");
+        assert!(!other.status.success() && !folder.path().join("x/manifest.csv").exists());
+    }
 }
 
 /// Side of the golden images.

@@ -183,7 +183,6 @@ fn only_a_steady_refresh_is_reported_with_the_drops() {
         if source == "unknown" {
             assert_eq!(found.refresh, None);
             assert_eq!(["refresh", "dropped frames", "missed refreshes"].map(row), ["unknown"; 3]);
-            assert!(found.csv().lines().skip(1).all(|line| line.ends_with(',')));
         }
     }
 }

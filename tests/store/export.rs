@@ -16,8 +16,7 @@ use machband::{
         image,
         ratings::{Listed, ReadOptions},
         recorded::Recorded,
-        sidecar::Sidecar,
-        sitting::{FrameSummary, Geometry},
+        sidecar::{FrameSummary, Geometry, Sidecar},
         table::List,
     },
 };

@@ -9,7 +9,7 @@ use std::{
 use jiff::Timestamp;
 use machband::store::{
     check, dataset,
-    frames::HEADER,
+    results::FRAMES_HEADER,
     session::{Changes, Interrupted, SessionStore, repair},
     sidecar::Sidecar,
 };
@@ -74,7 +74,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
         ("the whole end but the time", 3, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
         // Nothing was shown on a screen, so there are no frames.
-        ("the frames, of which there were none", 3, |csv| with_frames(csv, &format!("{HEADER}\n"))),
+        ("the frames, of which there were none", 3, |csv| with_frames(csv, &format!("{FRAMES_HEADER}\n"))),
     ];
     for (what, rows, touch) in ways {
         let (folder, csv) = ended(rows);

@@ -167,6 +167,10 @@ fn a_table_that_cannot_be_read_stays_as_it_is() {
             &b"participant_id\tnote\n\nsub-S009\n"[..],
             "participants.tsv:3:1: the number of cells in the row is 1; expected 2",
         ),
+        (
+            &b"participant_id\tnote\n\"sub-S009\"\tx\n"[..],
+            "participants.tsv:2:1: the participant is \"sub-S009\"; expected",
+        ),
     ]
     .into_iter()
     .enumerate()

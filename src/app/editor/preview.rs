@@ -1,7 +1,6 @@
-//! What a definition shows, drawn in the background: one trial, what a simulated observer answers, and the stimuli of all
-//! conditions.
+//! What one trial shows, what a simulated observer answers, and the stimuli of all conditions.
 
-use eframe::egui::{self, Align2, FontId, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
+use eframe::egui::{Align2, FontId, Id, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
@@ -28,10 +27,14 @@ const SIDE: f32 = 140.0;
 const PLOT: Vec2 = vec2(640.0, 180.0);
 /// Room for the captions below the stimuli, points.
 const CAPTION: f32 = 22.0;
-/// How long a definition must be unchanged before an observer is simulated, seconds.
-const SETTLED_S: f64 = 0.7;
 /// Maximum number of trials for which an observer is simulated.
 const MAX_TRIALS: usize = 2000;
+
+/// Maximum number of thumbnails.
+const MAX_THUMBNAILS: usize = 200;
+/// Side of a thumbnail, and of one in a line, points.
+const THUMBNAIL: f32 = 96.0;
+const STRIP: f32 = 48.0;
 
 #[derive(Default)]
 pub struct Preview {
@@ -39,15 +42,7 @@ pub struct Preview {
     of: Option<u64>,
     trial: Option<Presentation>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
-    pilot: Pilot,
-}
-
-/// The answers of a simulated observer.
-#[derive(Default)]
-struct Pilot {
-    /// The definition, and when it appeared, seconds.
-    of: Option<(Protocol, f64)>,
-    /// The plot of the answers to each definition; `None` if there is nothing to plot.
+    /// The plot of a simulated observer's answers to each definition; `None` if there is nothing to plot.
     plot: Latest<Protocol, Option<OwnPlot>>,
 }
 
@@ -60,7 +55,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot.show(ui, protocol, when);
+            self.pilot(ui, protocol, when);
         }
     }
 
@@ -106,28 +101,16 @@ impl Preview {
         };
         ui::hint(ui, format!("{} {answers}", protocol.response.question));
     }
-}
 
-impl Pilot {
-    /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
-    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
-        let now = ui.input(|input| input.time);
-        if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
-            self.of = Some((protocol.clone(), now));
-        }
-        let since = self.of.as_ref().map_or(now, |(_, since)| *since);
-        if now - since < SETTLED_S {
-            // A session is not simulated for every key that is typed.
-            ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
-        } else {
-            self.plot.want(ui.ctx(), protocol.clone(), || {
-                let protocol = protocol.clone();
-                move || {
-                    let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
-                    Ok(OwnPlot::new(&protocol, &rows))
-                }
-            });
-        }
+    /// Draws the levels that an observer sees, dimmed while they belong to an older definition.
+    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
+        self.plot.want(ui.ctx(), protocol.clone(), || {
+            let protocol = protocol.clone();
+            move || {
+                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
+                Ok(OwnPlot::new(&protocol, &rows))
+            }
+        });
         ui::section(ui, format!("The levels of a simulated observer{when}"));
         let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
         ui.allocate_ui(size, |ui| {
@@ -151,12 +134,6 @@ fn first_trial(protocol: &Protocol) -> Option<Presentation> {
     let trial = schedule.trials.iter().position(|trial| trial.phase == Phase::Main)?;
     Some(Course::new(protocol.clone(), schedule).presentation(trial))
 }
-
-/// Maximum number of thumbnails.
-const MAX_THUMBNAILS: usize = 200;
-/// Side of a thumbnail, and of one in a line, points.
-const THUMBNAIL: f32 = 96.0;
-const STRIP: f32 = 48.0;
 
 #[derive(Default)]
 pub struct Thumbnails {
@@ -194,7 +171,7 @@ impl Thumbnails {
     /// Draws one line of stimuli, from all parts of the design.
     pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
         let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
-        let revision = egui::Id::unique(format!("{key:?}")).value();
+        let revision = Id::unique(format!("{key:?}")).value();
         let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
         self.update(ui, protocol, revision, STRIP, shown);
         ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));

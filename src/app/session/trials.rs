@@ -6,11 +6,9 @@ use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureH
 
 use super::{
     answers::{Feedback, draw_scale, draw_slider, scale_height},
-    finish::Finish,
-    frames::ScreenRefresh,
+    finish::{Finish, SaveChoice, UnsavedAnswerPage},
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
-    recording::Recording,
-    recording::{SaveChoice, UnsavedAnswerPage},
+    recording::{Recording, ScreenRefresh},
     request::{Prepared, Request, has_slider, room},
 };
 use crate::{
@@ -24,7 +22,7 @@ use crate::{
     },
     light::{Bits, Quantizer},
     stimulus::Stimulus,
-    store::{StoreError, sitting::PreflightNote},
+    store::{StoreError, sidecar::PreflightNote},
 };
 
 /// Number of textures in memory: the stimuli of the current trial and of the next one.

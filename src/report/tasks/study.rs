@@ -249,8 +249,8 @@ impl TaskStudy {
         let mut sessions = Vec::<Recorded>::new();
         for csv in files {
             match Recorded::open(&csv) {
-                Ok(session) if session.row_errors.is_empty() => sessions.push(session),
-                Ok(session) => errors.extend(session.row_errors),
+                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
+                Ok(session) => errors.extend_from_slice(session.row_errors()),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(FileErrors(error.errors(&csv))),
             }
