@@ -145,12 +145,6 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     Some(text)
 }
 
-/// Returns the names of the terms of those tests whose p does not come from simulated studies.
-fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
-    let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
-    others.map(|test| names::term(results, &test.term)).collect()
-}
-
 /// Warns of p values that ignore that ratings are related.
 fn ignoring(results: &Results) -> &'static str {
     match results.ignores_people() {
@@ -174,7 +168,8 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.{}", tests.join("; "), ignoring(results));
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
-        let others = not_simulated(results, &report.terms);
+        let others = report.terms.iter().filter(|test| test.draws.is_none() && test.p.is_some());
+        let others: Vec<String> = others.map(|test| names::term(results, &test.term)).collect();
         let error = report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max);
         let error_is = |error: f64| {
             let most = if error < 1e-4 { "below 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
