@@ -232,6 +232,11 @@ impl Analyze {
             return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
         }
         rows.retain(|row| !exclude.contains(&row.subject));
+        if rows.is_empty() {
+            return Err(
+                StoreError::from(FileErrors::whole(path, "has no answers at levels; expected at least one")).into()
+            );
+        }
         let common = Common {
             parameter: columns.level,
             log: given.log,
