@@ -5,10 +5,7 @@ use std::collections::BTreeSet;
 use super::{findings, health, names};
 use crate::{
     analysis::{
-        ModelReport, RandomSlope, Results, TermTest,
-        rank_tests::PMethod,
-        results::FactorResults,
-        terms::{Term, Variable},
+        ModelReport, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable,
     },
     experiment::{Protocol, ResponseScale},
     report::document::{Section, count, fixed, list, p_is, times, unit, with_interval},
@@ -104,10 +101,11 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         Some(random) => {
             let is_correlated = random.correlations.is_some();
             let kind = if is_correlated { "correlated" } else { "independent" };
+            let is_number = |variable: &Variable| matches!(variable, Variable::Number(_));
             let named =
                 |own: &[&RandomSlope]| own.iter().map(|own| names::slope(results, model, own)).collect::<Vec<_>>();
             let (slopes, others): (Vec<_>, Vec<_>) =
-                random.slopes.iter().partition(|slope| is_correlated || is_number(&slope.term));
+                random.slopes.iter().partition(|slope| is_correlated || slope.term.variables.iter().all(is_number));
             let mut groups = vec!["participants".to_owned()];
             groups.extend(named(&others).iter().map(|name| format!("for each combination of participant and {name}")));
             groups
@@ -241,10 +239,6 @@ fn limits(report: &ModelReport) -> String {
         }
     };
     format!(" Intervals of {of} are profile-likelihood intervals{limits}.")
-}
-
-fn is_number(term: &Term) -> bool {
-    term.variables.iter().all(|variable| matches!(variable, Variable::Number(_)))
 }
 
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
