@@ -4,12 +4,9 @@
 use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
-    app::{
-        App, Launch,
-        explore::shading::{Comparison, MeshChoice},
-    },
+    app::{App, Launch, explore::shading::Comparison},
     light::{Bits, CodeImage, Quantizer},
-    shading::{Scene, Shader, Surface, image, shapes::Shape},
+    shading::{Shader, Surface, image},
     stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
 };
 
@@ -203,30 +200,6 @@ pub fn await_numbers(window: &mut Window) {
         window.step();
     }
     window.run_steps(2);
-}
-
-/// Small rotations about different axes add up to the expected rotation.
-#[test]
-fn rotations_add_up() {
-    let mut compared =
-        Comparison { scene: Scene { rotate_deg: [0.0; 3], ..Scene::default() }, ..Comparison::default() };
-    let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap().0);
-    for _ in 0..36 {
-        compared.turn(10.0, 0.0);
-        compared.turn(0.0, 10.0);
-        compared.turn(0.0, -10.0);
-    }
-    let turned = compared.scene.frame(&surface, 64, 64);
-    let begin = Scene { rotate_deg: [0.0; 3], ..compared.scene }.frame(&surface, 64, 64);
-    for (a, b) in turned.vertices.iter().zip(&begin.vertices) {
-        assert!(a.eye.distance(b.eye) < 1e-9, "a full turn to the right ends where it began");
-    }
-    compared.turn(90.0, 0.0);
-    let right = compared.scene.frame(&surface, 64, 64);
-    for (a, b) in right.vertices.iter().zip(&begin.vertices) {
-        // The side that faced the eye now faces right.
-        assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
-    }
 }
 
 fn page_of(page: &str, size: [f32; 2]) -> Window {
