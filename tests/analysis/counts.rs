@@ -165,6 +165,7 @@ fn codes_are_found_and_scales_are_not_taken_for_codes() {
         (20, &[("6", 1)], "6:1"),
         (60, &[("-7", 1), ("12", 1), ("13", 1)], "-7:1 12:1 13:1"),
         (20, &[("5", 1)], ""),
+        (20, &[("inf", 9), ("-inf", 9)], "-inf:9 inf:9"),
     ] {
         let others = others.iter().map(|(value, n)| ((*value).to_owned(), *n));
         let mut all = (0..=4).map(|value| (value.to_string(), each)).chain(others);

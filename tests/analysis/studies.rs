@@ -130,7 +130,7 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
         assert_eq!(withheld, [none, none, (true, None)], "{:?}", report.terms);
         assert!(report.comparisons.iter().all(|c| c.at.is_some()), "{:?}", report.comparisons);
         let html = page(&source(&["a", "b"]), results);
-        assert!(html.contains("that of a factor in an interaction, over those in which all of its levels were rated"));
+        assert!(html.contains("for a factor in an interaction, over those in which all of its levels were rated"));
         assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
     }
     assert_eq!(simple(&first), simple(&second));
@@ -252,7 +252,7 @@ fn units_and_origins_do_not_matter() {
         let (numbers, p, lr, text) = of(0, 0.0);
         assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");
         for (power, origin) in
-            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6)]
+            [(-12, 0.0), (-6, 0.0), (-3, 0.0), (3, 0.0), (9, 0.0), (0, 273.15), (0, 2019.0), (0, 1e6), (-2, 1e6)]
         {
             let (other, other_p, other_lr, other_text) = of(power, origin);
             for (number, other) in numbers.iter().zip(other) {

@@ -293,6 +293,10 @@ fn tables_of_other_programs_are_read() {
     let printed = succeeds(folder.path(), &arguments);
     assert!(printed.contains("12 participants gave 5,040 answers."), "{printed}");
     let [low, high] = ["threshold_low", "threshold_high"].map(|end| numbers(&path("people/population.csv"), end));
+    let everyone = (1..=12).map(|person| format!("P{person:02}")).collect::<Vec<_>>().join(",");
+    arguments[8] = "--out=no-one";
+    let left = fails(folder.path(), &[&arguments[..], &["--exclude", &everyone]].concat(), 1);
+    assert!(left.contains("people.csv: has no answers at levels; expected at least one"), "{left}");
     for (i, mean) in [3.0, 3.8, 5.1].into_iter().enumerate() {
         assert!(low[i] < mean && mean < high[i], "{mean} is not in {}…{}", low[i], high[i]);
     }
@@ -315,7 +319,15 @@ fn tables_of_other_programs_are_read() {
 fn studies_of_thresholds_are_planned() {
     let folder = tempfile::tempdir().unwrap();
     let plan = |options: &str| {
-        succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
+        let printed =
+            succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
+        // A number stands below the end of the name of its column.
+        let lines: Vec<&str> =
+            printed.lines().filter(|line| line.contains("mean threshold") || line.contains("error")).collect();
+        let end = lines[1].find("half_width").unwrap() + "half_width".len();
+        let shown: f64 = lines[2][..end].rsplit(' ').next().unwrap().parse().unwrap();
+        let width = &numbers(&folder.path().join("plan.csv"), "half_width")[1];
+        assert!((shown - width).abs() < 6e-4, "{printed}");
         folder.path().join("plan.csv")
     };
     let false_alarms = numbers(&plan("--participants 5 --studies 100"), "false_alarms")[2];

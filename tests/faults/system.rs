@@ -60,7 +60,7 @@ fn no_command_panics_if_a_standard_stream_is_full() {
     assert_eq!(disk::lines(&csv).len(), 1 + sweep.planned(DEFINITION).len());
     assert_eq!(disk::lines(&csv)[1], rows[0]);
     for line in [
-        "stimulus --size 16 --palette k-means:4 --out picture.png",
+        "stimulus --size 16 --palette median-cut:4 --out picture.png",
         "stimulus --size 16 --width nonsense",
         "predict --size 64",
         "check first/twice/data",

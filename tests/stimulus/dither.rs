@@ -181,7 +181,7 @@ fn the_exact_light_of_a_code_has_no_noise() {
                     let found = quantizer.quantize_with(&image, &dither);
                     for y in 0..256 {
                         let expected = (0..256).map(|x| code(x, y));
-                        assert!(reds(&found, y).into_iter().eq(expected), "{} {dither} {y}", quantizer.transfers());
+                        assert!(reds(&found, y).into_iter().eq(expected), "{dither} {y}");
                     }
                 }
             }
@@ -327,22 +327,6 @@ fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
     CodeImage { width, height, samples: Samples::Eight(pixels.as_flattened().to_vec()) }
 }
 
-/// Compares the error with its definition, decoding every pixel individually.
-fn assert_error_is_right(image: &CodeImage, reduced: &IndexedImage, transfer: &Transfer) {
-    let quantizer = Quantizer::new(transfer, Bits::Eight);
-    let (mut squares, mut max) = (0.0, 0.0f64);
-    let (before, after) = (image.bytes().unwrap(), reduced.codes());
-    let after = after.bytes().unwrap();
-    assert_eq!(before.len(), after.len());
-    for (a, b) in before.iter().zip(after) {
-        let difference = quantizer.channel(0).linear(u16::from(*a)) - quantizer.channel(0).linear(u16::from(*b));
-        squares += difference * difference;
-        max = max.max(difference.abs());
-    }
-    let rms = (squares / before.len() as f64).sqrt();
-    assert!((reduced.error.rms - rms).abs() < 1e-12 && reduced.error.max == max, "{:?} {rms} {max}", reduced.error);
-}
-
 fn reduce(image: &CodeImage, transfer: &Transfer, colors: u32, reducer: Reducer) -> IndexedImage {
     machband::light::palette::reduce(image, transfer, Reduction { reducer, colors }).unwrap()
 }
@@ -356,8 +340,6 @@ fn each_reducer_does_what_its_name_says() {
     // Of 13 pixels, the middle one is a 12. It is nearer to the cut before it (5 | 8) than to the cut after it (9 | 4).
     // The mean of 4·12, 3·100 and 201 is 68.6.
     assert_eq!(of(2, Reducer::MedianCut).palette, [[10, 0, 0], [69, 0, 0]]);
-    // Least squares gives {10, 12} and {100, 201}, with means of 10.9 and 125.25.
-    assert_eq!(of(2, Reducer::KMeans).palette, [[11, 0, 0], [125, 0, 0]]);
     // Among equally frequent colors, the lowest are kept.
     let even = image(1, &[[3, 0, 0], [1, 0, 0], [2, 0, 0]]);
     assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).palette, [[1, 0, 0], [2, 0, 0]]);
@@ -379,7 +361,6 @@ fn palettes_are_the_same_everywhere() {
     };
     assert_eq!(palette(Reducer::Popularity), "000000 000400 000800 000c00 001000 001400");
     assert_eq!(palette(Reducer::MedianCut), "1e3e07 3ebe2e 5e3e16 9e3e26 bebe8d de3e35");
-    assert_eq!(palette(Reducer::KMeans), "25b81a 3c3c0e 75c157 b6261a c37458 d0d1a9");
 }
 
 proptest! {
@@ -388,7 +369,7 @@ proptest! {
     #[test]
     fn any_image_can_be_reduced(
         pixels in prop::collection::vec(prop::array::uniform3(prop_oneof![any::<u8>(), Just(0), Just(255)]), 1..300),
-        colors in 1u32..=40, linear in any::<bool>(), which in 0usize..3,
+        colors in 1u32..=40, linear in any::<bool>(), which in 0usize..2,
     ) {
         let transfer = if linear { Transfer::Linear } else { Transfer::Srgb };
         let image = image(1, &pixels);
@@ -400,10 +381,7 @@ proptest! {
         let distinct = BTreeSet::from_iter(&pixels);
         if distinct.len() <= colors as usize {
             prop_assert!(reduced.palette.iter().eq(distinct));
-            prop_assert_eq!((reduced.codes(), reduced.error.max), (image.clone(), 0.0));
+            prop_assert_eq!(reduced.codes(), image);
         }
-        let best = reduce(&image, &transfer, colors, Reducer::KMeans);
-        prop_assert!(best.error.rms <= reduced.error.rms + 1e-7);
-        assert_error_is_right(&image, &reduced, &transfer);
     }
 }

@@ -88,6 +88,9 @@ fn an_image_file_describes_its_codes() {
     for kind in ["mach-band", "chevreul"] {
         let measured = info(&Recipe { transfers: table().into(), ..recipe(kind) });
         let profile = moxcms::ColorProfile::new_from_slice(&measured.icc_profile.unwrap()).unwrap();
+        // Equal inputs give equal bytes at any time.
+        let date = &profile.creation_date_time;
+        assert_eq!((date.year, date.month, date.day_of_the_month, date.hours, date.minutes), (2026, 1, 1, 0, 0));
         let curve = profile.red_trc.or(profile.gray_trc).unwrap();
         let moxcms::ToneReprCurve::Lut(points) = curve else { panic!("{curve:?}") };
         let middle = f64::from(points[points.len() / 2]) / 65535.0;
@@ -130,7 +133,7 @@ fn a_changed_image_is_detected() {
 fn palettes_and_halftones_can_be_verified() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for method in ["popularity:8", "median-cut:16", "k-means:4"] {
+    for method in ["popularity:8", "median-cut:16"] {
         succeeds(folder, &["stimulus", "--size", "64", "--palette", method, "--out", "p.png", "--force"]);
         assert!(succeeds(folder, &["check", "p.png"]).contains(method));
     }

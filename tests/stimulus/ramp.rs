@@ -17,7 +17,7 @@ fn quantizers() -> Vec<Quantizer> {
 fn assert_codes_are_right(stimulus: &Stimulus, size: u32, quantizer: &Quantizer) {
     let codes = stimulus.codes(size, quantizer);
     let plain = quantizer.quantize(&stimulus.linear(size));
-    assert!(codes == plain, "{stimulus:?}, size {size}, {}", quantizer.transfers());
+    assert!(codes == plain, "{stimulus:?}, size {size}, {:?}", quantizer.codes([0.5; 3]));
 }
 
 fn depth() -> impl Strategy<Value = Depth> {

@@ -345,11 +345,9 @@ fn adaptive_pairs_compare_neighbors_most() {
 const MISTAKES: &str = r##"
 [task]\nkind = "chioce"\n => 7:1 => kind "chioce" is not known; expected one of rating, choice, yes-no, pair, adjust; did you mean choice?
 [task]\nscale = "slider"\n => 6:2 => task.kind is missing; expected kind = …
-[task]\nkind = "choice"\n => 6:2 => task.reference is missing
 CHOICEalternatives = 3\n => 9:1 => alternatives is 3; expected 2 or 4
 [task]\nkind = "choice"\nreference = { depth = 0 }\n => 8:15 => depth 0
 [task]\nkind = "choice"\nreference = { depth = 1 }\n => 8:1 => all stimuli of a trial are the same
-YES_NOcatch = 2\n => 9:1 => catch 2 is outside 0.05…0.95
 [task]\nkind = "pair"\n => 1:1 => there is nothing to compare
 DEPTHSorder = "blocked:depth"\n[task]\nkind = "pair"\n => 10:1 => pairs have no levels of their own
 DEPTHS[task]\nkind = "pair"\npairs = "chain"\nalong = "low"\n => 13:1 => along "low" is not a factor; expected depth
@@ -363,7 +361,6 @@ CHOICE[adaptive]\nmethod = "quest-plus"\nparameter = "width"\nlevels = [0, 0.02]
 QUESTguess = [0.1]\n => 13:1 => expected no guess rates
 QUESTsecond = { parameter = "width", levels = [0.1, 0.2], gradient = [1] }\n => 13:12 => width is varied already
 [design]\nrepetitions = 3\nCHOICE[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 7:1 => repetitions is 3, but trials says that there are 10
-QUESTstart = 1\n => 13:1 => unknown key "start" in [adaptive]
 [adaptive]\nmethod = "quest-plus"\nLEVELS => 6:2 => a task of the kind rating has no levels to choose
 CHOICECONSTANTparameter = "depth"\neasier = "low"\ntrials = 9\nlevels = [2, 2.5, 3]\n => 14:14 => depth 2.5 is not a whole number
 ADJUST"depth"\nlow = 1\nhigh = 8\n => 8:1 => depth has whole numbers only
@@ -374,6 +371,15 @@ QUESTsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n =>
 [task]\nkind = "choice"\nreference = { low = 0.3 }\n[adaptive]\nmethod = "quest-plus"\nLEVELSsecond = { parameter = "tanh_k", levels = [3, 5], gradient = [0, 1] }\n => 13:12 => tanh_k changes nothing that is shown
 QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expected values from 0.01 to 0.16
 [presentation]\nduration_s = 1\nCHOICE => 6:2 => [presentation] does not apply to this task
+[task]\nkind = "choice"\nreference = { tanh_k = 9 }\n => 8:1 => the reference looks like the target
+[task]\nkind = "choice"\nreference = { depth = [1] }\n => 8:15 => the value is neither a number nor text; expected one of them
+CHOICEshown = "places"\nduration_s = 0.3\n => 10:1 => duration_s applies to intervals only
+DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to chains only
+[task]\nkind = "pair"\npairs = "chain"\nreference = { depth = "inf" }\n[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 8:1 => pairs applies to pairs of conditions only
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.1\nhigh = 0.4\nsteps = [5]\n => 15:10 => step 5 is more than from low to high, which is 0.60206
+QUESTtrails = 3\n => 13:1 => unknown key "trails" in [adaptive]; expected one of method, parameter, log, easier, trials, levels
+QUESTsecond = { parameter = "high", levels = [0.5, 0.6], gradient = [nan] }\n => 13:65 => is NaN; expected a finite number
+[response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice
 [design]\norder = "latin:width"\n => 7:1 => expected random, because there are none
 [factors]\ndepth = [1, "inf"]\nCHOICE => 10:1 => all stimuli of a trial are the same
 "##;
