@@ -127,32 +127,6 @@ fn a_power_and_an_offset_are_found_within_the_bound() {
     }
 }
 
-#[test]
-fn readings_without_noise_recover_the_display() {
-    let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
-    for (gamma, k) in [(1.0, 0.0), (1.8, 0.0), (2.2, 0.0), (2.2, 0.05), (2.4, -0.04), (2.6, 0.1)] {
-        let transfer = if k == 0.0 { Transfer::gamma(gamma) } else { Transfer::gog(gamma, 1.0, k) };
-        let display = Display::alike(transfer.unwrap(), 0.25);
-        let calibration = calibrate(display.read(9, 0.0, 1));
-        let channels = &calibration.model(calibration.chosen).channels;
-        assert_eq!(calibration.chosen, if k == 0.0 { Family::Gamma } else { Family::Gog }, "{gamma}, {k}");
-        for (index, channel) in channels.iter().enumerate() {
-            let curve = &channel.curve;
-            assert!(close(curve.gamma().unwrap(), gamma), "{gamma}, {k}: {curve:?}");
-            assert!(k == 0.0 || close(curve.gain_and_offset().unwrap().1, k / (1.0 + k)), "{gamma}, {k}: {curve:?}");
-            assert!(close(curve.black_cd_m2, 0.25) && close(curve.range_cd_m2, Display::range(index)));
-            assert!(channel.r_squared > 1.0 - 1e-9 && channel.largest_codes < 1e-3);
-        }
-        let light = calibration.luminance_of(calibration.chosen);
-        assert!(close(light.white_cd_m2, 115.25) && close(light.black_cd_m2, 0.25));
-        // If a curve fits the display, the table equals that curve.
-        assert!(display.error_codes(&calibration, Family::Table) < 0.01);
-    }
-    let srgb = Display::alike(Transfer::Srgb, 0.25);
-    let calibration = calibrate(srgb.read(17, 0.0, 1));
-    assert_eq!(calibration.chosen, Family::Srgb);
-}
-
 /// Creates a display that no curve fits: γ 2.2 of an encoded value that is shifted by up to a few codes.
 fn moved(by: impl Fn(f64) -> f64) -> Display {
     let encoded: Vec<f64> = (0..=1020).map(|i| f64::from(i) / 1020.0).collect();
