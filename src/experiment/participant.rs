@@ -1,4 +1,4 @@
-//! What a session asks about the participant before its first page.
+//! The identifiers of a participant and a session, and what a session asks about the participant before its first page.
 
 use std::fmt;
 
