@@ -57,7 +57,7 @@ pub(super) fn gallery(
     background: f64,
     errors: &mut DefinitionErrors,
 ) -> Gallery {
-    let read: Gallery = TableReader { path: "stimulus", table, errors }.read();
+    let read: Gallery = TableReader { path: "stimulus", table, taken: vec!["kind"], errors }.read();
     let mut gallery = Gallery { background, ..read };
     let is_known = |known: &&Gallery| {
         known.files == gallery.files && known.references.iter().map(|picture| picture.file.as_str()).eq(reference)

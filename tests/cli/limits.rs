@@ -434,7 +434,7 @@ fn huge_files_beside_the_data_are_refused() {
         fs::remove_file(folder.path().join("results/quick").join(name)).unwrap();
     }
     let (status, messages, _) = bounded(folder.path(), "shade --shader gouraud --mesh mesh.gltf --metrics m.csv");
-    let expected = "(the mesh and all its files may have 268435456 bytes)";
+    let expected = "big.bin: has 262144000 bytes; expected at most 629";
     assert!(status == Some(1) && messages.contains(expected), "{messages}");
 }
 

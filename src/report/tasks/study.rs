@@ -142,17 +142,17 @@ impl TaskStudy {
         };
         let mut known = BTreeMap::new();
         for session in &sessions {
+            if session.protocol != first.protocol {
+                let message =
+                    "has another definition than the sessions before it; expected the sessions of one definition";
+                return Err(FileErrors::whole(&session.csv, message));
+            }
             if let Some(other) = known.insert((session.identity.subject(), session.identity.session()), &session.csv) {
                 let message =
                     format!("has the same participant and session as {}; expected each once", other.display());
                 return Err(FileErrors::whole(&session.csv, message));
             }
             warnings.extend(session.changed.iter().cloned().chain(session.interruption()));
-            if session.protocol != first.protocol {
-                let message =
-                    "has another definition than the sessions before it; expected the sessions of one definition";
-                return Err(FileErrors::whole(&session.csv, message));
-            }
             study.add(session, exclude);
         }
         study.warnings = warnings;
