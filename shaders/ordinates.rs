@@ -459,11 +459,12 @@ pub fn value(k: &Coefficients, w: [f64; 3]) -> V {
     let xx = if x < 0.0 && x <= y { x * x } else { 0.0 };
     let yy = if y < 0.0 && y < x { y * y } else { 0.0 };
     let (p, q) = (yy * (y - 2.0 * x) - xx * y, xx * (x - 2.0 * y) - yy * x);
-    [0, 1, 2].map(|c| {
+    let of = |c: usize| {
         let along = k[0][c] + x * (k[1][c] + x * (k[3][c] + x * k[6][c]));
         let mixed = (k[2][c] + x * (k[4][c] + x * k[7][c])) + y * ((k[5][c] + x * k[8][c]) + y * k[9][c]);
         along + y * mixed + p * k[10][c] + q * k[11][c]
-    })
+    };
+    [of(0), of(1), of(2)]
 }
 
 /// What [`coefficients`] and the passes on the graphics card need, once per mesh. A vertex at a jump of the curvature is

@@ -232,23 +232,6 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
     }
 }
 
-impl MeshTable {
-    fn mirrors(&self) -> Mirrors {
-        Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index }
-    }
-
-    fn shade(&self) -> Shade {
-        let plain = Shade::new(self.shader);
-        Shade {
-            depth: self.depth.unwrap_or(plain.depth),
-            boundary: self.boundary.unwrap_or(plain.boundary),
-            vertex: self.vertex,
-            reweight: self.reweight,
-            ..plain
-        }
-    }
-}
-
 /// Returns a body with this shape, or with the mesh in its file.
 fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<String>) -> Result<Body, FileErrors> {
     let mesh = match shape {
@@ -265,10 +248,17 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
         View::square(1).rotated(table.rotate).rotation,
         DVec3::from_array(table.position),
     );
-    let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
+    let (k_t, color, plain) = (table.transmission, DVec3::from_array(table.filter), Shade::new(table.shader));
+    let mirrors = Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index };
     Ok(Body {
         surface: Surface::new(mesh),
-        shade: table.shade(),
+        shade: Shade {
+            depth: table.depth.unwrap_or(plain.depth),
+            boundary: table.boundary.unwrap_or(plain.boundary),
+            vertex: table.vertex,
+            reweight: table.reweight,
+            ..plain
+        },
         material: Material {
             color: DVec3::from_array(table.color),
             specular_color: DVec3::from_array(table.specular_color),
@@ -276,7 +266,7 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(table.shininess, table.mirrors()),
+            specular_model: table.highlight.model(table.shininess, mirrors),
         },
         transparency: match table.transparency {
             Transmits::Opaque => Transparency::Opaque,

@@ -68,7 +68,7 @@ impl Render {
             }?;
         }
         if let Some(profile) = profile {
-            store::curve::write_profile(writer, profile, &recipe, &quantizer)?;
+            writer.write(profile, &store::curve::table(&recipe, &quantizer).csv())?;
         }
         Ok(())
     }

@@ -45,6 +45,7 @@ impl View {
     }
 
     /// Returns the unit vector from a point in eye space to the eye.
+    #[inline]
     pub fn to_viewer(&self, eye: DVec3) -> DVec3 {
         if self.distance.is_finite() { (DVec3::new(0.0, 0.0, self.distance) - eye).normalize() } else { DVec3::Z }
     }
@@ -72,6 +73,7 @@ impl View {
 
     /// Returns the weight of a point with this z in interpolation that is corrected for perspective: the eye's distance
     /// over the point's distance from the eye along z.
+    #[inline]
     pub fn nearness(&self, z: f64) -> f64 {
         if self.distance.is_finite() { self.distance / (self.distance - z) } else { 1.0 }
     }
@@ -286,14 +288,17 @@ impl Frame {
 
     /// Returns twice the signed area of the triangle between three points on the screen, positive for a triangle that
     /// faces the eye.
+    #[inline]
     pub fn area2(a: DVec2, b: DVec2, c: DVec2) -> f64 {
         // y points down, so a counterclockwise triangle has a negative sum.
         -(b - a).perp_dot(c - a)
     }
 
     /// Returns the three corners of triangle `triangle`.
+    #[inline]
     pub fn corners(&self, triangle: usize) -> [&FrameVertex; 3] {
-        self.triangles[triangle].vertices.map(|v| &self.vertices[v as usize])
+        let ([a, b, c], vertex) = (self.triangles[triangle].vertices, |v: u32| &self.vertices[v as usize]);
+        [vertex(a), vertex(b), vertex(c)]
     }
 
     /// Calls `of` with each triangle's index and collects the results.
@@ -302,8 +307,10 @@ impl Frame {
     }
 
     /// Returns the barycentric weights of a point on the screen with respect to triangle `triangle`.
+    #[inline]
     pub fn weights(&self, triangle: usize, p: DVec2) -> [f64; 3] {
-        let [a, b, c] = self.corners(triangle).map(|v| v.screen);
+        let [a, b, c] = self.corners(triangle);
+        let (a, b, c) = (a.screen, b.screen, c.screen);
         let area = Frame::area2(a, b, c);
         let (wa, wb) = (Frame::area2(p, b, c) / area, Frame::area2(p, c, a) / area);
         [wa, wb, 1.0 - wa - wb]

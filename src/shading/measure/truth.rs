@@ -73,7 +73,9 @@ impl Truth {
             let is_back = point.normal.dot(frame.view.to_viewer(point.eye)) < 0.0;
             Some(if is_back { Point { normal: -point.normal, ..point } } else { point })
         };
-        Truth { points: (0..width * frame.height as usize).into_par_iter().map(at).collect() }
+        // Unwinding at every pixel would take longer than the pixels do.
+        let pixels = (0..width * frame.height as usize).into_par_iter().with_min_len(width);
+        Truth { points: pixels.map(at).collect() }
     }
 
     /// Returns the picture of the surface under the lighting of `frame`, in linear light, or encoded as the frame is.

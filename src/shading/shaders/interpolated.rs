@@ -27,6 +27,7 @@ impl ShaderKernel for Gouraud {
 }
 
 /// Returns Σ w_k·values_k.
+#[inline]
 pub fn weighted(w: [f64; 3], values: [DVec3; 3]) -> DVec3 {
     w[0] * values[0] + w[1] * values[1] + w[2] * values[2]
 }

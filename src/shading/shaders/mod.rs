@@ -67,7 +67,8 @@ impl<'f> Shading<'f> {
     /// # Panics
     /// Panics if the frame has no such triangle.
     pub fn light(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
-        let gouraud = weighted(w, self.frame.corners(triangle).map(|v| v.light));
+        let [a, b, c] = self.frame.corners(triangle);
+        let gouraud = weighted(w, [a.light, b.light, c.light]);
         let light = self.kernel.light(triangle, w, gouraud);
         let light = self.corrections.as_ref().map_or(light, |corrections| corrections.corrected(triangle, w, light));
         self.paint.as_ref().map_or(light, |paint| light * paint.color(triangle, w))

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::interpolated::{ShaderKernel, weighted};
 use crate::shading::{
-    frame::{Field, Frame, Patches},
+    frame::{Field, Frame, FrameVertex, Patches},
     mesh::{Coat, Paint, PaintedCorner},
 };
 
@@ -38,11 +38,12 @@ pub struct Phong<'f>(pub PixelLight<'f>);
 impl ShaderKernel for Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], _: DVec3) -> DVec3 {
         let frame = self.0.frame;
-        let corners = frame.corners(triangle);
-        let near = corners.map(|v| frame.view.nearness(v.eye.z));
-        let normal = weighted(w, [0, 1, 2].map(|k| corners[k].normal * near[k])).normalize_or_zero();
-        let far = 1.0 / (w[0] * near[0] + w[1] * near[1] + w[2] * near[2]);
-        let place = weighted(w, [0, 1, 2].map(|k| corners[k].eye * near[k])) * far;
+        let [a, b, c] = frame.corners(triangle);
+        let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
+        let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
+        let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
+        let far = 1.0 / on_surface.iter().sum::<f64>();
+        let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
         self.0.light(triangle, w, place, normal, frame.view.to_viewer(place))
     }
 }
@@ -57,6 +58,8 @@ pub struct C1Phong<'f> {
     normals: Patches,
     /// Positions, of which z counts, if a lamp is near.
     places: Option<Patches>,
+    /// Where the line of sight to each vertex meets the plane z = 0.
+    sights: Vec<DVec3>,
     pixel: PixelLight<'f>,
 }
 
@@ -64,7 +67,8 @@ impl<'f> C1Phong<'f> {
     /// Prepares the shader for the triangles of `frame`, lit by the frame's lamps.
     pub fn new(frame: &'f Frame) -> Self {
         let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
-        C1Phong { normals: Patches::new(frame, Field::Normal), places, pixel: PixelLight::new(frame) }
+        let sights = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
+        C1Phong { normals: Patches::new(frame, Field::Normal), places, sights, pixel: PixelLight::new(frame) }
     }
 }
 
@@ -72,8 +76,8 @@ impl ShaderKernel for C1Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
         let frame = self.pixel.frame;
         let normal = self.normals.light(triangle, w, gouraud).normalize_or_zero();
-        // Where the line of sight meets the plane z = 0.
-        let mut place = weighted(w, frame.corners(triangle).map(|v| frame.view.sight(v.screen).extend(0.0)));
+        let ([a, b, c], sight) = (frame.triangles[triangle].vertices, |v: u32| self.sights[v as usize]);
+        let mut place = weighted(w, [sight(a), sight(b), sight(c)]);
         let to_viewer = frame.view.to_viewer(place);
         if let Some(places) = &self.places {
             place.z = places.light(triangle, w, gouraud).z;

@@ -71,6 +71,10 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     if version != "2.0" && (json.asset.min_version.is_some() || !version.starts_with("2.")) {
         return Err(format!("is glTF {version}; expected glTF 2.0"));
     }
+    // Applications may have attributes of their own.
+    for primitive in json.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive.attributes.retain(|name, _| matches!(name, Checked::Valid(_)));
+    }
     // A required extension says more than what is missing without it.
     let ignored = extensions(&mut json)?;
     check(&json)?;
@@ -181,9 +185,8 @@ impl Source<'_> {
         let is_plain = !name.contains(':') && Path::new(&*name).components().all(is_below);
         match self.folder.filter(|_| is_plain) {
             Some(folder) => {
-                let read = read_bytes(&folder.join(&*name), self.left, "a file that the mesh refers to");
-                let bytes =
-                    read.map_err(|error| format!("{error} (the mesh and all its files may have {MAX_FILE} bytes)"))?;
+                let bytes = read_bytes(&folder.join(&*name), self.left, "a file that the mesh refers to")
+                    .map_err(|error| error.to_string())?;
                 self.left -= bytes.len() as u64;
                 Ok(bytes)
             }

@@ -88,10 +88,6 @@ fn parse_in(
     let mut lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
     let (faces, expected) = if content.starts_with(b"glTF") || text.starts_with(b"{") {
         (gltf::parse(folder, file, content, normals == Normals::Given)?, "at least one primitive with triangles")
-    } else if text.starts_with(b"ply\rformat ascii") {
-        // A return alone ends a line.
-        let lines: Vec<u8> = content.iter().map(|byte| if *byte == b'\r' { b'\n' } else { *byte }).collect();
-        (ply::parse(file, &lines)?, "an element \"face\" with a list \"vertex_indices\"")
     } else if text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         (ply::parse(file, content)?, "an element \"face\" with a list \"vertex_indices\"")
     } else if is_other || !is_named && !lines.any(|line| line.trim_ascii_start().starts_with(b"f ")) {

@@ -4,7 +4,7 @@
 //! from 0 to 255 if any is above 1), normals (`vn`) and faces (`f`) with any number of corners, with positive and relative
 //! indices. All objects and groups form one mesh. Everything else (texture coordinates, lines, materials, smoothing groups, curved surfaces) is ignored.
 
-use std::collections::BTreeSet;
+use std::{borrow::Cow, collections::BTreeSet};
 
 use glam::DVec3;
 
@@ -26,15 +26,30 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     // A byte order mark is not part of the first line.
     let content = content.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(content);
     let end = if content.contains(&b'\n') { b'\n' } else { b'\r' };
-    let lines: Vec<&[u8]> = content.split(|byte| *byte == end).collect();
-    if let Some(number) = lines.iter().position(|line| line.contains(&0)) {
-        return Err(FileErrors::at(file, (number + 1, 1), "is not text; expected an OBJ file"));
+    let mut lines: Vec<(usize, Cow<'_, [u8]>)> = Vec::new();
+    for (number, line) in (1..).zip(content.split(|byte| *byte == end)) {
+        match lines.last_mut() {
+            Some((_, before)) if is_read(keyword(before)) && before.trim_ascii_end().ends_with(CONTINUED) => {
+                before.to_mut().extend(line);
+            }
+            _ => lines.push((number, line.into())),
+        }
     }
-    let count = |wanted: &[u8]| lines.iter().filter(|line| keyword(line) == wanted).count();
+    if let Some((number, _)) = lines.iter().find(|(_, line)| line.contains(&0)) {
+        return Err(FileErrors::at(file, (*number, 1), "is not text; expected an OBJ file"));
+    }
+    let count = |wanted: &[u8]| lines.iter().filter(|(_, line)| keyword(line) == wanted).count();
     let mut reader = Reader { counts: [count(b"v"), count(b"vn")], ..Reader::default() };
-    let errors = lines.iter().zip(1..).filter_map(|(line, number)| reader.line(file, number, line).err());
+    let errors = lines.iter().filter_map(|(number, line)| reader.line(file, *number, line).err());
     FileErrors::none(errors.take(MAX_ERRORS).collect())?;
     Ok(reader.faces())
+}
+
+/// What ends a line that goes on in the next one.
+const CONTINUED: &[u8] = b" \\";
+
+fn is_read(keyword: &[u8]) -> bool {
+    matches!(keyword, b"v" | b"vn" | b"f")
 }
 
 fn keyword(line: &[u8]) -> &[u8] {
@@ -62,7 +77,7 @@ struct Reader {
 impl Reader {
     fn line(&mut self, file: &str, number: usize, line: &[u8]) -> Result<(), FileError> {
         let keyword = keyword(line);
-        if !matches!(keyword, b"v" | b"vn" | b"f") {
+        if !is_read(keyword) {
             return Ok(());
         }
         let text = std::str::from_utf8(line).map_err(|error| {
@@ -71,7 +86,8 @@ impl Reader {
         })?;
         let statement = Statement { file, number, text };
         // A comment may follow the numbers.
-        let words = text.split_ascii_whitespace().skip(1).take_while(|word| !word.starts_with('#'));
+        let words = text.split_ascii_whitespace().skip(1).filter(|word| *word != "\\");
+        let words = words.take_while(|word| !word.starts_with('#'));
         let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
         match keyword {
             b"v" => {

@@ -126,6 +126,12 @@ fn of_line(line: &str, definition: &ElementDef) -> Result<Element, String> {
     Ok(element)
 }
 
+/// Takes the first line, with the byte that ends it.
+fn line_of<'a>(rest: &mut &'a [u8], end: u8) -> &'a [u8] {
+    let length = rest.iter().position(|byte| *byte == end).map_or(rest.len(), |at| at + 1);
+    rest.split_off(..length).unwrap_or_default()
+}
+
 /// Reads the content of a PLY file; `file` identifies it in messages.
 ///
 /// # Errors
@@ -143,37 +149,44 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
             None => FileError::whole(file, message),
         }])
     };
-    let (parser, mut reader) = (Parser::<Element>::new(), Reader::new(content));
+    // A return alone ends a line, too.
+    let end = if content.starts_with(b"ply\r") && !content.starts_with(b"ply\r\n") { b'\r' } else { b'\n' };
+    let (mut header, mut rest) = (String::new(), content);
+    while !rest.is_empty() && !header.ends_with("\nend_header\n") {
+        let own = String::from_utf8_lossy(line_of(&mut rest, end));
+        // The crate's own reader wants single spaces.
+        header += &own.split_whitespace().collect::<Vec<_>>().join(" ");
+        header.push('\n');
+    }
+    let (parser, mut reader) = (Parser::<Element>::new(), Reader::new(header.as_bytes()));
     let header = parser.read_header(&mut reader).map_err(|error| at(error.line(), error))?;
     let mut line = reader.line();
-    let mut rest = reader.into_inner();
     let mut mesh = PlyMesh::default();
     // One element after the other: an element needs much more memory than what it becomes.
     for (name, definition) in &header.elements {
         // Without properties, any number of elements needs no bytes.
         let count = if definition.properties.is_empty() { 0 } else { definition.count };
         for i in 0..count {
-            let ended = |error: ParseError| match error.kind() {
-                ErrorKind::UnexpectedEof => {
-                    let message = format!("ends within {name} {i} of {count}; expected as many as its header says");
-                    FileErrors::whole(file, message)
-                }
+            let ended = || {
+                let message = format!("ends within {name} {i} of {count}; expected as many as its header says");
+                FileErrors::whole(file, message)
+            };
+            let wrong = |error: ParseError| match error.kind() {
+                ErrorKind::UnexpectedEof => ended(),
                 _ => at(None, error),
             };
             let element = match header.encoding {
+                Encoding::Ascii if rest.is_empty() => return Err(ended()),
                 Encoding::Ascii => {
-                    let end = rest.iter().position(|byte| *byte == b'\n').map_or(rest.len(), |end| end + 1);
-                    let (own, after) = rest.split_at(end);
-                    rest = after;
-                    let element = of_line(&String::from_utf8_lossy(own), definition)
+                    let element = of_line(&String::from_utf8_lossy(line_of(&mut rest, end)), definition)
                         .map_err(|message| FileErrors::at(file, (line, 1), message))?;
                     line += 1;
                     element
                 }
                 Encoding::BinaryLittleEndian => {
-                    parser.read_little_endian_element(&mut rest, definition).map_err(ended)?
+                    parser.read_little_endian_element(&mut rest, definition).map_err(wrong)?
                 }
-                Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut rest, definition).map_err(ended)?,
+                Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut rest, definition).map_err(wrong)?,
             };
             let wrong = |message| FileErrors::whole(file, format!("{name} {i} {message}"));
             match name.as_str() {
