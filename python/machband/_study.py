@@ -191,7 +191,7 @@ def analyze(
         Exclude trials that were answered more slowly, in seconds.
     terms
         Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
-        with : or * [default: every factor that varies].
+        with *, or with : beside its parts [default: every factor that varies].
     link
         Link function of the cumulative model.
     slopes

@@ -1,4 +1,4 @@
-//! What the definition of an experiment says.
+//! What the definition of an experiment says, and the scripts in which the window can show its texts.
 
 use std::collections::BTreeSet;
 

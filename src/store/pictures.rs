@@ -14,8 +14,7 @@ use super::{
     FileErrors, StoreError,
     file::{read_bytes, read_text, sha256},
     image::{self, parse_picture},
-    ratings::with_point,
-    table::{self, separator},
+    table::{self, separator, with_point},
     toml::TableReader,
 };
 use crate::{

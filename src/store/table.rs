@@ -156,6 +156,10 @@ impl<'a> Row<'a> {
         {
             return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
         }
+        if self.record.as_slice().contains(&b'\n') && self.is_torn() {
+            let message = "a cell goes on after its closing quote, in another line; expected quotes around whole cells";
+            return Err((None, message.to_owned()));
+        }
         if is_utf8
             && self.text().is_err()
             && let Some(cell) = first(|cell| std::str::from_utf8(cell).is_err())
@@ -163,6 +167,19 @@ impl<'a> Row<'a> {
             return Err((Some(cell), "the cell is not UTF-8 text; expected UTF-8".to_owned()));
         }
         Ok(())
+    }
+
+    /// True if a text in quotes that has several lines ends within a cell: a quote that is never closed began it, and the next
+    /// one, that of another row, ends it.
+    fn is_torn(&self) -> bool {
+        let raw = self.raw();
+        let row = &raw[raw.iter().take_while(|byte| is_line_end(**byte)).count()..];
+        (0..self.record.len()).any(|cell| {
+            let start = cell_start(row, self.separator, cell);
+            let end = quoted_end(row, start);
+            let mut rest = row[end..].split(|byte| *byte == self.separator || is_line_end(*byte));
+            row[start..end].contains(&b'\n') && rest.next().is_some_and(|rest| !rest.trim_ascii().is_empty())
+        })
     }
 
     /// Returns the position of the next line.
@@ -192,19 +209,25 @@ fn is_line_end(byte: u8) -> bool {
 fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     let mut at = 0;
     for _ in 0..cell {
-        if row.get(at) == Some(&b'"') {
-            at += 1;
-            while let Some(length) = row[at..].iter().position(|byte| *byte == b'"') {
-                at += length + 1;
-                if row.get(at) != Some(&b'"') {
-                    break;
-                }
-                at += 1;
-            }
-        }
+        at = quoted_end(row, at);
         match row[at..].iter().position(|byte| *byte == separator) {
             Some(length) => at += length + 1,
             None => return row.len(),
+        }
+    }
+    at
+}
+
+/// Returns the byte offset behind the closing quote of a text that begins here, or this offset if it has no quotes.
+fn quoted_end(row: &[u8], mut at: usize) -> usize {
+    if row.get(at) == Some(&b'"') {
+        at += 1;
+        while let Some(length) = row[at..].iter().position(|byte| *byte == b'"') {
+            at += length + 1;
+            if row.get(at) != Some(&b'"') {
+                break;
+            }
+            at += 1;
         }
     }
     at
@@ -291,6 +314,19 @@ pub(super) fn separator(header: &[u8]) -> u8 {
         counts.iter_mut().filter(|(separator, _)| !quoted && separator == byte).for_each(|(_, count)| *count += 1);
     }
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
+}
+
+/// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
+/// a decimal comma, as in spreadsheets from many countries.
+pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
+    // One comma, so that `1,234,567` stays text.
+    if separator != b',' && text.matches(',').count() == 1 {
+        let number = text.replace(',', ".");
+        if number.parse::<f64>().is_ok() {
+            return number.into();
+        }
+    }
+    text.into()
 }
 
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table

@@ -70,7 +70,7 @@ pub struct Analyze {
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
 pub struct Model {
     /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
-    /// with : or * [default: every factor that varies].
+    /// with *, or with : beside its parts [default: every factor that varies].
     #[arg(long, value_name = "T,…")]
     pub terms: Option<Terms>,
     /// Link function of the cumulative model.

@@ -305,21 +305,6 @@ fn means_and_differences_of_populations_are_covered() {
     }
 }
 
-/// People with few trials say little about the mean, and so do not add degrees of freedom for nothing.
-#[test]
-fn means_are_covered_where_people_have_unequal_numbers_of_trials() {
-    let covered = passed(300, |rng| {
-        let mut own = |total: u32| {
-            let truth =
-                Estimate { threshold: 0.9 * normal(rng), width: 1.5, lapse: 0.03, guess: 0.5, overdispersion: 0.0 };
-            study(&MODEL, &truth, 7, total, rng)
-        };
-        let population = population::fit(&[40, 40, 40, 3, 3, 3].map(&mut own), &MODEL).unwrap();
-        [contains(population.interval.unwrap(), 0.0)]
-    });
-    assert_covers(covered[0], 300);
-}
-
 /// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.
 #[test]
 fn catch_trials_tell_the_guess_rate() {

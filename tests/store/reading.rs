@@ -829,7 +829,7 @@ mod errors {
     fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
-        let cases: [(&str, ReadOptions, &[&str], &[&str]); 4] = [
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 5] = [
             (
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,\0,1,1\nA,0.1,1,7",
                 counts.clone(),
@@ -858,6 +858,12 @@ mod errors {
                 with_factors(&["width"]),
                 &["3:1: a quote is never closed; expected a closing quote"],
                 &["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"],
+            ),
+            (
+                "subject_id,width,rating,note\nA,0.1,1,\"two\nlines\"\nA,0.1,2,\"x\nA,0.4,1,\"y\nA,0.4,3,\"z\" z\n",
+                with_factors(&["width"]),
+                &["4:1: a cell goes on after its closing quote, in another line; expected quotes around whole cells"],
+                &["A 0.1 1 1", "A 0.4 3 1"],
             ),
             (
                 "subject_id,width,rating,session_id,repetition,session_id,note,note\nA,1,2,1,1,2,x,y\n",

@@ -54,12 +54,11 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
                  rare if the term had no effect. The p values are not corrected for the number of terms. Methods says where they \
                  come from.",
                 if model.random.is_some() { " but has the same random effects" } else { "" },
-                if is_additive(results) {
-                    ""
-                } else {
+                if_interacting(
+                    results,
                     " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
                      (sum contrasts)."
-                }
+                )
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
@@ -197,13 +196,13 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         } else {
             ""
         },
-        if is_additive(results) {
-            ""
-        } else {
+        if_interacting(
+            results,
             " Differences of a factor in an interaction are on average over the other factors and, in an interaction of two that \
-             is not part of a larger one, at each level of the other (simple effects). Those of simple effects come from their \
-             standard errors, and their intervals are symmetric, also among the coefficients above."
-        }
+             is not part of a larger one, at each level of the other (simple effects). The p values and \
+             intervals of simple effects come from their standard errors; these intervals are symmetric, also among the \
+             coefficients above."
+        )
     ));
     let link = report.model.link;
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
@@ -264,6 +263,11 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
 
 fn is_additive(results: &Results) -> bool {
     results.spec.terms.iter().all(Term::is_main)
+}
+
+/// Returns a text about interactions if the model has some.
+fn if_interacting<'a>(results: &Results, text: &'a str) -> &'a str {
+    if is_additive(results) { "" } else { text }
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
