@@ -20,10 +20,7 @@ use std::{borrow::Cow, ffi::OsString, io::Write as _, path::Path, process::ExitC
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
-use self::{
-    bar::Bar,
-    bar::{print_data, print_line},
-};
+use self::bar::{Bar, print_data, print_line};
 use crate::{
     report::{
         document::{Shown, numbers::count},

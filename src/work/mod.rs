@@ -31,6 +31,5 @@ pub use drawn::Drawn;
 pub use export::Export;
 pub use image::{Encoded, Encoding, Image, Luminances, outdated, today};
 pub use repair::Repair;
-pub use request::{FittedPath, NewFolder, OutPath};
-pub use request::{Request, RequestError, from_names, told, words};
+pub use request::{FittedPath, NewFolder, OutPath, Request, RequestError, from_names, told, words};
 pub use watcher::{Found, Watcher};

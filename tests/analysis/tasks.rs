@@ -8,6 +8,7 @@ use machband::{
     analysis::{
         comparisons::{Scaling, Triads, Wins},
         detection::Answers,
+        settings::Settings,
         tasks::{
             population::{self, Mean},
             psychometric::{Estimate, Guess, Model, Point, fit, goodness_of_fit},
@@ -397,6 +398,14 @@ fn detection_is_that_of_another_program() {
     }
     assert!(rows.len() >= 20);
     assert!(Answers { hits: 3, misses: 1, ..Answers::default() }.detection().is_none());
+}
+
+/// The effect of the direction is the mean of the settings that began above, minus that of those that began below.
+#[test]
+fn settings_have_a_mean_a_spread_and_an_effect_of_their_start() {
+    let own = Settings::of(&[(1.0, Some(true)), (3.0, Some(false)), (2.0, Some(true))]).unwrap();
+    assert_eq!((own.mean, own.sd, own.n, own.direction), (2.0, Some(1.0), 3, Some(-1.5)));
+    assert!(Settings::of(&[]).is_none());
 }
 
 /// Returns the share of intervals that contain the truth.

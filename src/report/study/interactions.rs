@@ -222,8 +222,17 @@ fn simple_effects(
         ),
         (None, None) => " Each p is that of Friedman’s test of all levels, corrected with Holm’s method.".to_owned(),
     };
+    let raw = if strata.iter().all(is_raw) {
+        String::new()
+    } else {
+        let [of, at] = [of, at].map(|factor| names::factor(results, &factor.name));
+        format!(
+            " The raw means by {of} are not comparable at every level of {at}: not everyone rated all levels in the same \
+             conditions."
+        )
+    };
     let text = names::capitalized(&parts.join("; "));
-    format!(" {text}.{test}")
+    format!(" {text}.{raw}{test}")
 }
 
 /// Describes the effect of a number over its range at each level of a factor with which it interacts in the model.
