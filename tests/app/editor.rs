@@ -41,7 +41,7 @@ fn a_copy_is_edited_and_saved() {
     assert_eq!(value(&window, "Name"), "quick-copy");
     // Errors appear next to their fields, and saving waits until they are corrected.
     type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
-    window.get_by_label_contains("width \"wide\" is not a number; expected");
+    window.get_by_label_contains("Width \"wide\" is not a number; expected");
     window.get_by_label_contains("level 0.05 of width appears twice");
     window.get_by_label_contains("2 errors, first in Width.");
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
@@ -155,7 +155,7 @@ fn a_task_and_its_method_are_chosen() {
     choose(&mut window, "Levels chosen by", "Staircase");
     wait_for(&mut window, "One trial");
     type_into(&mut window, "First level", "7");
-    window.get_by_label_contains("start 7 is outside");
+    window.get_by_label_contains("Start 7 is outside");
     type_into(&mut window, "First level", "0.5");
     type_into(&mut window, "Steps", "0.3, 0.1");
     type_into(&mut window, "Stops after reversals", "9");
@@ -241,9 +241,9 @@ fn only_unsaved_changes_need_an_answer() {
     window.run_steps(5);
     choose(&mut window, "Kind", "Kanizsa triangle");
     // The factors of the old kind are still there, with errors, until they are removed.
-    window.get_by_label_contains("unknown key \"mesh\" in [factors]");
+    window.get_by_label_contains("Unknown key \"mesh\" in [factors]");
     click(&mut window, "Remove mesh");
-    assert!(window.query_by_label_contains("unknown key \"mesh\"").is_none());
+    assert!(window.query_by_label_contains("Unknown key \"mesh\"").is_none());
     press(&mut window, Key::Escape);
     wait_for(&mut window, "Discard changes?");
     click(&mut window, "Keep editing");
