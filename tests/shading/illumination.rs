@@ -159,7 +159,6 @@ proptest! {
             Refraction::TotalReflection(r) => {
                 prop_assert!(ratio * sin > 1.0 - 1e-14 && (r + l - 2.0 * l.dot(n) * n).length() < 1e-14, "{r} {l}");
             }
-            Refraction::Undefined => panic!("undefined"),
         }
     }
 
@@ -174,8 +173,5 @@ proptest! {
         let light = lighting.light(p, n, v);
         prop_assert!(light.is_finite() && light.min_element() >= 0.0, "{light}");
         prop_assert_eq!(lighting.light(p, DVec3::NAN, v), lighting.ambient_light());
-        if let Refraction::Transmitted(t) | Refraction::TotalReflection(t) = Refraction::of(n, v, p.x) {
-            prop_assert!(t.is_finite());
-        }
     }
 }

@@ -189,13 +189,7 @@ pub enum Refraction {
     Transmitted(DVec3),
     /// Total internal reflection: no light passes; all of it leaves along the unit vector R, the mirror image of L.
     TotalReflection(DVec3),
-    /// There is no result because a vector does not have unit length or the ratio of the indices is not a finite number
-    /// above 0.
-    Undefined,
 }
-
-/// The tolerance for the length of a unit vector.
-const UNIT: f64 = 1e-6;
 
 impl Refraction {
     /// Returns T = (η·cos θ_i − cos θ_t)·N − η·L with cos θ_t = √(1 − η²(1 − cos²θ_i)), for a ray from the direction
@@ -204,11 +198,6 @@ impl Refraction {
     ///
     /// If N points to the far side of the surface, it is reversed: the light always comes from the medium on L's side.
     pub fn of(to_source: DVec3, normal: DVec3, ratio: f64) -> Refraction {
-        // The negated condition rejects NaN.
-        let unit = |v: DVec3| (v.length() - 1.0).abs() <= UNIT;
-        if !(unit(to_source) && unit(normal) && ratio > 0.0 && ratio.is_finite()) {
-            return Refraction::Undefined;
-        }
         let facing = normal.dot(to_source);
         let (cos_i, normal) = if facing < 0.0 { (-facing, -normal) } else { (facing, normal) };
         let sin_t = ratio * to_source.cross(normal).length();
