@@ -97,44 +97,35 @@ pub struct Metrics {
     #[serde(flatten)]
     pub viewing: ViewingConditions,
     /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
-    pub difference: Option<DifferenceMetrics>,
+    pub difference: Option<Compared<Visible<f64>, Visible<Option<f64>>>>,
     pub difference_unit: &'static str,
     /// The difference from the smooth surface in light; `None` if that is not known or no pixel can be compared.
-    pub residual: Option<ResidualMetrics>,
+    pub residual: Option<Compared<InLight<f64>, InLight<Option<f64>>>>,
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
     pub masked: Option<f64>,
 }
 
-/// How visible the difference from the smooth surface is, in times threshold: the largest value, and the one that a
-/// place in twenty exceeds.
+/// What was measured, and the same relative to Gouraud's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DifferenceMetrics {
-    pub largest: f64,
-    pub p95: f64,
-    pub over_gouraud: DifferenceOverGouraud,
+pub struct Compared<Own, Relative> {
+    #[serde(flatten)]
+    pub own: Own,
+    pub over_gouraud: Relative,
 }
 
-/// A visible difference relative to Gouraud's.
+/// How visible the difference from the smooth surface is: the largest value, and the one that a place in twenty exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DifferenceOverGouraud {
-    pub largest: Option<f64>,
-    pub p95: Option<f64>,
+pub struct Visible<T> {
+    pub largest: T,
+    pub p95: T,
 }
 
 /// The difference from the smooth surface, in linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ResidualMetrics {
-    pub rms: f64,
-    pub p999: f64,
-    pub over_gouraud: ResidualOverGouraud,
-}
-
-/// A difference in light relative to Gouraud's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ResidualOverGouraud {
-    pub rms: Option<f64>,
-    pub p999: Option<f64>,
+pub struct InLight<T> {
+    pub rms: T,
+    pub p999: T,
 }
 
 /// The measurements of one renderer.
@@ -258,7 +249,7 @@ impl<'a> Drawing<'a> {
     /// Returns the light of the picture.
     fn image(&self) -> LinearImage {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
-        let truth = self.one.draws_truth().then(truth).flatten();
+        let truth = self.one.shader.is_none().then(truth).flatten();
         truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
@@ -298,19 +289,13 @@ impl<'a> Drawing<'a> {
         let gouraud = if shade.is_gouraud() { own.clone() } else { measured(&shading::Shade::new(Shader::Gouraud))? };
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
         let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
-        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| ResidualMetrics {
-            rms: own.rms,
-            p999: own.p999,
-            over_gouraud: ResidualOverGouraud { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
+        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| Compared {
+            own: InLight { rms: own.rms, p999: own.p999 },
+            over_gouraud: InLight { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
         });
-        let difference = own.difference.as_ref().zip(gouraud.difference.as_ref());
-        let difference = difference.map(|(own, gouraud)| DifferenceMetrics {
-            largest: own.largest,
-            p95: own.p95,
-            over_gouraud: DifferenceOverGouraud {
-                largest: over(own.largest, gouraud.largest),
-                p95: over(own.p95, gouraud.p95),
-            },
+        let difference = own.difference.as_ref().zip(gouraud.difference.as_ref()).map(|(own, gouraud)| Compared {
+            own: Visible { largest: own.largest, p95: own.p95 },
+            over_gouraud: Visible { largest: over(own.largest, gouraud.largest), p95: over(own.p95, gouraud.p95) },
         });
         Ok(Metrics {
             description: self.description.clone(),
