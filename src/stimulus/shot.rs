@@ -5,10 +5,7 @@ use serde_json::{Value, json};
 
 use crate::{
     light::LinearImage,
-    shading::{
-        Frame, Scene, Shade, Shading, Specular, image,
-        lighting::{Facets, Microfacets},
-    },
+    shading::{Frame, Scene, Shade, Shading, Specular, image, lighting::Microfacets},
 };
 
 /// Returns every setting of a scene, so that anyone can reproduce it.
@@ -26,12 +23,12 @@ pub fn describe_scene(scene: &Scene) -> Value {
         "fill": scene.fill,
         "distance": if scene.distance.is_finite() { json!(scene.distance) } else { json!("inf") },
     });
-    if let Specular::CookTorrance(Microfacets { facets, slope, index }) =
+    if let Specular::CookTorrance(Microfacets { c1, slope, index }) =
         scene.highlight.model(scene.shininess, scene.mirrors)
     {
         all["facet_slope"] = json!(slope);
         all["facet_index"] = json!(index.x);
-        if let Facets::Gaussian { c1 } = facets {
+        if let Some(c1) = c1 {
             all["facet_c1"] = json!(c1);
         }
     }

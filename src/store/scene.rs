@@ -123,8 +123,8 @@ table! {
         rotate: [f64; 3] = [0.0; 3], -MOST..=MOST;
         scale: f64 = 1.0, 1e-6..=MOST;
         shader: Shader = Shader::C1Phong;
-        depth: Option<Depth> = None;
-        boundary: Option<f64> = None, 0.0..=1.0;
+        depth: Depth = Depth::Finite(1);
+        boundary: f64 = Shade::new(Shader::Fixed).boundary, 0.0..=1.0;
         vertex: Correction = Correction::Off;
         reweight: Correction = Correction::Off;
         color: [f64; 3] = [1.0; 3], 0.0..=1.0;
@@ -232,23 +232,6 @@ fn check(scene: &SceneTable, document: &mut Document<'_>) {
     }
 }
 
-impl MeshTable {
-    fn mirrors(&self) -> Mirrors {
-        Mirrors { slope: self.facet_slope, c1: self.facet_c1, index: self.facet_index }
-    }
-
-    fn shade(&self) -> Shade {
-        let plain = Shade::new(self.shader);
-        Shade {
-            depth: self.depth.unwrap_or(plain.depth),
-            boundary: self.boundary.unwrap_or(plain.boundary),
-            vertex: self.vertex,
-            reweight: self.reweight,
-            ..plain
-        }
-    }
-}
-
 /// Returns a body with this shape, or with the mesh in its file.
 fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<String>) -> Result<Body, FileErrors> {
     let mesh = match shape {
@@ -266,9 +249,16 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
         DVec3::from_array(table.position),
     );
     let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
+    let mirrors = Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index };
     Ok(Body {
         surface: Surface::new(mesh),
-        shade: table.shade(),
+        shade: Shade {
+            shader: table.shader,
+            depth: table.depth,
+            boundary: table.boundary,
+            vertex: table.vertex,
+            reweight: table.reweight,
+        },
         material: Material {
             color: DVec3::from_array(table.color),
             specular_color: DVec3::from_array(table.specular_color),
@@ -276,7 +266,7 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
             diffuse: table.diffuse,
             specular: table.specular,
             shininess: table.shininess,
-            specular_model: table.highlight.model(table.shininess, table.mirrors()),
+            specular_model: table.highlight.model(table.shininess, mirrors),
         },
         transparency: match table.transparency {
             Transmits::Opaque => Transparency::Opaque,

@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
-    light::LinearImage,
+    light::{Depth, LinearImage},
     shading::{
         Body, Coat, Composition, Frame, Lamp, LampPosition, Lighting, Material, Mesh, Paint, PaintedCorner, Shade,
         Shader, Surface, Transparency, View, image, shapes,
@@ -258,7 +258,8 @@ fn scenes_are_read_and_their_errors_have_places() {
     fs::write(&path, SCENE).unwrap();
     let read = scene::read(&path).unwrap();
     assert_eq!((read.composition.bodies.len(), read.composition.lamps.len(), read.text.as_str()), (3, 2, SCENE));
-    assert_eq!(read.composition.bodies[2].index, Some(1.5));
+    let bodies = &read.composition.bodies;
+    assert_eq!((bodies[2].index, bodies[0].shade.depth), (Some(1.5), Depth::Finite(1)));
     let image = read.composition.image(SIDE, SIDE);
     let lit = image.data.iter().filter(|light| **light > 0.1).count();
     assert!(image.data.iter().all(|light| light.is_finite()) && lit > 3000, "{lit}");
