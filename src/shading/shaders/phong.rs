@@ -55,7 +55,7 @@ impl ShaderKernel for Phong<'_> {
         let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
         let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
         let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
-        let far = 1.0 / on_surface.iter().sum::<f64>();
+        let far = 1.0 / (on_surface[0] + on_surface[1] + on_surface[2]);
         let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
         frame.pixel(triangle, w, place, normal, frame.view.to_viewer(place))
     }
