@@ -12,12 +12,10 @@ else
     export MACHBAND_FAULTS=${MACHBAND_FAULTS:-20000} MACHBAND_CUTS=${MACHBAND_CUTS:-1000} MACHBAND_FUZZ=${MACHBAND_FUZZ:-100}
     export MACHBAND_READS=${MACHBAND_READS:-1000000}
     export MACHBAND_REQUIRE_GPU=1 MACHBAND_REQUIRE_DISPLAY=1 MACHBAND_REQUIRE_FAULTS=1
-    cargo build --release
-    export MACHBAND_LIMITS=${CARGO_TARGET_DIR:-$PWD/target}/release/machband
     # A program that `nohup` started ignores a signal that the tests send.
     test=(env --default-signal=HUP,INT cargo test)
     "${test[@]}" --test faults --test store --test window 2>&1 | tee "$log"
-    # Each command is measured alone.
+    # Each command runs alone.
     RAYON_NUM_THREADS=1 "${test[@]}" --test cli -- --test-threads=1 2>&1 | tee -a "$log"
 fi
 

@@ -18,15 +18,6 @@ mkdir -p "$logs"
 cargo +nightly fuzz build
 tar -xzf fuzz/corpus.tar.gz -C fuzz/target
 
-dictionary() {
-    case $1 in
-        definition | profile | observer) echo toml ;;
-        results | ratings | readings) echo csv ;;
-        *) echo "$1" ;;
-    esac
-}
-export -f dictionary
-
 # New inputs go to a separate folder. To update the committed corpus, merge both with `-set_cover_merge=1
 # -use_counters=0`.
 one() {
@@ -34,7 +25,7 @@ one() {
     mkdir -p "$found" "fuzz/artifacts/$1"
     "fuzz/target/x86_64-unknown-linux-gnu/release/$1" "$found" "fuzz/target/corpus/$1" \
         -max_total_time="$2" -timeout=1 -rss_limit_mb=512 -max_len=8192 -print_final_stats=1 \
-        -dict="fuzz/dictionaries/$(dictionary "$1").dict" -artifact_prefix="fuzz/artifacts/$1/" >"$3/$1.log" 2>&1
+        -dict=fuzz/words.dict -artifact_prefix="fuzz/artifacts/$1/" >"$3/$1.log" 2>&1
     local status=$?
     local runs rate peak
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$3/$1.log")

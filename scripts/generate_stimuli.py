@@ -20,6 +20,9 @@ from ._common import suggests
 from ._stimulus import Stimulus
 
 __all__ = {names!r}
+
+Shader = {shaders}
+Shape = {shapes}
 '''
 
 VIEW = {
@@ -32,10 +35,19 @@ VIEW = {
 }
 
 
+#: Types with names, which `machband.shade` has too.
+NAMED = {("shaded-mesh", "shader"): "Shader", ("shaded-mesh", "mesh"): "Shape"}
+
+
+def choices(parameter):
+    """Return the type of a parameter that has a few names as values."""
+    return f"Literal[{', '.join(map(repr, parameter.choices))}]".replace("'", '"')
+
+
 def type_of(kind, parameter):
     """Return the type of a parameter of a kind of stimulus."""
     if parameter.choices:
-        return f"Literal[{', '.join(map(repr, parameter.choices))}]".replace("'", '"')
+        return NAMED.get((kind, parameter.name)) or choices(parameter)
     if isinstance(parameter.default, str):
         return "str | Sequence[float]"
     try:
@@ -84,6 +96,9 @@ def function(kind, about):
 
 
 kinds = machband.kinds()
-print(HEAD.format(names=sorted(kind.replace("-", "_") for kind in kinds)).replace("'", '"'), end="")
+mesh = machband.parameters("shaded-mesh")
+names = sorted(kind.replace("-", "_") for kind in kinds)
+head = HEAD.format(names=names, shaders=choices(mesh["shader"]), shapes=choices(mesh["mesh"]))
+print(head.replace("'", '"'), end="")
 print(parameters())
 print("\n".join(function(kind, about) for kind, about in kinds.items()))

@@ -157,7 +157,7 @@ class Analysis:
 
         At 0.05, those of coefficients are profile-likelihood intervals; all others are Wald's.
         """
-        if not 0 < number("alpha", alpha) < 1:
+        if not 0 < (alpha := number("alpha", alpha)) < 1:
             raise _machband.Error(f"alpha is {alpha!r}; expected a number between 0 and 1")
         reach = NormalDist().inv_cdf(1 - alpha / 2)
         estimates, errors = np.array([[row["estimate"], row["se"]] for row in self._rows], np.float64).T

@@ -14,16 +14,13 @@ import warnings
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Union
+from typing import Any, Literal, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
 from ._machband import Error
-
-if TYPE_CHECKING:
-    from ._stimulus import Transfer
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -57,15 +54,6 @@ Dither = Literal[
 Fields = dict[str, "str | bool | list[str]"]
 
 
-class Coding(TypedDict, total=False):
-    """How light becomes codes."""
-
-    transfer: str | Transfer | None
-    bits: Literal[8, 16]
-    dither: Dither
-    seed: Seed
-
-
 def nearest(word: str, among: Iterable[str], cutoff: float = 0.6) -> str:
     """Return a question about the name that is nearest to a word, if one is near."""
     near = difflib.get_close_matches(word, [*among], 1, cutoff)
@@ -90,10 +78,8 @@ def suggests(of: F) -> F:
                 setattr(of, name, classmethod(suggests(member.__func__)))
         return of
     signature = inspect.signature(of).parameters
-    further = [str(one.annotation) for one in signature.values() if one.kind is one.VAR_KEYWORD]
     known = [name for name, one in signature.items() if name not in ("self", "cls") and one.kind is not one.VAR_KEYWORD]
-    known += Coding.__annotations__ if further == ["Unpack[Coding]"] else []
-    is_open = further not in ([], ["Unpack[Coding]"])
+    is_open = any(one.kind is one.VAR_KEYWORD for one in signature.values())
     called = of.__qualname__.removesuffix(".__init__").split(".")[-1]
 
     @functools.wraps(of)
@@ -119,18 +105,21 @@ def in_python(message: str, known: Iterable[str]) -> str:
     message = re.sub(r" <[^>]*>", "", message.replace("<FILE|DIR>...", "data")).replace("the option ppd", "ppd")
     message = re.sub(r"--([a-z-]+)", lambda found: argument.get(found[1], found[0]), message)
     message = re.sub(r", or the option (\w+)$", r", or \1=True", message)
+    renamed = {"vertices": "n_vertices", "screen width": "screen_cm", "distance": "distance_cm"}
+    if (found := re.match(r"([a-z ]+?)(:| [-\d]| NaN| inf)", message)) and (name := renamed.get(found[1])) in argument.values():
+        message = f"{name}{message[found.end(1) :]}"
     message = re.sub(r", such as (missing|categories) '?([^']+)'?$", r", such as \1='\2'", message)
     if (found := re.search('"([^"]*)" is not known; expected (.*)$', message)) and "did you mean" not in message:
         message += nearest(found[1].lower(), among=re.findall(r"[\w:-]+", found[2]), cutoff=0.65)
     return message
 
 
-def whole(name: str, given: object, least: int = 0, most: int = 2**64 - 1) -> int:
-    """Return a whole number within a range."""
+def whole(name: str, given: Any, least: float = -np.inf, most: float = np.inf) -> int:
+    """Return a whole number within a range; the library knows that of its fields."""
     try:
         if isinstance(given, (bool, np.bool_)):
             raise TypeError
-        number = int(given) if isinstance(given, float) and given.is_integer() else operator.index(given)  # type: ignore[arg-type]
+        number = int(given) if isinstance(given, float) and given.is_integer() else operator.index(given)
     except TypeError:
         raise TypeError(f"{name} is {given!r}; expected a whole number") from None
     if not least <= number <= most:
@@ -144,7 +133,7 @@ def seed_of(name: str, given: object) -> int:
         return int(given.integers(2**64, dtype=np.uint64))
     if isinstance(given, np.random.SeedSequence):
         return int(given.generate_state(1, np.uint64)[0])
-    return whole(name, given)
+    return whole(name, given, 0, 2**64 - 1)
 
 
 def typed(name: str, given: Any, of: type | tuple[type, ...], expected: str) -> Any:
@@ -159,6 +148,11 @@ def words(name: str, given: object) -> str:
     return str(typed(name, given, str, "text"))
 
 
+def plain(given: Any) -> Any:
+    """Return the value of an array without dimensions, and anything else as it is."""
+    return given[()] if isinstance(given, np.ndarray) and given.ndim == 0 else given
+
+
 def flag(name: str, given: object) -> bool:
     """Return a truth value."""
     return bool(typed(name, given, (bool, np.bool_), "True or False"))
@@ -171,12 +165,13 @@ def path(name: str, given: object) -> str:
 
 def text(name: str, given: Any) -> str:
     """Return a value as the text that commands and files use: text, a number, or numbers such as ``1,0.5,0``."""
-    if isinstance(given, (str, bool)):
+    given = plain(given)
+    if isinstance(given, str):
         return str(given)
     if isinstance(given, (list, tuple, np.ndarray)) and np.ndim(given) == 1 and len(given) != 1:
         return ",".join(text(name, part) for part in given)
     try:
-        if np.ndim(given) > 0 or isinstance(given, (bytes, bytearray)):
+        if np.ndim(given) > 0 or isinstance(given, (bytes, bytearray, bool, np.bool_)):
             raise TypeError
         if isinstance(given, (int, np.integer)):
             # A seed may have more digits than a float.
@@ -190,10 +185,9 @@ def text(name: str, given: Any) -> str:
 
 def number(name: str, given: object) -> float:
     """Return a number."""
-    if isinstance(given, np.ndarray) and given.ndim == 0:
-        given = given[()]
-    if isinstance(given, (int, float, np.number)) and not isinstance(given, bool):
-        return float(given)
+    given = plain(given)
+    if isinstance(given, (int, float, np.integer, np.floating)) and not isinstance(given, bool):
+        return float(text(name, given))
     raise TypeError(f"{name} is {given!r}; expected a number")
 
 
@@ -202,7 +196,7 @@ def numbers(name: str, given: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
     given = unmasked(name, given)
     try:
         array = np.asarray(given)
-        if array.dtype.kind in "USc":
+        if array.dtype.kind not in "iufO" or (array.dtype.kind == "O" and None in array.ravel().tolist()):
             raise TypeError
         return array.astype(np.float64, copy=False)
     except (TypeError, ValueError):
@@ -221,6 +215,8 @@ def texts(name: str, given: Any) -> str:
     if isinstance(given, str):
         return given
     try:
+        if isinstance(given, (bytes, set, frozenset, Mapping)):
+            raise TypeError
         cells = ["NA" if one is None or one != one else text(name, one) for one in given]
         # Terms have quotes of their own, such as those of the name "near:far".
         return ",".join(one if name == "terms" and '"' in one else _quoted(one) for one in cells)
@@ -234,16 +230,11 @@ def _quoted(text: str) -> str:
     return text if is_plain else '"' + text.replace('"', '""') + '"'
 
 
-def levels(name: str, given: object) -> list[str]:
-    """Return factors with levels."""
-    factors: Any = typed(name, given, Mapping, "a dict of factors with lists of levels")
-    return [f"{factor}={texts(name, kept)}" for factor, kept in factors.items()]
-
-
 def encoding(given: Any) -> Fields:
     """Return the fields of a request that say how codes become light: a `Transfer`, or the text of one."""
     display: str | None = getattr(given, "display", None)
-    return {"display": display} if display else {"transfer": words("transfer", getattr(given, "function", given))}
+    function = given if isinstance(given, type) else getattr(given, "function", given)
+    return {"display": display} if display else {"transfer": words("transfer", function)}
 
 
 #: What makes a field of an argument with this type in the signature; any other becomes text.
@@ -259,7 +250,6 @@ _CONVERSIONS: dict[str, Callable[[str, Any], str | bool | int | list[str]]] = {
     "str | PathLike[str]": path,
     "Texts": texts,
     "float | Texts": texts,
-    "Mapping[str, Listed]": levels,
 }
 
 
@@ -327,7 +317,7 @@ def axes(ax: Any) -> Any:
     """Return axes of matplotlib, by default new ones."""
     from matplotlib import pyplot
 
-    if ax is not None and not hasattr(ax, "imshow"):
+    if ax is not None and not hasattr(ax, "set_axis_off"):
         raise TypeError(f"ax is {ax!r}; expected axes of matplotlib")
     return pyplot.subplots()[1] if ax is None else ax
 

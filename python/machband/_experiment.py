@@ -13,12 +13,13 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _machband
-from ._common import Seed, Table, options, path, progress, seed_of, suggests, table, text
+from ._common import Seed, Table, options, path, plain, progress, seed_of, suggests, table, text
 from ._study import read_results
 
 
 def _plain(given: object) -> Any:
     """Return a value that JSON can hold; infinity is ``inf``, as in a definition file."""
+    given = plain(given)
     if isinstance(given, Mapping):
         return {str(key): _plain(item) for key, item in given.items() if item is not None}
     if isinstance(given, (list, tuple, range, np.ndarray)):
@@ -79,7 +80,7 @@ class Definition:
 
     def __setstate__(self, state: str) -> None:
         """Read the text."""
-        self._native = _machband.Definition.from_canonical(state)
+        self._native = _machband.Definition.from_json(state)
 
     def __eq__(self, other: object) -> bool:
         """Compare the content."""

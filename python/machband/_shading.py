@@ -15,21 +15,9 @@ import numpy.typing as npt
 from . import _machband
 from ._common import Dither, Fields, Seed, flag, numbers, options, path, png, suggests, unmasked, whole
 from ._stimulus import Codes, Transfer
+from .stimuli import Shader, Shape
 
 Triple = Union[Sequence[float], npt.NDArray[Any]]
-Shader = Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
-Shape = Literal[
-    "cube",
-    "pyramid",
-    "sphere",
-    "uv-sphere",
-    "torus",
-    "jittered-torus",
-    "blob",
-    "terrain",
-    "cylinder",
-    "filleted-cylinder",
-]
 
 
 class Mesh(NamedTuple):

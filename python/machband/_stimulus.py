@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from os import PathLike
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _machband
-from ._common import Coding, Dither, Seed, Table, axes, encoding, flag, number, numbers, options, path, png
-from ._common import suggests, table, text, whole
+from ._common import Dither, Seed, Table, axes, encoding, flag, number, numbers, options, path, png, suggests, table
+from ._common import text, whole, words
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -62,7 +62,7 @@ class VisualAngle(NamedTuple):
 
 def _named(kind: object, parameters: Mapping[str, Any]) -> tuple[str, list[tuple[str, str]]]:
     """Return the name of a kind, and parameters as text."""
-    return text("kind", kind), [(name, text(name, parameter)) for name, parameter in parameters.items()]
+    return words("kind", kind), [(name, text(name, parameter)) for name, parameter in parameters.items()]
 
 
 def kinds() -> dict[Kind, str]:
@@ -81,7 +81,7 @@ def parameters(kind: Kind = "mach-band") -> dict[str, Parameter]:
     >>> parameters("mach-band")["width"].default
     0.4
     """
-    return {found[0]: Parameter(*found) for found in _machband.parameters(text("kind", kind), [])}
+    return {found[0]: Parameter(*found) for found in _machband.parameters(words("kind", kind), [])}
 
 
 @suggests
@@ -108,6 +108,8 @@ class Transfer:
 
     def __post_init__(self) -> None:
         """Check the function, or read the profile."""
+        if self.display is not None and self.function not in (None, "srgb"):
+            raise _machband.Error(f"function is {self.function!r}, and display {self.display!r}; expected one of them")
         _machband.encode(np.zeros(3), encoding(self), False)
 
     @classmethod
@@ -144,6 +146,10 @@ class Transfer:
         if not ((given >= 0) & (given <= 1)).all():
             raise _machband.Error(f"{name} goes from {given.min()} to {given.max()}; expected 0 to 1, such as codes / 255")
         return _scalar(_machband.encode(given, encoding(self), inverse))
+
+
+#: How a display turns codes into light; `None` for sRGB.
+Encoding = Union[str, Transfer, None]
 
 
 @suggests
@@ -253,10 +259,10 @@ class Stimulus:
         if degrees and density:
             pixels = (degrees[0] * density, degrees[1] * density)
             wanted = (round(pixels[0]), round(pixels[1]))
-            if np.abs(np.subtract(pixels, wanted)).max() > 1e-6 or 0 in wanted or shape not in (None, wanted):
+            if np.abs(np.subtract(pixels, wanted)).max() > 1e-6 or shape not in (None, wanted):
                 expected = "expected whole pixels, and no size or the same"
                 raise _machband.Error(f"ppd times visual_size is {_one_or_both(pixels)}, size {size}; {expected}")
-            shape = wanted
+            shape = _pair("ppd times visual_size", wanted, lambda name, side: whole(name, side, 1, MAX_SIDE))
         shape = shape or (1024, 1024)
         longest = max(shape)
         if degrees is None or isinstance(visual_size, (int, float, np.number)):
@@ -282,13 +288,19 @@ class Stimulus:
         shown.flags.writeable = False
         return shown
 
-    def codes(self, **coding: Unpack[Coding]) -> Codes:
+    def codes(
+        self, *, transfer: Encoding = None, bits: Literal[8, 16] = 8, dither: Dither = "none", seed: Seed = 1
+    ) -> Codes:
         """Return the codes for a display, as `stimulus` does with these arguments; shape (height, width, 3)."""
-        return stimulus(self.kind, size=self._size, **coding, **self._own)[self._middle]
+        image = options(stimulus, {**locals(), "size": self._size})
+        return _machband.stimulus(*_named(self.kind, self._own), image)[self._middle]
 
-    def profile(self, **coding: Unpack[Coding]) -> Table:
+    def profile(
+        self, *, transfer: Encoding = None, bits: Literal[8, 16] = 8, dither: Dither = "none", seed: Seed = 1
+    ) -> Table:
         """Return the luminance profile through the center, as the function `profile` does with these arguments."""
-        return profile(self.kind, size=self._size, **coding, **self._own)
+        image = options(profile, {**locals(), "size": self._size})
+        return table(*_machband.profile(*_named(self.kind, self._own), image))
 
     def _square(self) -> int:
         """Return the side of a square."""
@@ -315,10 +327,19 @@ class Stimulus:
         fields = {"img": self.light.max(axis=2).astype(np.float64), "shape": self.shape, "kind": self.kind}
         return {**self._own, **fields, "visual_size": self.visual_size, "ppd": self.ppd}
 
-    def save(self, file: str | PathLike[str], *, force: bool = False, **coding: Unpack[Coding]) -> None:
+    def save(
+        self,
+        file: str | PathLike[str],
+        *,
+        force: bool = False,
+        transfer: Encoding = None,
+        bits: Literal[8, 16] = 8,
+        dither: Dither = "none",
+        seed: Seed = 1,
+    ) -> None:
         """Write the image that ``machband stimulus --out`` writes, a PNG with its recipe; with `force`, replace a file."""
-        fields = options(stimulus, {**coding, "size": self._square()})
-        _machband.save_stimulus(*_named(self.kind, self._own), fields, path("file", file), flag("force", force))
+        image = options(stimulus, {**locals(), "size": self._square()})
+        _machband.save_stimulus(*_named(self.kind, self._own), image, path("file", file), flag("force", force))
 
     def plot(self, ax: Any = None) -> Any:
         """Draw it on axes of matplotlib, by default new ones, in degrees of visual angle; return them."""
@@ -330,7 +351,7 @@ class Stimulus:
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Return the light."""
-        return np.array(self.light, dtype) if copy else np.asarray(self.light, dtype)
+        return np.asarray(self.light, dtype) if copy is None else np.array(self.light, dtype, copy=copy)
 
     def __setattr__(self, name: str, value: object) -> None:
         """Refuse to change."""
@@ -496,9 +517,9 @@ def visual_angle(
         raise TypeError(f"visual_angle() got {len(chosen)} lengths; expected exactly one of px, cm and deg")
     [(unit, length)] = chosen
     given = numbers(unit, length)
-    if unit == "deg" and not (np.abs(given) < 180).all():
+    if unit == "deg" and (np.abs(given) >= 180).any():
         raise _machband.Error(f"deg goes up to {np.abs(given).max()}; expected less than 180")
-    screen = (whole("screen_px", screen_px), number("screen_cm", screen_cm))
+    screen = (whole("screen_px", screen_px, 16, 65536), number("screen_cm", screen_cm))
     found, ppd = _machband.visual_angle(given, unit, screen, number("distance_cm", distance_cm))
     in_deg, in_cm, in_px = map(_scalar, found)
     return VisualAngle(in_deg, in_cm, in_px, ppd)

@@ -8,7 +8,7 @@ import json
 import os
 import re
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from . import _machband
 from ._analysis import Analysis
-from ._common import Listed, Seed, Table, Texts, levels, options, path, progress, suggests, table, texts, typed, words
+from ._common import Listed, Seed, Table, Texts, options, path, progress, suggests, table, texts, typed, words
 from ._machband import DataError, Error
 from ._tables import Cells, Levels, columns, encoded, labeled, listed
 
@@ -53,14 +53,19 @@ def read_results(folder: str | PathLike[str]) -> Table:
     found["simulated"] = found["simulated"].astype(bool)
     rows = table(found, described)
     if hasattr(rows, "attrs"):
-        root = Path(folder)
-        sidecars = [root.with_suffix(".json")] if root.is_file() else root.rglob("*_data.json")
-        definitions = [json.loads(file.read_bytes())["definition"] for file in sidecars if file.is_file()]
+        definitions = [json.loads(file.read_bytes())["definition"] for file in _sidecars(folder)]
         scales = {len(one["response"]["labels"]) for one in definitions if not one.get("task")}
         rows.attrs["simulated"] = bool(found["simulated"].all())
         if len(scales) == 1:
             rows.attrs["categories"] = list(range(*scales))
     return rows
+
+
+def _sidecars(data: Any) -> Iterator[Path]:
+    """Return the sidecars of a data file or of those in a folder, which have their definitions."""
+    root = Path(data)
+    found = [root.with_suffix(".json")] if root.is_file() else root.rglob("*_data.json")
+    return (file for file in found if file.is_file())
 
 
 def _paths(data: object) -> list[str]:
@@ -69,11 +74,22 @@ def _paths(data: object) -> list[str]:
     return [str(os.fspath(typed("data", one, (str, os.PathLike), expected))) for one in paths]
 
 
-def _order(factor: str, given: Any) -> list[str]:
-    """Return the texts of a factor's levels in the order given."""
-    if isinstance(given, (str, bytes, set, frozenset)) or not isinstance(given, Iterable):
-        raise TypeError(f"factors[{factor!r}] is {given!r}; expected a list of levels, which has an order")
-    return listed(f"factors[{factor!r}]", np.fromiter(given, object), "NA")
+def _levels(argument: str, given: Any) -> list[str]:
+    """Return factors, each with the texts of its levels in the order given."""
+    factors: Any = typed(argument, given, Mapping, "a dict of factors with lists of levels")
+    found = []
+    for factor, order in factors.items():
+        name = f"{argument}[{factor!r}]"
+        if isinstance(order, (str, bytes, set, frozenset, Mapping)) or not isinstance(order, Iterable):
+            raise TypeError(f"{name} is {order!r}; expected a list of levels, which has an order")
+        levels = listed(name, np.fromiter(order, object), "NA")
+        twice = [level for level in levels if levels.count(level) > 1]
+        if twice or not levels:
+            has = f"has {twice[0]} twice" if twice else "has no level"
+            raise Error(f"{name} {has}; expected each level once")
+        quoted = str(factor).strip().replace('"', '""')
+        found.append(f'"{quoted}"={texts(name, levels)}')
+    return found
 
 
 def _plain(value: Any) -> Any:
@@ -142,9 +158,9 @@ def analyze(
         relation of DuckDB, through the Arrow C stream, which needs pyarrow and pandas; a structured array, or a dict of
         columns. Or result files, folders, tables of counts, or any tables (CSV or Excel). Answers to a task are read from
         their folder. Ordered categories (`Categorical`, `Enum`) say which values a column has, and their order. A masked
-        value is missing;
-        True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its attributes, which a
-        selection keeps and a merge may lose; any other table has the scale that its responses show.
+        value is missing; True is 1, and False 0. A DataFrame from `read_results` or `simulate` knows its scale by its
+        attributes, which a selection keeps and a merge may lose; any other table or file without a definition has the
+        scale that its responses show.
     subject
         Column with the participant ID [default: subject_id, or the only column participant, participant_id, subject or
         subject_nr].
@@ -175,7 +191,7 @@ def analyze(
         Exclude trials that were answered more slowly, in seconds.
     terms
         Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
-        with : or * [default: every factor that varies].
+        with *, or with : beside its parts [default: every factor that varies].
     link
         Link function of the cumulative model.
     slopes
@@ -219,7 +235,8 @@ def analyze(
         Column with the levels of a psychometric function: the table has answers at levels instead of ratings.
     factors
         Columns with the factors [default: the factors of the definition or of the terms]. A dict gives the order of
-        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``.
+        their levels, of which the first is the baseline: ``{"dose": ["none", "little", "lots"]}``. Levels that are not
+        named follow.
     on_error
         What to do with rows that are wrong, such as a rating that is not on the scale: ``raise`` a `DataError`, whose
         `rows` are their positions, or ``drop`` them with a warning, if they are at most 2 % of the rows.
@@ -254,30 +271,32 @@ def analyze(
         cells = [(name, one[:2] if isinstance(one := found[name], Levels) else one) for name, _ in given_columns]
         orders = {name: one.levels for name, one in found.items() if isinstance(one, Levels) and one.is_ordered}
     is_ours = response is None and wide is None
-    if is_ours and level is None and (found or categories is not None):
-        # Without a name, the library would assume a scale from 0 to 3.
+    if is_ours and level is None and (found or categories is not None or not any(map(any, map(_sidecars, cells)))):
+        # Without a name, the library would assume a scale from 0 to 3, also of data without a definition.
         response = "rating"
-    asked = [response] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
+    asked = [str(response)] if wide is None else next(csv.reader([texts("wide", wide).split("=", 1)[-1]]))
     answers = [found[name] for name in asked if name in found]
     no_rating = all(isinstance(one, np.ndarray) and np.isnan(one).all() for one in answers)
     if is_ours and response and "task" in found and no_rating:
         raise Error("the rows answer a task and have no rating; expected the folder of their sessions")
-    scales = [orders.pop(str(name), None) for name in asked]
+    scales = [orders.pop(name, None) for name in asked]
     if categories is None and found and level is None:
         if is_ours and all(isinstance(one, np.ndarray) for one in answers):
             categories = recorded.get("categories")
-        elif all(scale == scales[0] for scale in scales):
+        elif asked and all(scale == scales[0] for scale in scales):
             categories = scales[0]
-    given = options(analyze, locals(), "factors", "on_error")
+    given = options(analyze, locals(), "factors", "only", "on_error")
     # A generator draws another one each time.
     seed = int(str(given["seed"]))
-    usual, own = options(analyze, {}, "factors", "on_error"), locals()
+    usual, own = options(analyze, {}, "factors", "only", "on_error"), locals()
     call = "".join(f", {name}={_plain(own[name])!r}" for name, one in given.items() if one != usual.get(name))
+    call += "".join(f", {name}={_plain(own[name])!r}" for name in ("factors", "only") if own[name] is not None)
     if factors is not None:
-        given["factors"] = texts("factors", factors)
-        call += f", factors={_plain(factors)!r}"
+        given["factors"] = texts("factors", [*factors] if isinstance(factors, Mapping) else factors)
     if isinstance(factors, Mapping):
-        given["levels"] = levels("factors", {name: _order(name, order) for name, order in factors.items()})
+        given["levels"] = _levels("factors", factors)
+    if only is not None:
+        given["only"] = _levels("only", only)
     with progress("simulated studies") as show:
         try:
             native = _machband.analyze(given, cells, [*orders.items()], on_error == "drop", call, show)
@@ -323,6 +342,8 @@ def verify(folder: str | PathLike[str]) -> Verification:
     """
     with progress("sessions") as show:
         sessions, errors = _machband.verify(path("folder", folder), show)
+    if not sessions and not os.path.exists(folder):
+        raise Error(errors[0])
     return Verification({Path(file): found for file, found in sessions}, errors)
 
 

@@ -250,7 +250,10 @@ def steps(
     if isinstance(picture, (str, PathLike)):
         found, dithered = _machband.steps({**request, "picture": path("picture", picture)}, None)
         return _made(Steps, found, picture=dithered)
-    found, dithered = _machband.steps(request, _pixels("picture", picture))
+    pixels = _pixels("picture", picture)
+    if pixels.dtype.kind == "f":
+        raise _machband.Error("picture is light, which has no codes; expected codes as uint8 or uint16")
+    found, dithered = _machband.steps(request, pixels)
     light = "as asked" if {"transfer", "display"} & {*request} else "sRGB is assumed"
     return _made(Steps, found, picture=dithered, light=light)
 

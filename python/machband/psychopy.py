@@ -12,8 +12,8 @@ from psychopy.visual import GratingStim, ImageStim
 from psychopy.visual.basevisual import MinimalStim
 
 from . import _machband
-from ._common import _STIMULUS_PARAMETERS, Dither, Seed, nearest, number
-from ._stimulus import Codes, Kind, Stimulus, Transfer, stimulus
+from ._common import _STIMULUS_PARAMETERS, Dither, Seed, nearest
+from ._stimulus import Codes, Kind, Stimulus, Transfer, _positive, stimulus
 
 __all__ = ["MachBandStim"]
 
@@ -182,7 +182,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         else:
             # What PsychoPy notes about any stimulus, such as its status, can be set.
             near = nearest(name, among=parameters, cutoff=0.75) if not hasattr(self, name) else ""
-            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS} or hasattr(GratingStim, name)
+            is_other = name in {"kind", "parameters", *_VIEW, *_STIMULUS_PARAMETERS, "image"} or hasattr(GratingStim, name)
             if parameters and (near or (is_other and not hasattr(MinimalStim, name))):
                 settable = ", ".join([*self._own, *self._images, *parameters])
                 raise AttributeError(f"{name!r} cannot be set; expected one of {settable}{near}")
@@ -191,9 +191,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
 
 def _side(given: float | None) -> float | None:
     """Return a side above 0, or `None`."""
-    if given is not None and not 0 < number("size", given) < np.inf:
-        raise _machband.Error(f"size is {given!r}; expected a number above 0")
-    return given
+    return None if given is None else _positive("size", given)
 
 
 #: What a stimulus of its own has, and one in a window has not.

@@ -15,6 +15,9 @@ from ._stimulus import Stimulus
 
 __all__ = ["chevreul", "cornsweet", "kanizsa", "mach_band", "shaded_cylinder", "shaded_mesh", "vasarely"]
 
+Shader = Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
+Shape = Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"]
+
 
 class Parameters(TypedDict, total=False):
     """The parameters of all kinds of stimulus."""
@@ -35,11 +38,11 @@ class Parameters(TypedDict, total=False):
     squares: float
     side: float
     radius: float
-    shader: Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"]
+    shader: Shader
     boundary: float
     vertex: Literal["off", "printed", "repaired"]
     reweight: Literal["off", "printed", "repaired"]
-    mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"]
+    mesh: Shape
     vertices: float
     rotate: str | Sequence[float]
     light: str | Sequence[float]
@@ -293,12 +296,12 @@ def kanizsa(
 @suggests
 def shaded_mesh(
     *,
-    shader: Literal["flat", "gouraud", "phong", "quadratic", "fixed", "gradient", "gradient-repaired", "patch", "c1-phong"] = "gouraud",
+    shader: Shader = "gouraud",
     depth: float | Literal["inf"] = 3,
     boundary: float = 0.2,
     vertex: Literal["off", "printed", "repaired"] = "off",
     reweight: Literal["off", "printed", "repaired"] = "off",
-    mesh: Literal["cube", "pyramid", "sphere", "uv-sphere", "torus", "jittered-torus", "blob", "terrain", "cylinder", "filleted-cylinder"] = "blob",
+    mesh: Shape = "blob",
     vertices: float = 313,
     rotate: str | Sequence[float] = "25,-35,0",
     light: str | Sequence[float] = "0.36,0.48,0.8",

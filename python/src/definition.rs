@@ -40,13 +40,6 @@ impl Definition {
         })
     }
 
-    /// Reads what `to_json` returned.
-    #[staticmethod]
-    fn from_canonical(text: &str) -> PyResult<Self> {
-        let value: serde_json::Value = serde_json::from_str(text).map_err(error)?;
-        definition::from_json("definition", &value).map(Self).map_err(error)
-    }
-
     /// Returns all keys as the text of a definition file.
     fn to_toml(&self) -> PyResult<String> {
         let value = serde_json::to_value(&self.0).map_err(error)?;
@@ -104,10 +97,8 @@ impl Definition {
             }
             row
         };
-        described(
-            py,
-            Table::new(names.map(|name| Column::new(name, "", "")).collect(), schedule.trials.iter().map(row)),
-        )
+        let columns = names.map(|name| Column::new(name, "", "")).collect();
+        described(py, Table::new(columns, schedule.trials.iter().map(row)))
     }
 }
 

@@ -10,7 +10,7 @@ use machband::{
     work::{Encoding, Image},
 };
 use numpy::{IntoPyArray as _, PyArrayDyn, PyArrayMethods as _, PyReadonlyArrayDyn};
-use pyo3::prelude::*;
+use pyo3::{IntoPyObjectExt as _, prelude::*};
 
 use crate::{
     Fields, error, job, request,
@@ -19,13 +19,6 @@ use crate::{
 
 /// Parameters of a stimulus: names and values.
 pub type Given = Vec<(String, String)>;
-
-/// A number or text.
-#[derive(IntoPyObject)]
-pub enum Value {
-    Number(f64),
-    Text(String),
-}
 
 /// Makes a stimulus from its kind and its parameters.
 pub fn stimulus_of(kind: &str, given: Given) -> PyResult<Stimulus> {
@@ -75,7 +68,7 @@ pub fn light<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields)
 /// Returns the profile that the command `stimulus --profile` writes.
 #[pyfunction]
 pub fn profile<'py>(py: Python<'py>, kind: &str, parameters: Given, image: Fields) -> PyResult<Described<'py>> {
-    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(curve::table(&curve::samples(recipe, quantizer)));
+    let table = |recipe: &Recipe, quantizer: &Quantizer| Ok(curve::table(recipe, quantizer));
     described(py, made(py, (kind, parameters, image), false, table)?)
 }
 
@@ -101,20 +94,19 @@ pub fn kinds() -> Vec<(&'static str, &'static str)> {
 }
 
 /// A parameter: its name, value, unit, meaning and range, and all its values if they are a few names.
-type About = (&'static str, Option<Value>, &'static str, &'static str, &'static str, &'static [&'static str]);
+type About = (&'static str, Py<PyAny>, &'static str, &'static str, &'static str, &'static [&'static str]);
 
 /// Returns the parameters of a stimulus; those that are not given have their defaults.
 #[pyfunction]
-pub fn parameters(kind: &str, given: Given) -> PyResult<Vec<About>> {
+pub fn parameters(py: Python<'_>, kind: &str, given: Given) -> PyResult<Vec<About>> {
     let stimulus = stimulus_of(kind, given)?;
-    let value = |name| {
-        stimulus.get(name).map(|value| match value {
-            ParameterValue::Number(number) => Value::Number(number),
-            ParameterValue::Text(text) => Value::Text(text),
-        })
+    let value = |name| match stimulus.get(name) {
+        Some(ParameterValue::Number(number)) => number.into_py_any(py),
+        Some(ParameterValue::Text(text)) => text.into_py_any(py),
+        None => Ok(py.None()),
     };
     let all = stimulus.parameters().iter();
-    Ok(all.map(|p| (p.name, value(p.name), p.unit, p.description, p.expected, p.choices)).collect())
+    all.map(|p| Ok((p.name, value(p.name)?, p.unit, p.description, p.expected, p.choices))).collect()
 }
 
 /// Numbers of any shape.

@@ -85,11 +85,8 @@ pub fn compare<'py>(
 pub fn steps<'py>(py: Python<'py>, fields: Fields, given: Option<Shown<'py>>) -> PyResult<(String, Bound<'py, PyAny>)> {
     let request = request::<Compare>(fields)?;
     let given = match given.map(Shown::picture).transpose()? {
-        Some(Picture::Light(_)) => {
-            return Err(error("picture is light, which has no codes; expected codes as uint8 or uint16"));
-        }
         Some(Picture::Codes(codes)) => Some(codes),
-        None => None,
+        _ => None,
     };
     let found = job::run(py, None, false, move |job| request.steps(given, job))?;
     job::warn(py, found.note().as_slice())?;

@@ -226,7 +226,7 @@ def test_psychopy_shows_the_codes(window_size):
         assert stim.ori == 90
         with pytest.raises(AttributeError, match="did you mean 'width'"):
             stim.widht = 0.2
-        for name in ["contrast", "kind", "parameters", "ppd", "visual_size", "steps", "shader", "colorSpace", "sf"]:
+        for name in ["contrast", "kind", "parameters", "ppd", "visual_size", "steps", "shader", "colorSpace", "sf", "image"]:
             with pytest.raises(AttributeError, match=f"'{name}' cannot be set"):
                 setattr(stim, name, stim.kind)
         for given in [{"steps": 3}, {"sf": 2}, {"colorSpace": "rgb"}, {"kind": "mach_band"}]:

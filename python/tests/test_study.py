@@ -36,7 +36,7 @@ def test_a_definition_from_a_dict_is_the_files(tmp_path):
         }
     )
     assert again.conditions().equals(machband.Definition("bangay2003").conditions())
-    factors = {"width": np.float32([0.1, 0.2]), "depth": [np.int8(1), np.float32(np.inf)]}
+    factors = {"width": [np.array(np.float32(0.1)), np.float32(0.2)], "depth": [np.int8(1), np.float32(np.inf)]}
     keys = {"schema": 1, "name": "d", "stimulus": {"kind": "mach-band"}, "factors": factors}
     assert machband.Definition.from_dict(keys).to_dict()["factors"]["width"] == [0.1, 0.2]
     assert again.schedule("P1", "2", 7).equals(machband.Definition("bangay2003").schedule("P1", "2", 7))
@@ -70,13 +70,10 @@ def test_a_definition_can_be_saved_copied_and_compared(tmp_path):
 def test_wrong_definitions_are_refused(keys, words):
     with pytest.raises(machband.Error, match=words):
         machband.Definition.from_dict(keys)
-    with pytest.raises(TypeError, match="keys is .1.; expected a dict"):
-        machband.Definition.from_dict([1])
-
-
-def test_an_unknown_definition_is_named():
     with pytest.raises(machband.Error, match="did you mean quick"):
         machband.Definition("qiuck")
+    with pytest.raises(TypeError, match="keys is .1.; expected a dict"):
+        machband.Definition.from_dict([1])
 
 
 def test_the_trials_are_the_sessions(sessions):
@@ -219,12 +216,14 @@ def test_ordered_texts_missing_values_and_counts():
         assert machband.analyze(frame, count="n", **given).files["cells.csv"] == found.files["cells.csv"]
 
 
-def test_a_scale_is_that_of_the_data_or_named():
+def test_a_scale_is_that_of_the_data_or_named(tmp_path):
     frame = pandas.DataFrame({"subject_id": [*"abcd"] * 12, "width": [0.1] * 24 + [0.2] * 24, "rating": [1, 2, 3, 4] * 12})
     given = dict(factors=["width"], draws=99)
     assert machband.analyze(frame, **given).tables["by_width"]["n"].tolist() == [24, 24]
     expected = machband.analyze(frame, response="rating", **given)
     assert not expected.errors and expected.tables["by_width"]["n"].tolist() == [24, 24]
+    frame.to_csv(tmp_path / "ratings.csv", index=False)
+    assert machband.analyze(tmp_path / "ratings.csv", **given).files == expected.files
     # An ordered Categorical, and categories, say which scale it is.
     names = ["none", "low", "mid", "high"]
     frame["rating"] = frame.rating.map(dict(zip([1, 2, 3, 4], names, strict=True)))
@@ -291,6 +290,10 @@ def test_generators_of_numpy_are_seeds():
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 0}, machband.Error, "draws 0: outside 99…1000000"),
         ({"subject_id": ["a"], "rating": [1]}, {"draws": 19.5}, TypeError, "draws is 19.5"),
         ({"subject_id": ["a"], "rating": [1]}, {"large": "no"}, TypeError, "large is 'no'; expected True or False"),
+        ({"subject_id": ["a"], "rating": [1]}, {"response": ["rating"]}, TypeError, r"response is \['rating'\]; expected text"),
+        ({"subject_id": ["a"], "rating": [1]}, {"wide": []}, machband.Error, "wide"),
+        ({"subject_id": ["a"], "rating": ["x"]}, {"categories": {"x", "y"}}, TypeError, "categories is {.*; expected a list of texts"),
+        ({"subject_id": ["a"], "rating": [3]}, {"missing": b"3"}, TypeError, "missing is b'3'; expected a list of texts"),
     ],
 )
 def test_wrong_data_are_refused(data, given, error, words):
@@ -416,6 +419,8 @@ def test_changes_are_found(command, tmp_path):
     found = machband.verify(tmp_path)
     assert not found and any("S001" in error for error in found.errors)
     assert command("verify", tmp_path, status=1).splitlines() == [f"error: {error}" for error in found.errors]
+    with pytest.raises(machband.Error, match="nowhere: does not exist; expected"):
+        machband.verify(tmp_path / "nowhere")
     (tmp_path / "empty").mkdir()
     with pytest.raises(machband.Error, match="contains no session"):
         machband.verify(tmp_path / "empty")

@@ -136,13 +136,6 @@ def test_masks_are_missing_values():
         assert masked.files == blank.files
 
 
-def test_warnings_about_data_are_a_category():
-    table = study(answer=["low", None, "high", "low"] * 12)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", machband.DataWarning)
-        machband.analyze(table, **GIVEN)
-
-
 @pytest.mark.parametrize("how", ["categorical", "dict"])
 def test_order_and_baseline_are_as_given(how):
     order = ["none", "little", "lots", "max"]
@@ -173,15 +166,19 @@ def test_order_and_baseline_are_as_given(how):
     ("order", "error", "words"),
     [
         (["nnone", "a lot"], machband.Error, "^factors: nnone is not a level of dose; expected .*; did you mean none"),
+        (["none", "a lot", "none"], machband.Error, r"^factors\['dose'\] has none twice; expected each level once"),
+        ([], machband.Error, r"^factors\['dose'\] has no level"),
         ("none,a lot", TypeError, "expected a list of levels"), (None, TypeError, "factors.'dose'. is None"),
     ],
 )
 def test_wrong_orders_are_refused(order, error, words):
     with pytest.raises(error, match=words):
         machband.analyze(study(), **{**GIVEN, "factors": {"dose": order}})
-    # Levels that are not named follow.
+    # Levels that are not named follow, and True is 1.
     kept = machband.analyze(study(), **{**GIVEN, "factors": {"dose": ["none"]}})
     assert kept.tables["by_dose"]["dose"].tolist() == ["none", "a lot"]
+    table = study(**{"a=b": [True, False] * 24})
+    assert machband.analyze(table, **{**GIVEN, "factors": {"a=b": [True]}, "only": {"a=b": [True]}}).nobs == 24
 
 
 def test_times_and_bytes_are_the_same_texts():

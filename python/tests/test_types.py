@@ -8,7 +8,7 @@ import pytest
 
 import machband
 from conftest import ROOT, needs
-from machband import _shading, _stimulus
+from machband import _stimulus
 
 MISTAKES = [
     "stimuli.mach_band(wdith=0.2)",
@@ -46,8 +46,9 @@ def test_completion_offers_the_parameters():
     needs("jedi")
     import jedi
 
-    code = "import machband\nmachband.stimuli.mach_band(wi"
-    assert [found.name for found in jedi.Script(code).complete(2, 29)] == ["width="]
+    for code, name in [("mach_band(wi", "width="), ("mach_band().codes(di", "dither=")]:
+        found = jedi.Script(f"import machband\nmachband.stimuli.{code}").complete(2, len(f"machband.stimuli.{code}"))
+        assert [one.name for one in found] == [name]
 
 
 def test_the_stimuli_are_those_of_the_library():
@@ -55,9 +56,6 @@ def test_the_stimuli_are_those_of_the_library():
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=True)
     assert done.stdout == (ROOT / "machband" / "stimuli.py").read_text(), "run scripts/generate_stimuli.py"
     assert set(typing.get_args(_stimulus.Kind)) == set(machband.kinds())
-    mesh = machband.parameters("shaded-mesh")
-    assert [*typing.get_args(_shading.Shader)] == mesh["shader"].choices
-    assert [*typing.get_args(_shading.Shape)] == mesh["mesh"].choices
     for kind in machband.kinds():
         made = getattr(machband.stimuli, kind.replace("-", "_"))(size=32)
         assert made == machband.Stimulus(kind, size=32)

@@ -74,6 +74,8 @@ def test_steps_are_those_of_the_command(command, tmp_path):
     assert of_fine.rounded == pytest.approx(found.steps, rel=0.1) and of_fine.steps < 0.1 < of_fine.dithered
     command("stimulus", "--width", 0.9, "--low", 0.2, "--high", 0.22, "--size", 200, "--out", "slow.png")
     told = json.loads(command("compare", "slow.png", "--steps", "--window", 20, "--json"))
+    with pytest.raises(machband.Error, match="missing.png"):
+        machband.compare("missing.png", tmp_path / "slow.png", window_deg=4)
     of_file = machband.steps(tmp_path / "slow.png", window_deg=20)
     assert [of_file.steps, of_file.dithered] == pytest.approx([told["steps"], told["dithered"]])
     with pytest.raises(ValueError, match="picture is light, which has no codes"):
@@ -116,8 +118,8 @@ def test_wrong_pictures_are_refused(image, given, error, words):
         ({"size": 4}, machband.Error, "size 4"),
         ({"ppd": 1, "window_deg": 1}, machband.Error, "cannot be used with"),
         ({"ppd": np.inf}, machband.Error, "ppd inf"),
-        ({"kind": machband.stimuli.chevreul(size=8)}, TypeError, "kind is Stimulus.'chevreul'.*expected a number or text"),
-        ({"kind": 3}, machband.Error, "kind \"3\" is not known"),
+        ({"kind": machband.stimuli.chevreul(size=8)}, TypeError, "kind is Stimulus.'chevreul'.*expected text"),
+        ({"kind": 3}, TypeError, "kind is 3; expected text"),
         ({"ppd": (32, 32)}, TypeError, "ppd"),
         ({"criterion": "missing.toml"}, machband.Error, "missing.toml"),
     ],
@@ -125,8 +127,3 @@ def test_wrong_pictures_are_refused(image, given, error, words):
 def test_wrong_predictions_are_refused(given, error, words):
     with pytest.raises(error, match=words):
         machband.predict(**given)
-
-
-def test_missing_files_are_named():
-    with pytest.raises(machband.Error, match="missing.png"):
-        machband.compare("missing.png", "photo.jpg", window_deg=4)

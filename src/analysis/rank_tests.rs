@@ -82,7 +82,6 @@ impl SubjectMeans {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Friedman {
     pub subjects: usize,
-    pub levels: usize,
     /// Friedman's χ², corrected for ties.
     pub chi_squared: f64,
     /// Degrees of freedom.
@@ -129,7 +128,7 @@ pub fn friedman(means: &SubjectMeans, permutations: usize) -> Option<Friedman> {
     let asymptotic = (chi_squared_tail(chi_squared, df), PMethod::ChiSquared);
     let (p, method) = if n > EXACT_PARTICIPANTS { asymptotic } else { permutation_probability(&rows, permutations) };
     let w = chi_squared / (subjects * df as f64);
-    Some(Friedman { subjects: n, levels: k, chi_squared, df, p, method, w })
+    Some(Friedman { subjects: n, chi_squared, df, p, method, w })
 }
 
 /// Returns the probability that the sum of squares of the rank sums is at least as large as observed if each

@@ -1,6 +1,6 @@
 //! Dialogs above the pages: help, settings, and the question before the window is closed during a session.
 
-use eframe::egui::{self, Context, Grid, RichText, Ui, ViewportCommand};
+use eframe::egui::{self, Context, RichText, Ui, ViewportCommand};
 
 use super::{
     session::Trials,
@@ -15,6 +15,8 @@ use crate::store::settings::{Settings, ThemeChoice};
 
 /// Width of a dialog's content, points.
 const WIDTH: f32 = 560.0;
+/// Width of the column of keys, points.
+const KEYS: f32 = 190.0;
 /// The choices for the zoom; the keys allow others.
 const ZOOMS: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 /// Keys that work everywhere outside trials.
@@ -65,9 +67,9 @@ pub fn help(ctx: &Context, place: Place) -> bool {
         });
         paragraph(ui, "Measure, analyze, generate and predict the visibility of Mach bands.");
         section(ui, "Keys of this page");
-        keys(ui, "page", keys_of(place));
+        keys(ui, keys_of(place));
         section(ui, "Keys everywhere");
-        keys(ui, "everywhere", EVERYWHERE);
+        keys(ui, EVERYWHERE);
         section(ui, "About");
         paragraph(ui, "License: MIT or Apache-2.0, as you choose.");
         paragraph(
@@ -109,14 +111,16 @@ fn dialog(ctx: &Context, id: &str, add: impl FnOnce(&mut Ui)) -> bool {
     !(clicked || closed)
 }
 
-fn keys(ui: &mut Ui, id: &str, keys: &[(&str, &str)]) {
-    Grid::new(id).num_columns(2).min_col_width(180.0).spacing([16.0, 4.0]).show(ui, |ui| {
-        for (key, what) in keys {
-            ui.label(RichText::new(*key).strong());
+fn keys(ui: &mut Ui, keys: &[(&str, &str)]) {
+    for (key, what) in keys {
+        ui.horizontal_top(|ui| {
+            ui.scope(|ui| {
+                ui.set_width(KEYS);
+                ui.label(RichText::new(*key).strong());
+            });
             paragraph(ui, *what);
-            ui.end_row();
-        }
-    });
+        });
+    }
 }
 
 /// The question before the window is closed during a session or a measurement.

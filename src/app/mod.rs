@@ -58,19 +58,11 @@ pub fn open(launch: Launch) -> Result<(), WindowError> {
     window::open(fullscreen, |cc, input| App { input, ..App::new(cc, launch) })
 }
 
-/// What the window shows.
-#[derive(Default)]
-enum View {
-    /// One of the places, next to the side bar.
-    #[default]
-    Places,
-    Session(Box<Runner>),
-}
-
 /// The program's window.
 #[derive(Default)]
 pub struct App {
-    view: View,
+    /// The session that is shown instead of a place.
+    session: Option<Box<Runner>>,
     place: Place,
     studies: Studies,
     /// The definition that is edited at [`Place::Studies`].
@@ -93,34 +85,31 @@ impl App {
     /// Shows the first page of a launch.
     pub fn new(cc: &eframe::CreationContext<'_>, launch: Launch) -> Self {
         let direct = launch.request.is_some();
-        let view = launch.request.map_or(View::Places, |request| View::Session(Box::new(Runner::new(request))));
+        let session = launch.request.map(|request| Box::new(Runner::new(request)));
         ui::theme::apply(&cc.egui_ctx);
-        Self { view, direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::default() }
+        Self { session, direct, memory: Memory::open(&cc.egui_ctx, launch.settings), ..Self::default() }
     }
 
     fn draw(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let monitor = Monitor::current(ui.ctx(), frame);
-        let step = match &mut self.view {
-            View::Session(session) => session.show(ui, &monitor, &mut self.input, self.direct),
-            View::Places => return self.draw_places(ui, &monitor),
-        };
-        match step {
+        let Some(session) = &mut self.session else { return self.draw_places(ui, &monitor) };
+        match session.show(ui, &monitor, &mut self.input, self.direct) {
             Step::Stay => return,
             Step::Next(data_set) => {
                 self.analysis = Some(Box::new(analysis::Analysis::of(ui.ctx(), data_set)));
                 // From here, one can go anywhere.
-                (self.view, self.place, self.direct) = (View::Places, Place::Analyze, false);
+                (self.session, self.place, self.direct) = (None, Place::Analyze, false);
             }
             Step::Back if self.direct => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Step::Back => {
-                let finish = if let View::Session(session) = &self.view { session.finish() } else { None };
+                let session = self.session.take();
+                let finish = session.as_ref().and_then(|session| session.finish());
                 let completed = finish.is_some_and(|finish| finish.complete);
                 if let Some(finish) = finish {
                     let how = if completed { "finished" } else { "interrupted" };
                     let path = finish.path.display();
                     ui::say(ui.ctx(), format!("The session is {how}; every answer is saved in {path}."));
                 }
-                self.view = View::Places;
                 self.go(Place::Studies, completed);
             }
         }
@@ -148,17 +137,16 @@ impl App {
         let step = match self.place {
             Place::Studies if self.editor.is_some() => return self.draw_editor(ui),
             Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
-            Place::Stimuli => {
+            Place::Stimuli | Place::Shading => {
                 let distance_cm = number(&self.studies.screen().distance_cm);
                 let assumed = DisplayProfile::default();
                 let profile = self.studies.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
-                let gallery = self
-                    .gallery
-                    .get_or_insert_with(|| Box::new(explore::gallery::Gallery::new(profile.clone(), distance_cm)));
-                gallery.set_screen(profile, distance_cm);
-                Step::back_if(gallery.show(ui))
+                Step::back_if(if self.place == Place::Shading {
+                    self.shading.get_or_insert_default().show(ui, profile)
+                } else {
+                    self.gallery.get_or_insert_default().show(ui, profile, distance_cm)
+                })
             }
-            Place::Shading => Step::back_if(self.shading.get_or_insert_default().show(ui)),
             Place::Display => {
                 let protocol = self.studies.checked().and_then(|checked| checked.protocol.as_ref());
                 let window_deg = protocol.map_or(10.0, |protocol| protocol.viewing.window_deg);
@@ -181,7 +169,7 @@ impl App {
                 if let Some(analysis) = &mut self.analysis {
                     analysis.pause();
                 }
-                self.view = View::Session(Box::new(Runner::new(*request)));
+                self.session = Some(Box::new(Runner::new(*request)));
             }
             Step::Next(Destination::Editor(definition, sessions)) => match editor::Editor::of(&definition, sessions) {
                 Ok(editor) => self.editor = Some(Box::new(editor)),
@@ -198,20 +186,19 @@ impl App {
 
     /// Draws the line at the lower edge: the latest message, and the folder or the display of the page.
     fn draw_status(&self, ui: &mut egui::Ui) {
-        let (icon, about) = match self.place {
-            Place::Studies => (Icon::Folder, self.studies.folder().display().to_string()),
-            Place::Analyze => {
-                let opened = self.analysis.as_ref().and_then(|analysis| analysis.opened());
-                (Icon::Folder, opened.map(|path| path.display().to_string()).unwrap_or_default())
-            }
+        let shown = |path: PathBuf| path.display().to_string();
+        let about = match self.place {
+            Place::Studies => Some(shown(self.studies.folder())),
+            Place::Analyze => self.analysis.as_ref().and_then(|analysis| analysis.opened()).map(shown),
             // The pages themselves say which display they are about.
-            Place::Display => (Icon::Display, String::new()),
+            Place::Display => None,
             Place::Stimuli | Place::Shading => {
                 let display = self.studies.checked().and_then(|checked| checked.display.as_ref());
-                (Icon::Display, display.map(DisplayProfile::sentence).unwrap_or_default())
+                display.map(DisplayProfile::sentence)
             }
         };
-        ui::status_line(ui, (!about.is_empty()).then_some((icon, &about)));
+        let icon = if self.place.shows_stimuli() { Icon::Display } else { Icon::Folder };
+        ui::status_line(ui, about.as_deref().map(|about| (icon, about)));
     }
 
     fn draw_editor(&mut self, ui: &mut egui::Ui) {
@@ -245,7 +232,7 @@ impl App {
 
     /// Returns the page that measures the screen, while it does so. As in a trial, the window shows nothing else.
     fn measured(&mut self) -> Option<&mut display::Display> {
-        let shown = matches!(self.view, View::Places) && self.place == Place::Display;
+        let shown = self.session.is_none() && self.place == Place::Display;
         self.display.as_deref_mut().filter(|display| shown && display.ground().is_some())
     }
 
@@ -255,11 +242,9 @@ impl App {
             Some(SideDialog::Settings) => {
                 dialogs::settings(ctx, &mut self.memory.settings, self.memory.problem.as_deref())
             }
-            None => true,
+            None => return,
         };
-        if !open {
-            self.dialog = None;
-        }
+        self.dialog = self.dialog.filter(|_| open);
     }
 
     /// Asks before the window is closed while something would be left unfinished.
@@ -269,7 +254,7 @@ impl App {
             display.pause(ctx);
             self.quit.ask(ctx);
         }
-        let trials = if let View::Session(session) = &mut self.view { session.trials() } else { None };
+        let trials = self.session.as_mut().and_then(|session| session.trials());
         self.quit.show(ctx, trials);
         if closes && self.editor.as_mut().is_some_and(|editor| editor.asks_before_closing()) {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -281,7 +266,7 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.input.frame(ui.input(|input| input.time), Instant::now());
-        let is_dark = !matches!(self.view, View::Places) || self.measured().is_some();
+        let is_dark = self.session.is_some() || self.measured().is_some();
         self.memory.apply(ui.ctx(), is_dark);
         ui::begin_frame(ui.ctx());
         self.draw(ui, frame);
@@ -298,10 +283,10 @@ impl eframe::App for App {
     /// Returns the background of the page, or the uniform field of a trial. Clearing to this color costs nothing;
     /// without a GPU, drawing a full-screen rectangle would take most of a frame's time.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        let ground = match &self.view {
-            View::Session(session) => Some(session.ground()),
-            View::Places if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
-            View::Places => None,
+        let ground = match &self.session {
+            Some(session) => Some(session.ground()),
+            None if self.place == Place::Display => self.display.as_ref().and_then(|display| display.ground()),
+            None => None,
         };
         ground.unwrap_or(ui::theme::ink_of(visuals).page).to_normalized_gamma_f32()
     }
@@ -310,8 +295,7 @@ impl eframe::App for App {
 impl Program for App {
     fn close(&mut self) -> Option<PathBuf> {
         self.memory.save_now();
-        let View::Session(session) = &mut self.view else { return None };
-        let trials = session.trials()?;
+        let trials = self.session.as_mut()?.trials()?;
         trials.close();
         Some(trials.recording.store.csv().to_owned())
     }

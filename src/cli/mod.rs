@@ -129,7 +129,7 @@ fn run(arguments: Arguments, writer: &Writer) -> anyhow::Result<bool> {
     let done = match arguments.command {
         #[cfg(feature = "window")]
         None => {
-            let settings = arguments.config.or_else(crate::store::settings::SettingsFile::default_path);
+            let settings = arguments.config.or_else(|| Some(crate::system::config_folder()?.join("settings.toml")));
             crate::app::open(crate::app::Launch { request: None, settings }).map_err(Into::into)
         }
         #[cfg(not(feature = "window"))]

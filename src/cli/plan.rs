@@ -102,9 +102,10 @@ fn shown(table: &Table, names: &[&str]) -> Vec<String> {
         cell => Shown::new(cell.clone(), cell.to_string()),
     };
     let is_shown = |column: &&Column| names.contains(&column.name.as_str());
-    let columns: Vec<Column> = table.columns.iter().filter(is_shown).cloned().collect();
-    let rows: Vec<Vec<Shown>> = Table { columns }.rows().map(|row| row.into_iter().map(text).collect()).collect();
-    super::columns(names, &rows)
+    let table = Table { columns: table.columns.iter().filter(is_shown).cloned().collect() };
+    let rows: Vec<Vec<Shown>> = table.rows().map(|row| row.into_iter().map(text).collect()).collect();
+    let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+    super::columns(&names, &rows)
 }
 
 /// Says what was simulated.

@@ -7,8 +7,7 @@ use crate::{
     experiment::Identity,
     store::{
         StoreError,
-        dataset::SessionPaths,
-        dataset::free_participant,
+        dataset::{SessionPaths, free_participant},
         definition, profile,
         session::{Changes, SessionStore},
     },

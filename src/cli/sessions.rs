@@ -18,15 +18,14 @@ pub(super) fn simulate(request: &Simulate) -> anyhow::Result<()> {
     let started = Instant::now();
     let bar = Bar::new("trials");
     signals::watch();
-    let done = simulate::simulate(request, &protocol, &bar);
+    let rows = simulate::simulate(request, &protocol, &bar);
     bar.clear();
-    let done = done?;
     print_line(&format!(
         "{} of {} in {}, {}, {:.1} s",
-        count(done.sessions, "session"),
+        count(request.participants.into(), "session"),
         protocol.name,
-        done.folder.display(),
-        count(done.rows, "row"),
+        request.results.join(&protocol.name).display(),
+        count(rows?, "row"),
         started.elapsed().as_secs_f64()
     ))
 }

@@ -66,16 +66,6 @@ impl Channel {
             Self::Gray => [code; 3],
         }
     }
-
-    /// Returns 0 for red, 1 for green and 2 for blue; `None` for gray.
-    pub fn index(self) -> Option<usize> {
-        match self {
-            Self::Red => Some(0),
-            Self::Green => Some(1),
-            Self::Blue => Some(2),
-            Self::Gray => None,
-        }
-    }
 }
 
 impl fmt::Display for Channel {

@@ -84,7 +84,8 @@ impl Rows {
             let encoded = if error == 0.0 { encoded } else { share.powf(gamma.recip()) };
             (encoded * 255.0).round() as u8
         });
-        std::array::from_fn(|i| if channel.index().is_none_or(|index| index == i) { codes[i] } else { 0 })
+        let lit = channel.rgb(1);
+        std::array::from_fn(|i| lit[i] * codes[i])
     }
 }
 
@@ -145,13 +146,6 @@ pub struct Match {
     pub rows: Rows,
     /// The patch's code.
     pub code: u8,
-}
-
-impl Match {
-    /// Draws the image: a square of `side` pixels with a square patch of about `patch_px` pixels.
-    pub fn picture(&self, side: u32, patch_px: u32) -> CodeImage {
-        self.rows.picture(self.channel, self.channel.rgb(self.code), [side, side], patch_px)
-    }
 }
 
 /// A run of matches: provides the images and takes the codes.

@@ -9,6 +9,5 @@ pub mod profile;
 pub mod steps;
 
 pub use channel::Channel;
-pub use geometry::Monitor;
-pub use geometry::{Screen, Viewing};
+pub use geometry::{Monitor, Screen, Viewing};
 pub use profile::{DisplayProfile, LuminanceRange, Measurement, Primaries};

@@ -108,14 +108,6 @@ fn day<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<Date>
     text.parse().map(Some).map_err(wrong)
 }
 
-impl Measurement {
-    /// Returns the days from the measurement to `today`; `None` if the day of the measurement is unknown.
-    pub fn age_days(&self, today: Date) -> Option<i32> {
-        let since = self.on?.until((jiff::Unit::Day, today)).ok()?;
-        Some(since.get_days())
-    }
-}
-
 impl Default for DisplayProfile {
     /// An sRGB display, assumed and not measured.
     fn default() -> Self {
@@ -156,12 +148,11 @@ impl DisplayProfile {
         )
     }
 
-    /// Says in one sentence why the profile may be unreliable on the day `today`; `None` if there is no reason.
+    /// Says in one sentence why a measurement may be unreliable on the day `today`; `None` if there is no reason, or no
+    /// measurement.
     pub fn warning(&self, today: Date) -> Option<String> {
-        let Some(measured) = &self.measured else {
-            return Some("This screen was not measured; its luminance is assumed.".to_owned());
-        };
-        match measured.age_days(today) {
+        let since = self.measured.as_ref()?.on.map(|on| on.until((jiff::Unit::Day, today)));
+        match since.and_then(Result::ok).map(|since| since.get_days()) {
             None => Some("The profile does not say when the screen was measured.".to_owned()),
             Some(days) if days > VALID_DAYS => Some(format!(
                 "The screen was measured {days} days ago; after {VALID_DAYS} days it should be measured again."

@@ -26,12 +26,11 @@ pub use definition::{Definition, Design, MAX_RATING, Order, Plan, Presentation, 
 pub use faults::{DefinitionError, DefinitionErrors};
 pub use frame_log::{FrameRun, Shown};
 pub use observer::{Observer, OrderedLogit, UniformObserver, VisionObserver, VisionRater, simulate};
-pub use participant::Identity;
-pub use participant::{Answers, FieldKind, FieldSpec, MAX_ANSWER, ParticipantField, ParticipantFields};
+pub use participant::{Answers, FieldKind, FieldSpec, Identity, MAX_ANSWER, ParticipantField, ParticipantFields};
 pub use protocol::{Protocol, name_error};
 pub use record::{
-    Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, Seconds, TaskAnswer, TrialRecord,
-    columns, columns_by_header, is_reserved,
+    Column, IN_BIDS, Rating, RatingRow, RowContext, SECOND, SIMULATED, STIM_FILE, STIMULUS, Seconds, TaskAnswer,
+    TrialRecord, columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
 pub use scale::{CATEGORIES, Category, ResponseScale, default_key};

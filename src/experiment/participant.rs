@@ -1,4 +1,4 @@
-//! What a session asks about the participant before its first page.
+//! The identifiers of a participant and a session, and what a session asks about the participant before its first page.
 
 use std::fmt;
 
@@ -129,11 +129,6 @@ impl ParticipantFields {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
-
-    /// Adds the errors of all fields.
-    pub(super) fn check(&self, errors: &mut DefinitionErrors) {
-        self.0.iter().for_each(|field| field.check_definition(errors));
-    }
 }
 
 impl ParticipantField {
@@ -214,7 +209,8 @@ impl ParticipantField {
         Ok(Some(if is_whole { (number as i64).into() } else { number.into() }))
     }
 
-    fn check_definition(&self, errors: &mut DefinitionErrors) {
+    /// Adds the errors of the field.
+    pub(super) fn check(&self, errors: &mut DefinitionErrors) {
         let Self { name, spec } = self;
         let path = format!("participant.{name}");
         let first = |c: char| c.is_ascii_lowercase();
@@ -314,12 +310,12 @@ impl Identity {
 
     /// Checks a participant identifier alone.
     pub fn check_subject(id: &str) -> Result<String, String> {
-        check("participant", id, "S001")
+        check_id("participant", id, "S001")
     }
 
     /// Checks a session identifier alone.
     pub fn check_session(id: &str) -> Result<String, String> {
-        check("session", id, "1")
+        check_id("session", id, "1")
     }
 
     /// Returns the participant's identifier.
@@ -349,7 +345,7 @@ pub(super) fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-fn check(what: &str, id: &str, example: &str) -> Result<String, String> {
+fn check_id(what: &str, id: &str, example: &str) -> Result<String, String> {
     if (1..=MAX_LENGTH).contains(&id.len()) && id.chars().all(|c| c.is_ascii_alphanumeric()) {
         return Ok(id.to_owned());
     }

@@ -72,7 +72,7 @@ impl Protocol {
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
-    /// Checks that the parameters that the task adjusts or adapts change what it shows. This draws stimuli, so it is for
+    /// Checks that the parameters that the task adjusts or adapts change what it shows, and so do those of a reference. This draws stimuli, so it is for
     /// definitions that are written; those of recorded sessions were checked.
     ///
     /// # Errors
@@ -86,22 +86,32 @@ impl Protocol {
         let second = second.map(|it| ("adaptive.second.parameter", it.parameter.clone(), it.levels.clone()));
         let reference = self.task.reference().cloned().unwrap_or_default();
         let (picks, mut errors) = (self.picks(), DefinitionErrors::default());
+        // Most differences are seen in few pixels; only more pixels tell that there is none.
+        let differ =
+            |one: &Stimulus, other: &Stimulus| [32, 512].into_iter().any(|px| one.linear(px) != other.linear(px));
         for (path, name, levels) in adjusted.into_iter().chain(self.adaptive.as_ref().map(adapted)).chain(second) {
-            let light = |shown: &Stimulus, level: f64, side: u32| {
+            let at = |shown: &Stimulus, level: f64| {
                 let mut changed = shown.clone();
-                changed.set(&name, &level.into()).ok().map(|()| changed.linear(side))
+                changed.set(&name, &level.into()).ok().map(|()| changed)
             };
-            // Most differences are seen in few pixels; only more pixels tell that there is none.
-            let differs = |shown: &Stimulus, side: u32| {
-                let first = light(shown, levels[0], side);
-                levels[1..].iter().any(|level| light(shown, *level, side) != first)
+            let is_changed = |shown: &Stimulus| {
+                let mut shown = levels.iter().filter_map(|level| at(shown, *level));
+                shown.next().is_some_and(|first| shown.any(|other| differ(&first, &other)))
             };
             let targets = self.conditions.iter().flat_map(|condition| targets(condition, &picks));
             let mut shown = targets.flat_map(|target| [reference.apply(&target).ok(), Some(target)]).flatten();
-            if !shown.any(|shown| [32, 512].into_iter().any(|side| differs(&shown, side))) {
+            if !shown.any(|shown| is_changed(&shown)) {
                 let message = "changes nothing that is shown; expected a parameter that has an effect here";
                 errors.add(path, format!("{name} {message}"));
             }
+        }
+        let is_seen = |target: Stimulus| reference.apply(&target).is_ok_and(|other| differ(&target, &other));
+        let is_told = |condition: &Condition| targets(condition, &picks).any(is_seen);
+        // Pictures of a study's own are other files.
+        let is_drawn = self.task.reference().is_some() && !matches!(self.stimulus, Stimulus::Image(_));
+        if is_drawn && errors.0.is_empty() && !self.conditions.iter().all(is_told) {
+            let message = "the reference looks like the target; expected parameters that change what is shown";
+            errors.add("task.reference", message);
         }
         if errors.0.is_empty() { Ok(self) } else { Err(errors.0) }
     }
@@ -212,7 +222,7 @@ impl Definition {
         errors.check_range("plan.sessions", self.plan.sessions.into(), 1.0, 99.0, "the sessions of each participant");
         self.check_response(errors);
         self.check_task(errors);
-        self.participant.check(errors);
+        self.participant.0.iter().for_each(|field| field.check(errors));
         errors.0.extend(self.script_errors());
         conditions
     }

@@ -184,12 +184,6 @@ macro_rules! record {
     };
 }
 
-/// Returns the value of a factor's level.
-fn level_value(level: &str) -> CellValue {
-    let number = level.parse().ok().filter(|number: &f64| !number.is_nan());
-    if level.is_empty() { CellValue::Missing } else { CellValue::Level(level.to_owned(), number) }
-}
-
 /// Reads the cell at `next` and advances to the following cell.
 fn cell<T: Cell>(cells: &[&str], next: &mut usize, name: &str) -> Result<T, (usize, String)> {
     let at = *next;
@@ -251,7 +245,7 @@ record! {
 }
 
 /// The columns of a stimulus.
-const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
+pub const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 /// What follows the names of the columns of the second stimulus of a pair.
 pub const SECOND: &str = "_2";
 
@@ -266,7 +260,11 @@ impl TrialRecord {
     /// is one.
     pub fn values(&self) -> Vec<CellValue> {
         let answer = self.answer.as_ref().map(TaskAnswer::own_values).unwrap_or_default();
-        [self.own_values(), answer, self.further.iter().map(|level| level_value(level)).collect()].concat()
+        let further = self.further.iter().map(|level| {
+            let number = level.parse().ok().filter(|number: &f64| !number.is_nan());
+            if level.is_empty() { CellValue::Missing } else { CellValue::Level(level.clone(), number) }
+        });
+        [self.own_values(), answer, further.collect()].concat()
     }
 
     /// Reads a row whose cells are in the order of [`columns`].
@@ -276,7 +274,7 @@ impl TrialRecord {
     pub fn from_cells(cells: &[&str], columns: &[Column]) -> Result<Self, (usize, String)> {
         let mut next = 0;
         let mut row = Self::read(cells, &mut next)?;
-        if has_task(columns) {
+        if columns.get(FIXED.len()).is_some_and(|column| column.name == TASK[0].0) {
             row.answer = Some(TaskAnswer::read(cells, &mut next)?);
         } else if row.rating.is_none() {
             let at = FIXED.iter().position(|(name, ..)| *name == "rating").unwrap_or_default();
@@ -285,11 +283,6 @@ impl TrialRecord {
         row.further = cells[next..].iter().map(|cell| (*cell).to_owned()).collect();
         Ok(row)
     }
-}
-
-/// Returns whether rows with these columns have those of a task.
-fn has_task(columns: &[Column]) -> bool {
-    columns.get(FIXED.len()).is_some_and(|column| column.name == TASK[0].0)
 }
 
 /// Returns every column of a protocol's result files, in order.

@@ -104,8 +104,12 @@ impl<'a> Replay<'a> {
         };
         if !self.has_gaps {
             return Err(gap.unwrap_or_else(|| {
-                let expected =
-                    if is_over { "no further trial of its condition".to_owned() } else { self.expected(index) };
+                let expected = match self.course.presentation(index).pick {
+                    _ if is_over => "no further trial of its condition".to_owned(),
+                    Pick::Level(level, None) => format!("the level {level}"),
+                    Pick::Level(level, Some(second)) => format!("the level {level} with {second}"),
+                    _ => "the most informative pair".to_owned(),
+                };
                 format!("row {} does not follow from the answers before it; expected {expected}", row.row_id)
             }));
         }
@@ -145,15 +149,6 @@ impl<'a> Replay<'a> {
         }
         let all = found.iter().map(|(name, cell, is)| format!("{name} {is:?} instead of {cell:?}"));
         self.unplanned(row, &all.collect::<Vec<_>>().join(", "))
-    }
-
-    fn expected(&self, index: usize) -> String {
-        match self.course.presentation(index).pick {
-            Pick::Level(level, second) => {
-                format!("the level {level}{}", second.map_or_else(String::new, |second| format!(" with {second}")))
-            }
-            _ => "the most informative pair".to_owned(),
-        }
     }
 
     fn unplanned(&self, row: &TrialRecord, expected: &str) -> String {

@@ -42,9 +42,6 @@ pub enum Dither {
 }
 
 impl Dither {
-    /// The seed of `random` if none is given.
-    pub const DEFAULT_SEED: u64 = 1;
-
     /// Returns this dither with the seed `seed`; a dither that is not random stays the same.
     #[must_use]
     pub const fn with_seed(self, seed: u64) -> Self {
@@ -76,7 +73,7 @@ impl FromStr for Dither {
             "none" => Ok(Dither::None),
             "ordered" => Ok(Dither::Ordered(DitherMatrix::default())),
             "blue-noise" => Ok(Dither::BlueNoise),
-            "random" => Ok(Dither::Random { seed: Dither::DEFAULT_SEED }),
+            "random" => Ok(Dither::Random { seed: 1 }),
             _ => match text.strip_prefix("ordered:") {
                 Some(matrix) => {
                     matrix.parse().map(Dither::Ordered).map_err(|error: DitherMatrixError| error.to_string())

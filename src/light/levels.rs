@@ -70,64 +70,41 @@ impl Levels {
     }
 }
 
-/// How many steps are looked at on either side of one, ...
+/// How many steps between levels are looked at on either side of one, ...
 const NEAR: usize = 3;
 /// ... and how many of them must be alike. Colors that are only few are not evenly spaced.
 const ALIKE: usize = 3;
-/// A step leads from a level to the nearest one to which at least one in so many changes leads as to the most frequent one, ...
-const FREQUENT: usize = 4;
-/// ... if these are at least one in so many of all changes from it.
-const MANY: usize = 3;
 
 /// Returns, for each level of a channel, how far the values that were rounded to it reach below and above it: half of the
-/// step from it, if the steps there are even, as after posterizing or stretching the contrast, and otherwise half a level.
-/// Steps are what most often lies between neighboring pixels, so that text over a ramp does not hide its steps, and flat
-/// areas of a few colors are none. Also returns whether most changes are larger than steps.
+/// step to the next level that occurs, if the steps there are even, as after posterizing or stretching the contrast, and
+/// otherwise half a level. Steps are what most often lies between neighboring pixels: flat areas of a few colors have
+/// none. Also returns whether most changes are larger than steps.
 pub fn reaches(channel: &[f64], width: usize) -> (Vec<[f64; 2]>, bool) {
+    let levels = distinct(channel.iter().map(|level| *level as u32));
+    let mut place = vec![0; 1 << 16];
+    levels.iter().enumerate().for_each(|(i, level)| place[*level as usize] = i);
     let beside = channel.chunks_exact(width).flat_map(|row| row.iter().zip(&row[1..]));
-    let beside = beside.chain(channel.iter().zip(channel.iter().skip(width))).filter(|(a, b)| a != b);
-    let mut changes: Vec<[u16; 2]> = beside.map(|(a, b)| [a.min(*b) as u16, a.max(*b) as u16]).collect();
-    changes.sort_unstable();
-    let counts = || changes.chunk_by(PartialEq::eq).map(|alike| (alike[0].map(usize::from), alike.len()));
-    // The changes to levels below and above each level: all of them, those to the most frequent one, and the nearest one.
-    let (mut all, mut most) = (vec![[0; 2]; 1 << 16], vec![[0; 2]; 1 << 16]);
-    for ([low, high], count) in counts() {
-        for (level, side) in [(low, 1), (high, 0)] {
-            all[level][side] += count;
-            most[level][side] = count.max(most[level][side]);
-        }
-    }
-    let mut next = vec![[None; 2]; 1 << 16];
-    for ([low, high], count) in counts() {
-        if FREQUENT * count >= most[low][1].max(most[high][0]) {
-            let is_step = MANY * count >= all[low][1].max(all[high][0]);
-            next[low][1].get_or_insert(is_step.then_some(high));
-            next[high][0] = Some(is_step.then_some(low));
-        }
-    }
-    let step = |from: usize, side: usize| {
-        next[from][side].flatten().filter(|to: &usize| next[*to][1 - side] == Some(Some(from)))
+    let beside = beside.chain(channel.iter().zip(channel.iter().skip(width)));
+    let changes: Vec<[usize; 2]> =
+        beside.filter(|(a, b)| a != b).map(|(a, b)| [a.min(*b) as usize, a.max(*b) as usize]).collect();
+    let is_most =
+        |of: &dyn Fn(&[usize; 2]) -> bool| 2 * changes.iter().filter(|change| of(change)).count() > changes.len();
+    let apart: Vec<u32> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let has_steps = is_most(&|[low, high]| place[*high] - place[*low] == 1);
+    let half = |i: usize| {
+        let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
+        // It is like itself.
+        let alike = near.iter().filter(|other| other.abs_diff(apart[i]) <= 1).count() - 1;
+        0.5 * if has_steps && alike >= ALIKE { f64::from(apart[i]) } else { 1.0 }
     };
+    let halves: Vec<f64> = (0..apart.len()).map(half).collect();
     let mut reaches = vec![[0.5; 2]; 1 << 16];
-    for first in (0..1 << 16).filter(|level| step(*level, 0).is_none() && step(*level, 1).is_some()) {
-        let levels: Vec<usize> = std::iter::successors(Some(first), |level| step(*level, 1)).collect();
-        let apart: Vec<usize> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let half = |i: usize| {
-            let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
-            // It is like itself.
-            let alike = near.iter().filter(|other| other.abs_diff(apart[i]) <= 1).count() - 1;
-            0.5 * if alike >= ALIKE { apart[i] as f64 } else { 1.0 }
-        };
-        for (i, level) in levels.iter().enumerate() {
-            let [below, above] = [i.checked_sub(1), (i < apart.len()).then_some(i)].map(|gap| gap.map(half));
-            // The lowest and the highest level reach as far to either side.
-            let [lowest, highest] = [below.or(above), above.or(below)];
-            reaches[*level] = [lowest.unwrap_or(0.5), highest.unwrap_or(0.5)];
-        }
+    for (i, level) in levels.iter().enumerate() {
+        // The lowest and the highest level reach as far to either side.
+        let [below, above] = [i.checked_sub(1).and_then(|below| halves.get(below)), halves.get(i)];
+        reaches[*level as usize] = [below.or(above), above.or(below)].map(|half| half.copied().unwrap_or(0.5));
     }
-    let is_edge = |[low, high]: &[usize; 2]| (high - low) as f64 > reaches[*low][1] + reaches[*high][0];
-    let edges = changes.iter().filter(|change| is_edge(&change.map(usize::from))).count();
-    let is_edges = 2 * edges > changes.len();
+    let is_edges = is_most(&|[low, high]| (high - low) as f64 > reaches[*low][1] + reaches[*high][0]);
     (reaches, is_edges)
 }
 

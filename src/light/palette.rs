@@ -1,8 +1,7 @@
-//! Palettes: reduces an image of 8-bit codes to fewer colors and reports the error in light. Shoaff §2.2.10.
+//! Palettes: reduces an image of 8-bit codes to fewer colors. Shoaff §2.2.10.
 //!
 //! Colors are counted and split into boxes by their codes, but averaged and compared in linear light: the color of a
-//! box is its mean light, and each pixel gets the nearest color in the palette. The reported error is therefore the
-//! smallest that the palette allows.
+//! box is its mean light, and each pixel gets the nearest color in the palette.
 //!
 //! The palette and the indices are the same on every machine: the code uses no threads and no random numbers, breaks
 //! ties by the codes, adds in a fixed order, and first rounds light to f32, so the last bits of a machine's `powf` make
@@ -11,10 +10,6 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
-
-use quantette::deps::palette::LinSrgb;
-use quantette::wu::{BinnerF32x3, WuF32x3};
-use quantette::{PaletteCounts, PaletteSize};
 
 use super::image::{CodeImage, Samples};
 use super::quantize::{Bits, Quantizer};
@@ -35,27 +30,7 @@ named! {
         /// color. Shoaff §2.2.10, solution 3; Heckbert 1982, *Color image quantization for frame buffer display*,
         /// Computer Graphics 16(3):297, doi:10.1145/965145.801294.
         MedianCut = "median-cut",
-        /// K-means in linear light (Celebi 2011, doi:10.1016/j.imavis.2010.10.002), starting from boxes of least
-        /// variance (Wu 1992, doi:10.1145/146443.146475, computed by the crate quantette), from median cut and from the
-        /// most frequent colors; the best of the three results wins. Its rms error is never larger than the error of
-        /// the other two methods.
-        KMeans = "k-means",
     }
-}
-
-/// The image has more bits per code than a palette can hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the image has 16-bit codes; expected 8-bit codes, the only ones that a palette can hold")]
-pub struct SixteenBits;
-
-/// The difference between a reduced image and the original, over all pixels and all three channels, in relative
-/// luminance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightError {
-    /// The root mean square of the differences.
-    pub rms: f64,
-    /// The largest difference.
-    pub max: f64,
 }
 
 /// An image that consists of a palette and a palette index for every pixel.
@@ -70,8 +45,6 @@ pub struct IndexedImage {
     pub palette: Vec<[u8; 3]>,
     /// The palette index of every pixel, row by row from the top left.
     pub indices: Vec<u8>,
-    /// The error that the reduction causes.
-    pub error: LightError,
 }
 
 impl IndexedImage {
@@ -114,7 +87,7 @@ impl FromStr for Reduction {
         let parsed = with_number(text, 1..=MAX_COLORS).map(|(reducer, colors)| Self { reducer, colors });
         parsed.ok_or_else(|| {
             format!(
-                "{text:?} is not a palette; expected popularity, median-cut or k-means, a colon and 1…256 colors, such as median-cut:16"
+                "{text:?} is not a palette; expected popularity or median-cut, a colon and 1…256 colors, such as median-cut:16"
             )
         })
     }
@@ -131,9 +104,13 @@ pub fn reduce(
     image: &CodeImage,
     transfers: impl Into<Transfers>,
     reduction: Reduction,
-) -> Result<IndexedImage, SixteenBits> {
+) -> Result<IndexedImage, &'static str> {
     let colors = reduction.colors.clamp(1, MAX_COLORS) as usize;
-    let pixels = image.bytes().ok_or(SixteenBits)?.as_chunks::<3>().0;
+    let pixels = image
+        .bytes()
+        .ok_or("the image has 16-bit codes; expected 8-bit codes, the only ones that a palette can hold")?
+        .as_chunks::<3>()
+        .0;
     let quantizer = Quantizer::new(transfers, Bits::Eight);
     let tallies = count(pixels, &quantizer);
     let mut palette = if tallies.len() <= colors {
@@ -142,12 +119,17 @@ pub fn reduce(
         match reduction.reducer {
             Reducer::Popularity => most_frequent(&tallies, colors),
             Reducer::MedianCut => median_cut(&tallies, colors, &quantizer),
-            Reducer::KMeans => k_means(&tallies, colors, &quantizer),
         }
     };
     palette.sort_unstable();
     palette.dedup();
-    Ok(index(image, pixels, palette, &tallies, &quantizer))
+    let lights: Vec<[f64; 3]> = palette.iter().map(|&codes| light_of(codes, &quantizer)).collect();
+    // There are at most 256 colors.
+    let chosen: Vec<u8> = tallies.iter().map(|tally| nearest(&lights, tally.light) as u8).collect();
+    // Every color of the image has a tally, so the search always succeeds.
+    let tally = |codes: &[u8; 3]| tallies.binary_search_by_key(codes, |tally| tally.codes).unwrap_or(0);
+    let indices = pixels.iter().map(|codes| chosen[tally(codes)]).collect();
+    Ok(IndexedImage { width: image.width, height: image.height, palette, indices })
 }
 
 /// Counts the pixels of every color; the colors come in ascending order of their codes.
@@ -166,40 +148,15 @@ fn most_frequent(tallies: &[Tally], colors: usize) -> Vec<[u8; 3]> {
 
 /// Returns the codes of the mean light of `tallies`, which must not be empty.
 fn mean_codes(tallies: &[Tally], quantizer: &Quantizer) -> [u8; 3] {
-    let mut sum = Sum::default();
-    tallies.iter().for_each(|tally| sum.add(tally));
-    codes_of(sum.mean(), quantizer)
+    let pixels: f64 = tallies.iter().map(|tally| f64::from(tally.count)).sum();
+    let light = |channel: usize| tallies.iter().map(|tally| f64::from(tally.count) * tally.light[channel]).sum::<f64>();
+    // An 8-bit code fits into u8.
+    quantizer.codes([0, 1, 2].map(|channel| (light(channel) / pixels) as f32)).map(|code| code as u8)
 }
 
 /// Returns the relative luminances of `codes`, rounded to f32.
 fn light_of(codes: [u8; 3], quantizer: &Quantizer) -> [f64; 3] {
     quantizer.linear(codes.map(u16::from)).map(|light| f64::from(light as f32))
-}
-
-fn codes_of(light: [f64; 3], quantizer: &Quantizer) -> [u8; 3] {
-    // An 8-bit code fits into u8.
-    quantizer.codes(light.map(|value| value as f32)).map(|code| code as u8)
-}
-
-/// A sum of light over pixels, from which the mean is taken.
-#[derive(Clone, Copy, Default)]
-struct Sum {
-    light: [f64; 3],
-    count: f64,
-}
-
-impl Sum {
-    fn add(&mut self, tally: &Tally) {
-        let count = f64::from(tally.count);
-        for (sum, value) in self.light.iter_mut().zip(tally.light) {
-            *sum += count * value;
-        }
-        self.count += count;
-    }
-
-    fn mean(&self) -> [f64; 3] {
-        self.light.map(|sum| sum / self.count)
-    }
 }
 
 /// Returns the channel in which the box of codes around `tallies` is longest; in a tie, the first channel.
@@ -248,135 +205,9 @@ fn median(tallies: &[Tally]) -> usize {
     tallies.len() - 1
 }
 
-/// Bins per side of Wu's histogram, spread over the image's range of light.
-const BINS: usize = 64;
-/// The maximum number of k-means rounds. Every round improves the palette; most images need fewer.
-const MAX_ROUNDS: usize = 64;
-
-fn k_means(tallies: &[Tally], colors: usize, quantizer: &Quantizer) -> Vec<[u8; 3]> {
-    let light = |palette: &[[u8; 3]]| palette.iter().map(|&codes| light_of(codes, quantizer)).collect::<Vec<_>>();
-    let coded = |centers: &[[f64; 3]]| centers.iter().map(|&center| codes_of(center, quantizer)).collect::<Vec<_>>();
-    let starts = [
-        filled_up(least_variance(tallies, colors), tallies, colors),
-        light(&median_cut(tallies, colors, quantizer)),
-        light(&most_frequent(tallies, colors)),
-    ];
-    // Rounding to codes may undo what the last rounds gained, so the starting palettes also compete.
-    let palettes = starts.into_iter().flat_map(|start| [coded(&start), coded(&settled(start, tallies))]);
-    let squares = |palette: &[[u8; 3]]| {
-        let centers = light(palette);
-        tallies.iter().map(|tally| f64::from(tally.count) * nearest(&centers, tally.light).1).sum::<f64>()
-    };
-    // `min_by` returns the first of equally good palettes.
-    palettes
-        .map(|palette| (squares(&palette), palette))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(vec![], |best| best.1)
-}
-
-/// Fills `centers` up to `colors` entries by repeatedly adding the color with the largest total error.
-fn filled_up(mut centers: Vec<[f64; 3]>, tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
-    let mut distances: Vec<f64> = tallies.iter().map(|tally| nearest(&centers, tally.light).1).collect();
-    while centers.len() < colors {
-        let cost = |at: usize| distances[at] * f64::from(tallies[at].count);
-        let worst = (0..tallies.len()).fold(0, |worst, at| if cost(at) > cost(worst) { at } else { worst });
-        if distances[worst] <= 0.0 {
-            break;
-        }
-        let center = tallies[worst].light;
-        for (distance, tally) in distances.iter_mut().zip(tallies) {
-            *distance = distance.min(squared_distance(center, tally.light));
-        }
-        centers.push(center);
-    }
-    centers
-}
-
-/// Returns the `centers` after k-means: each is the mean of the colors nearest to it.
-fn settled(mut centers: Vec<[f64; 3]>, tallies: &[Tally]) -> Vec<[f64; 3]> {
-    let mut chosen: Vec<usize> = vec![usize::MAX; tallies.len()];
-    for _ in 0..MAX_ROUNDS {
-        let mut sums = vec![Sum::default(); centers.len()];
-        let mut changed = false;
-        for (tally, chosen) in tallies.iter().zip(&mut chosen) {
-            let (at, _) = nearest(&centers, tally.light);
-            changed |= std::mem::replace(chosen, at) != at;
-            sums[at].add(tally);
-        }
-        if !changed {
-            break;
-        }
-        for (center, sum) in centers.iter_mut().zip(&sums) {
-            if sum.count > 0.0 {
-                *center = sum.mean();
-            }
-        }
-    }
-    centers
-}
-
-/// Returns the centers of at most `colors` boxes of low variance in linear light.
-fn least_variance(tallies: &[Tally], colors: usize) -> Vec<[f64; 3]> {
-    let ranges = [0, 1, 2].map(|channel| {
-        let light = || tallies.iter().map(|tally| tally.light[channel] as f32);
-        let (least, most) = (light().fold(f32::INFINITY, f32::min), light().fold(f32::NEG_INFINITY, f32::max));
-        (least, if most > least { most } else { least + 1.0 })
-    });
-    let light = tallies.iter().map(|tally| LinSrgb::from(tally.light.map(|value| value as f32))).collect();
-    let counts = tallies.iter().map(|tally| tally.count).collect();
-    let size = PaletteSize::try_from(colors).unwrap_or(PaletteSize::MAX);
-    let binner = BinnerF32x3::<BINS, BINS, BINS>::new(ranges);
-    let boxes = PaletteCounts::new(light, counts).ok().and_then(|counts| WuF32x3::run_palette_counts(&counts, binner));
-    let centers = boxes.map(|boxes| boxes.palette(size));
-    centers.map_or_else(Vec::new, |centers| {
-        centers.iter().map(|center| [center.red, center.green, center.blue].map(f64::from)).collect()
-    })
-}
-
-#[inline]
-fn squared_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    let [x, y, z] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    x * x + y * y + z * z
-}
-
-/// Returns the index of the center nearest to `light` (the first of equally near centers) and its squared distance,
-/// which is ∞ if `centers` is empty.
-fn nearest(centers: &[[f64; 3]], light: [f64; 3]) -> (usize, f64) {
-    let mut best = (0, f64::INFINITY);
-    for (at, &center) in centers.iter().enumerate() {
-        let distance = squared_distance(center, light);
-        if distance < best.1 {
-            best = (at, distance);
-        }
-    }
-    best
-}
-
-/// Gives every pixel the nearest color in `palette` and measures the error.
-fn index(
-    image: &CodeImage,
-    pixels: &[[u8; 3]],
-    palette: Vec<[u8; 3]>,
-    tallies: &[Tally],
-    quantizer: &Quantizer,
-) -> IndexedImage {
-    let light = |codes: [u8; 3]| quantizer.linear(codes.map(u16::from));
-    let centers: Vec<[f64; 3]> = palette.iter().map(|&codes| light_of(codes, quantizer)).collect();
-    let (mut squares, mut max) = (0.0, 0.0f64);
-    let mut chosen = Vec::with_capacity(tallies.len());
-    for tally in tallies {
-        let (at, _) = nearest(&centers, tally.light);
-        for (before, after) in light(tally.codes).into_iter().zip(light(palette[at])) {
-            let error = (before - after).abs();
-            squares += f64::from(tally.count) * error * error;
-            max = max.max(error);
-        }
-        // There are at most 256 colors.
-        chosen.push(at as u8);
-    }
-    // Every color of the image has a tally, so the search always succeeds.
-    let tally = |codes: &[u8; 3]| tallies.binary_search_by_key(codes, |tally| tally.codes).unwrap_or(0);
-    let indices = pixels.iter().map(|codes| chosen[tally(codes)]).collect();
-    let rms = if pixels.is_empty() { 0.0 } else { (squares / (3 * pixels.len()) as f64).sqrt() };
-    IndexedImage { width: image.width, height: image.height, palette, indices, error: LightError { rms, max } }
+/// Returns the index of the color nearest to `light`; the first of equally near ones.
+fn nearest(colors: &[[f64; 3]], light: [f64; 3]) -> usize {
+    let distance = |color: &[f64; 3]| (0..3).map(|channel| (color[channel] - light[channel]).powi(2)).sum::<f64>();
+    let distances = colors.iter().map(distance).enumerate();
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
 }

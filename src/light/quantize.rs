@@ -110,7 +110,6 @@ impl ChannelQuantizer {
 /// of red, green and blue.
 #[derive(Clone, Debug)]
 pub struct Quantizer {
-    transfers: Transfers,
     bits: Bits,
     /// Alike channels share one.
     channels: [Arc<ChannelQuantizer>; 3],
@@ -129,17 +128,12 @@ impl Quantizer {
             }
             None => transfers.channels().each_ref().map(made),
         };
-        Self { transfers, bits, channels }
+        Self { bits, channels }
     }
 
     /// Returns the number of bits in a code.
     pub fn bits(&self) -> Bits {
         self.bits
-    }
-
-    /// The display's transfer functions.
-    pub fn transfers(&self) -> &Transfers {
-        &self.transfers
     }
 
     /// Returns the quantizer of red (0), green (1) or blue (2).

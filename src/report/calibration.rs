@@ -8,7 +8,7 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
     let models = &calibration.models;
     let channels = models.iter().flat_map(|model| model.channels.iter().map(|channel| (model.family, channel)));
     let channels: Vec<(Family, &FittedChannel)> = channels.collect();
-    let fits = TableOf::new("fitted models", &channels)
+    let fits = TableOf::new("Fitted models", &channels)
         .text("model", |(family, _)| family.name())
         .text("channel", |(_, own)| own.channel.name())
         .number("gamma", |(_, own)| {
@@ -23,7 +23,7 @@ pub fn tables(calibration: &Calibration) -> [TextTable; 2] {
         })
         .number("R²", |(_, own)| decimals(own.r_squared, 6))
         .number("largest codes", |(_, own)| decimals(own.largest_codes, 2));
-    let validation = TableOf::new("leave-one-level-out error", models)
+    let validation = TableOf::new("Leave-one-level-out error", models)
         .text("model", |model| model.family.name())
         .number("rms codes", |model| decimals(model.validation.rms_codes, 2));
     [fits.into(), validation.into()]

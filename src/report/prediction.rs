@@ -79,8 +79,7 @@ impl StudyPrediction {
         let stimuli: Vec<&Stimulus> = conditions.iter().map(|condition| &condition.stimulus).collect();
         let unseen = |error: VisionError| format!("the model cannot process the stimuli: {error}");
         let predicted = viewing.visible(&stimuli, None).map_err(unseen)?;
-        let predicted = by_condition(counts, protocol, conditions, &predicted)?;
-        let comparison = compare(counts, &predicted)?;
+        let (comparison, predicted) = compare_conditions(counts, protocol, conditions, &predicted)?;
         let values = category_values(counts);
         let expected = |times: f64| {
             let shares = comparison.criterion.probabilities(times.max(LEAST));
@@ -91,7 +90,17 @@ impl StudyPrediction {
     }
 }
 
-/// Compares predictions for the conditions of a definition with ratings.
+/// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
+/// value that the definition plans.
+pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
+    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
+    let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
+    mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
+}
+
+/// Compares predictions for the conditions of a definition with ratings. Also returns what was rated in each condition
+/// of the counts, in times threshold, in their order; `None` for a condition that is not in the definition. Columns that
+/// are not parameters of the stimulus are ignored.
 ///
 /// # Errors
 /// The predictions and the ratings share no condition, no criterion can be fitted, or the ratings do not record a
@@ -101,26 +110,8 @@ pub fn compare_conditions(
     protocol: &Protocol,
     conditions: &[Condition],
     predicted: &[Visible],
-) -> Result<Comparison, String> {
-    compare(counts, &by_condition(counts, protocol, conditions, predicted)?)
-}
-
-/// Returns the width of the stimulus window in degrees: the mean over the sittings in the sidecars, or otherwise the
-/// value that the definition plans.
-pub fn window_deg(source: &Source, protocol: &Protocol) -> f64 {
-    let sittings = source.sessions.iter().filter_map(|session| session.sidecar.as_ref()).flat_map(|s| &s.sittings);
-    let widths = sittings.filter_map(|sitting| Some(sitting.viewing.as_ref()?.stimulus_deg));
-    mean(widths.filter(|deg| deg.is_finite() && *deg > 0.0)).unwrap_or(protocol.viewing.window_deg)
-}
-
-/// Returns what was rated in each condition of the counts, in times threshold, in their order; `None` for a condition that is not
-/// in the definition. Columns that are not parameters of the stimulus are ignored.
-fn by_condition(
-    counts: &Counts,
-    protocol: &Protocol,
-    conditions: &[Condition],
-    predicted: &[Visible],
-) -> Result<Vec<Option<f64>>, String> {
+) -> Result<(Comparison, Vec<Option<f64>>), String> {
+    check_categories(counts)?;
     if predicted.iter().all(|visible| visible.rated().is_none()) {
         return Err(format!(
             "the stimuli are of the kind {}; expected mach-band, or a mesh whose smooth surface is known",
@@ -146,7 +137,9 @@ fn by_condition(
         let levels = counts.level_names(condition);
         columns.iter().map(|(column, _)| canonical(levels[*column])).collect()
     };
-    Ok((0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect())
+    let predicted: Vec<Option<f64>> =
+        (0..counts.conditions.len() as u32).map(|condition| known.get(&rated(condition)).copied()).collect();
+    Ok((compare(counts, &predicted)?, predicted))
 }
 
 /// Normalizes the text of a value, because the same number may be written in several ways.
@@ -156,7 +149,6 @@ fn canonical(text: &str) -> String {
 
 /// Compares predictions with ratings. `predicted` has an entry for each condition of the counts.
 fn compare(counts: &Counts, predicted: &[Option<f64>]) -> Result<Comparison, String> {
-    check_categories(counts)?;
     let places = (0..).zip(predicted);
     let (places, model): (Vec<u32>, Vec<f64>) = places.filter_map(|(place, value)| Some((place, (*value)?))).unzip();
     if places.is_empty() {

@@ -6,6 +6,8 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
+use rayon::prelude::*;
+
 use crate::light::{LinearImage, Quantizer};
 use crate::system::checkpoint;
 
@@ -20,7 +22,7 @@ pub(super) trait Area {
 
 /// Light that varies along one direction only. Positions are measured from the center line in window sides, positive in
 /// the direction of the orientation.
-pub(super) trait Profile {
+pub(super) trait Profile: Sync {
     /// Returns the light at `x`; `added` is added to the luminance. At a jump, this is the value on the far side.
     fn light(&self, x: f64, added: f64) -> [f64; 3];
 
@@ -32,9 +34,6 @@ pub(super) trait Profile {
     /// Returns, in any order, the positions where a channel may turn from rising to falling or vice versa, or where the
     /// light may jump. Between neighboring positions, every channel is monotonic and continuous.
     fn turning_points(&self) -> Vec<f64>;
-
-    /// Returns whether the light is constant to the last bit between the turning points on either side of `x`.
-    fn is_level(&self, x: f64) -> bool;
 
     /// Returns whether the turning points are known. If they are not, as in the colors between two hues, every pixel is
     /// computed.
@@ -90,19 +89,33 @@ pub(super) fn linear(profile: &dyn Profile, orientation_deg: f64, size: u32) -> 
 pub(super) fn codes(profile: &dyn Profile, orientation_deg: f64, size: u32, quantizer: &Quantizer) -> Vec<u8> {
     let pixels = Pixels::new(profile, orientation_deg, size);
     // An 8-bit code fits.
-    let pixel = |ix, iy| quantizer.codes(pixels.light(ix, iy)).map(|code| code as u8);
-    if size == 0 {
-        return Vec::new();
-    }
-    let codes = if pixels.grid.sin == 0.0 {
-        (0..size).map(|ix| pixel(ix, 0)).collect::<Vec<_>>().repeat(size as usize)
-    } else if pixels.grid.cos == 0.0 {
-        let mut codes = Vec::with_capacity(size as usize * size as usize);
-        (0..size).for_each(|iy| codes.extend_from_slice(&[pixel(0, iy)].repeat(size as usize)));
-        codes
-    } else {
-        Runs::new(&pixels, quantizer).draw(size, pixel)
-    };
+    let pixel = |ix: usize, iy: usize| quantizer.codes(pixels.light(ix as u32, iy as u32)).map(|code| code as u8);
+    let (runs, Grid { cos, sin, .. }) = (pixels.runs(quantizer), pixels.grid);
+    let (side, middle) = (size as usize, 0.5 * (f64::from(size) - 1.0));
+    let mut codes = vec![[0; 3]; side * side];
+    codes.par_chunks_exact_mut(side.max(1)).enumerate().for_each(|(iy, row)| {
+        checkpoint();
+        if cos == 0.0 {
+            return row.fill(pixel(0, iy));
+        }
+        // Where the center line crosses the row.
+        let crossing = middle - (middle - iy as f64) * (sin / cos);
+        let mut done = 0;
+        for run in &runs[runs.partition_point(|run| run.to + crossing < 0.0)..] {
+            // The casts round down, and turn negative values into 0.
+            let first = ((run.from + crossing + 1.0) as usize).max(done);
+            let end = ((run.to + crossing) as usize + 1).min(side);
+            if first >= side {
+                break;
+            }
+            if first < end {
+                (done..first).for_each(|ix| row[ix] = pixel(ix, iy));
+                row[first..end].fill(run.codes);
+                done = end;
+            }
+        }
+        (done..side).for_each(|ix| row[ix] = pixel(ix, iy));
+    });
     codes.into_flattened()
 }
 
@@ -114,46 +127,30 @@ const ERROR_PX: f64 = 1e-6;
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const MIN_RUN_PX: f64 = 1.0 / 128.0;
-/// The number of templates: the center line crosses a row in one of this many intervals between two pixels.
-const PHASES: usize = 48;
-/// The largest shift from row to row, in pixels, for which templates are made.
-const MAX_SHIFT_PX: f64 = 4.0;
-
-/// A range of positions along a row that all have the same code.
+/// A range of positions along a row that all have the same code, in pixels from where the center line crosses the row.
 struct Run {
     from: f64,
     to: f64,
     codes: [u8; 3],
 }
 
-/// The runs along a row, from left to right. Their positions are in pixels from the point where the center line crosses
-/// the row.
-struct Runs {
-    runs: Vec<Run>,
-    middle: f64,
-    /// Shift from one row to the next, pixels.
-    tan: f64,
-}
-
-impl Runs {
-    fn new(pixels: &Pixels<'_>, quantizer: &Quantizer) -> Self {
-        let grid = &pixels.grid;
-        let side = f64::from(grid.size);
-        let mut search =
-            Search { profile: pixels.profile, quantizer, shortest: MIN_RUN_PX / side, level: false, runs: Vec::new() };
+impl Pixels<'_> {
+    /// Returns the runs along a row, from left to right.
+    fn runs(&self, quantizer: &Quantizer) -> Vec<Run> {
+        let (grid, side) = (&self.grid, f64::from(self.grid.size));
+        let mut search = Search { profile: self.profile, quantizer, shortest: MIN_RUN_PX / side, runs: Vec::new() };
         // Pixels at an oblique jump mix the light of both sides.
-        let mixed = |turn: f64| pixels.jumps.iter().any(|(at, _)| *at == turn);
+        let mixed = |turn: f64| self.jumps.iter().any(|(at, _)| *at == turn);
         let near = |turn: f64| if mixed(turn) { ERROR_X + half_extent(grid) / side } else { ERROR_X };
         // No pixel is farther than 1 window side from the center line.
         let mut turning_points: Vec<(f64, f64)> =
-            pixels.profile.turning_points().into_iter().map(|at| (at, near(at))).collect();
+            self.profile.turning_points().into_iter().map(|at| (at, near(at))).collect();
         turning_points.sort_by(|a, b| a.0.total_cmp(&b.0));
         for i in 0..=turning_points.len() {
             let from = turning_points[..i].iter().map(|(at, near)| at + near).fold(-1.0, f64::max);
             let to = turning_points[i..].iter().map(|(at, near)| at - near).fold(1.0, f64::min);
-            search.level = pixels.profile.is_level(0.5 * (from + to));
             if from < to {
-                search.between([from, to], [from, to].map(|x| pixels.profile.light(x, 0.0)));
+                search.between([from, to], [from, to].map(|x| self.profile.light(x, 0.0)));
             }
         }
         let scale = side / grid.cos;
@@ -166,77 +163,8 @@ impl Runs {
         if grid.cos < 0.0 {
             runs.reverse();
         }
-        Self { runs, middle: 0.5 * f64::from(grid.size - 1), tan: grid.sin / grid.cos }
+        runs
     }
-
-    /// Returns the codes of a window of `size` rows. `pixel` computes the pixels that are not certain to lie in a run.
-    ///
-    /// If the center line crosses rows at nearly the same place between two pixels, the rows are shifted copies of one
-    /// template.
-    fn draw(&self, size: u32, pixel: impl Fn(u32, u32) -> [u8; 3]) -> Vec<[u8; 3]> {
-        let width = size as usize;
-        let mut codes = Vec::with_capacity(width * width);
-        let mut templates: [Option<Template>; PHASES] = [const { None }; PHASES];
-        let reach = self.middle * self.tan.abs();
-        for iy in 0..size {
-            checkpoint();
-            let shift = self.middle - (self.middle - f64::from(iy)) * self.tan;
-            let of_row;
-            let (template, start) = if self.tan.abs() > MAX_SHIFT_PX {
-                // The rows are shifted so far that a shared template would be longer than all rows together. A row
-                // crosses only a few runs, which are quickly filled.
-                of_row = self.template(shift, 0.0, width);
-                (&of_row, 0)
-            } else {
-                let phase = ((shift - shift.floor()) * PHASES as f64) as usize;
-                // A template starts where the row that is shifted farthest to the right starts.
-                let first = (self.middle + reach).floor();
-                let template = templates[phase].get_or_insert_with(|| {
-                    let length = width + 2 * reach.ceil() as usize + 1;
-                    self.template(first + phase as f64 / PHASES as f64, 1.0 / PHASES as f64, length)
-                });
-                (&*template, (first - shift.floor()) as usize)
-            };
-            codes.extend_from_slice(&template.codes[start..start + width]);
-            let row = &mut codes[iy as usize * width..];
-            for at in &template.open[template.open.partition_point(|at| *at < start)..] {
-                let Some(to) = row.get_mut(at - start) else { break };
-                *to = pixel((at - start) as u32, iy);
-            }
-        }
-        codes
-    }
-
-    /// Returns a row of `length` pixels, filled where a pixel keeps its code at every shift of the row from `shift` to
-    /// `shift + slack`.
-    fn template(&self, shift: f64, slack: f64, length: usize) -> Template {
-        let (mut codes, mut open, mut done) = (vec![[0; 3]; length], Vec::new(), 0);
-        for run in &self.runs[self.runs.partition_point(|run| run.to + shift < 0.0)..] {
-            // The cast turns negative values into 0.
-            let first = ((run.from + shift + slack).ceil() as usize).max(done);
-            let end = ((run.to + shift).floor() as usize + 1).min(length);
-            if first >= length {
-                break;
-            }
-            if first < end {
-                open.extend(done..first);
-                // Copying four pixels takes no longer than copying one.
-                let (blocks, rest) = codes[first..end].as_chunks_mut::<4>();
-                blocks.fill([run.codes; 4]);
-                rest.fill(run.codes);
-                done = end;
-            }
-        }
-        open.extend(done..length);
-        Template { codes, open }
-    }
-}
-
-/// A row that contains every row of its interval, each shifted by whole pixels.
-struct Template {
-    codes: Vec<[u8; 3]>,
-    /// The pixels whose code depends on where in the interval the center line crosses; they are not filled.
-    open: Vec<usize>,
 }
 
 /// Searches for runs from lower to higher positions.
@@ -244,7 +172,6 @@ struct Search<'a> {
     profile: &'a dyn Profile,
     quantizer: &'a Quantizer,
     shortest: f64,
-    level: bool,
     runs: Vec<Run>,
 }
 
@@ -253,13 +180,12 @@ impl Search<'_> {
     fn between(&mut self, positions: [f64; 2], light: [[f64; 3]; 2]) {
         let ([from, to], [a, b]) = (positions, light);
         let (least, most) = ([0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i])));
-        let error = if self.level { 0.0 } else { ERROR_LIGHT };
         // An 8-bit code fits.
         let codes = |light: [f64; 3], off: f64| {
             self.quantizer.codes(light.map(|light| (light + off) as f32)).map(|code| code as u8)
         };
-        let lowest = codes(least, -error);
-        if lowest == codes(most, error) {
+        let lowest = codes(least, -ERROR_LIGHT);
+        if lowest == codes(most, ERROR_LIGHT) {
             match self.runs.last_mut() {
                 Some(last) if last.to == from && last.codes == lowest => last.to = to,
                 _ => self.runs.push(Run { from, to, codes: lowest }),

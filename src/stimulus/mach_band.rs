@@ -146,12 +146,8 @@ impl Profile for Ramp<'_> {
         vec![-0.5 * self.band.width, 0.5 * self.band.width]
     }
 
-    fn is_level(&self, x: f64) -> bool {
-        x.abs() > 0.5 * self.band.width
-    }
-
     fn is_plain(&self) -> bool {
-        let is_straight = self.color_ramp.is_none_or(|color_ramp| color_ramp.is_straight());
+        let is_straight = self.color_ramp.is_none_or(|color_ramp| color_ramp.space == RampSpace::Rgb);
         is_straight && self.band.rounding == 0.0 && self.band.nulling == 0.0
     }
 }

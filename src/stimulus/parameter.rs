@@ -34,7 +34,7 @@ pub struct Parameter {
 
 /// The value of a parameter: a finite number or a string such as `inf` or `yellow`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "the value is neither a number nor text; expected one of them")]
 pub enum ParameterValue {
     Number(f64),
     /// Anything else.

@@ -35,10 +35,6 @@ impl Profile for &Chevreul {
     fn turning_points(&self) -> Vec<f64> {
         self.jumps().into_iter().map(|(at, _)| at).collect()
     }
-
-    fn is_level(&self, _: f64) -> bool {
-        true
-    }
 }
 
 kind! {
@@ -76,10 +72,6 @@ impl Profile for &Cornsweet {
 
     fn turning_points(&self) -> Vec<f64> {
         vec![-self.width, 0.0, self.width]
-    }
-
-    fn is_level(&self, x: f64) -> bool {
-        x.abs() >= self.width
     }
 }
 
@@ -176,9 +168,5 @@ impl Profile for &Cylinder {
 
     fn turning_points(&self) -> Vec<f64> {
         [0.0].into_iter().chain((0..=self.facets).map(|i| self.place(i))).collect()
-    }
-
-    fn is_level(&self, x: f64) -> bool {
-        self.shading == Shading::Flat || x.abs() > 0.5
     }
 }

@@ -32,7 +32,8 @@ text_field!(RampSpace: Self::NAMES);
 pub struct ColorRamp {
     low: [f64; 3],
     high: [f64; 3],
-    space: RampSpace,
+    /// In linear light, every channel changes evenly along the way.
+    pub(super) space: RampSpace,
     /// The low plateau in the space; `difference` leads from it to the high plateau.
     from: [f64; 3],
     difference: [f64; 3],
@@ -79,10 +80,5 @@ impl ColorRamp {
             RampSpace::Lab => rgb_from_xyz(xyz_from_lab(point)),
         };
         rgb.map(|value| value.clamp(0.0, 1.0))
-    }
-
-    /// Returns whether every channel changes evenly along the way.
-    pub fn is_straight(&self) -> bool {
-        self.space == RampSpace::Rgb
     }
 }

@@ -3,9 +3,11 @@
 use std::{collections::BTreeSet, path::Path};
 
 use super::{
-    FileError, FileErrors, StoreError, dataset, definition,
+    FileError, FileErrors, StoreError,
+    dataset::{self, FRAMES_SUFFIX},
+    definition,
     file::{exists, read_bytes, read_text},
-    frames, image, matches, observer, profile,
+    image, matches, observer, profile,
     ratings::column_names,
     readings,
     recorded::{Order, Recorded},
@@ -59,10 +61,14 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
         return check_definition(definition::open(path)?);
     }
     let checked = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("csv") if name.ends_with(frames::SUFFIX) => check_frames(path)?.into(),
+        Some("csv") if name.ends_with(FRAMES_SUFFIX) => check_frames(path)?.into(),
         Some("csv") => match column_names(path) {
-            Ok(names) if names.first().is_some_and(|name| name == "channel") => check_readings(path)?.into(),
-            Ok(names) if names.first().is_some_and(|name| name == "event") => check_matches(path)?.into(),
+            Ok(names) if names.first().is_some_and(|name| name == "channel") => {
+                let readings = readings::open(path)?;
+                let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
+                format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into()
+            }
+            Ok(names) if names.first().is_some_and(|name| name == "event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
             _ => check_results(path)?,
@@ -160,7 +166,7 @@ fn check_results(path: &Path) -> Result<Checked, StoreError> {
 
 fn check_session(path: &Path) -> Result<Checked, StoreError> {
     let session = Recorded::open(path)?;
-    let mut errors = [&session.row_errors[..], &session.changed].concat();
+    let mut errors = [session.row_errors(), &session.changed].concat();
     let interruption = session.interruption();
     if let Some((line, what)) = session.incomplete_line().filter(|_| interruption.is_none()) {
         errors.push(FileError::at(path, (line, 1), format!("{what}; expected complete rows")));
@@ -171,23 +177,13 @@ fn check_session(path: &Path) -> Result<Checked, StoreError> {
     Ok(Checked { warning: interruption.map(|found| found.message), ..sentence.into() })
 }
 
-fn check_readings(path: &Path) -> Result<String, StoreError> {
-    let readings = readings::open(path)?;
-    let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
-    Ok(format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")))
-}
-
-fn check_matches(path: &Path) -> Result<String, StoreError> {
-    Ok(format!("{} visual matches of a display", matches::open(path)?.len()))
-}
-
 /// Checks the frames file of a session against the seals in its sidecar.
 fn check_frames(path: &Path) -> Result<String, StoreError> {
     if !exists(path)? {
         return Err(FileErrors::whole(path, "does not exist; expected the frames file of a session").into());
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(frames::SUFFIX), dataset::DATA_FILE));
+    let csv = path.with_file_name(format!("{}{}", name.trim_end_matches(FRAMES_SUFFIX), dataset::DATA_FILE));
     let Some(sidecar) = Sidecar::read(&csv.with_extension("json"))?.filter(Sidecar::is_sealed) else {
         return Ok("frames of a session; they were not checked because they have no seal".to_owned());
     };

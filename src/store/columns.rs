@@ -59,11 +59,6 @@ impl Columns {
         }
     }
 
-    /// True if a text in a column contains a zero byte.
-    pub(super) fn has_zero_byte(&self, column: usize) -> bool {
-        matches!(&self.0[column].1, Column::Texts(Texts { texts, .. }) if texts.iter().any(|text| text.contains('\0')))
-    }
-
     /// Returns the names of the columns.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(|(name, _)| name.as_str())

@@ -1,8 +1,5 @@
 //! The luminance profile of a stimulus as CSV.
 
-use std::path::Path;
-
-use super::{StoreError, Writer};
 use crate::{
     light::{Dither, LinearImage, Quantizer},
     stimulus::{place, recipe::Recipe},
@@ -46,8 +43,8 @@ pub fn samples(recipe: &Recipe, quantizer: &Quantizer) -> Vec<Sample> {
         .collect()
 }
 
-/// Lists `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
-pub fn table(samples: &[Sample]) -> Table {
+/// Returns a profile as a table: `x, linear, code_r, code_g, code_b, emitted`; see [`Sample`].
+pub fn table(recipe: &Recipe, quantizer: &Quantizer) -> Table {
     let columns = [
         ("x", "proportion of the stimulus window", "Distance from the center along the orientation."),
         ("linear", "relative luminance, linear light", "Requested light of the strongest channel."),
@@ -60,13 +57,5 @@ pub fn table(samples: &[Sample]) -> Table {
     let row = |Sample { x, linear, codes: [r, g, b], emitted }: &Sample| {
         vec![(*x).into(), (*linear).into(), (*r).into(), (*g).into(), (*b).into(), (*emitted).into()]
     };
-    Table::new(columns, samples.iter().map(row))
-}
-
-/// Writes the [`table`] of a profile.
-///
-/// # Errors
-/// The same errors as [`Writer::write`].
-pub fn write_profile(writer: &Writer, path: &Path, recipe: &Recipe, quantizer: &Quantizer) -> Result<(), StoreError> {
-    writer.write(path, &table(&samples(recipe, quantizer)).csv())
+    Table::new(columns, samples(recipe, quantizer).iter().map(row))
 }

@@ -262,9 +262,9 @@ impl Written {
         // A value that could not be read would only cause follow-up errors, as would the options of an unknown kind.
         let (mut unread, mut unknown) = (HashSet::new(), Vec::new());
         for DefinitionError { path, .. } in &errors.0 {
-            // A list without one of its items is not read, either.
-            let list = path.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end_matches('.');
-            unread.extend([path.clone(), list.to_owned()]);
+            unread.insert(path.clone());
+            // A list or a table without one of its items is not read, either.
+            unread.extend(path.match_indices('.').skip(1).map(|(end, _)| path[..end].to_owned()));
             match path.as_str() {
                 "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
                 "adaptive" | "adaptive.method" => unknown.push("adaptive"),
@@ -283,7 +283,7 @@ impl Written {
         let mut table = std::mem::take(&mut self.stimulus);
         table.shift_remove("kind");
         let Some(place) = place else {
-            return TableReader { path: "stimulus", table, errors }.read::<Gallery>().into();
+            return TableReader { path: "stimulus", table, taken: Vec::new(), errors }.read::<Gallery>().into();
         };
         for key in self.factors.keys() {
             errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
@@ -398,14 +398,16 @@ fn tagged<T: Default>(
 }
 
 fn task(table: Map<String, Value>, errors: &mut DefinitionErrors) -> Task {
-    tagged(TableReader { path: "task", table, errors }, ("kind", Task::NAMES), |name, reader| Task::read(name, reader))
+    let reader = TableReader { path: "task", table, taken: vec!["kind"], errors };
+    tagged(reader, ("kind", Task::NAMES), |name, reader| Task::read(name, reader))
 }
 
 fn adaptive(mut table: Map<String, Value>, errors: &mut DefinitionErrors) -> Adaptive {
-    let keys = Common::OPTIONS.iter().map(|option| option.key);
-    let common = keys.filter_map(|key| Some((key.to_owned(), table.shift_remove(key)?))).collect();
-    let common = TableReader { path: "adaptive", table: common, errors }.read();
-    let reader = TableReader { path: "adaptive", table, errors };
+    let mut taken: Vec<&str> = Common::OPTIONS.iter().map(|option| option.key).collect();
+    let common = taken.iter().filter_map(|key| Some(((*key).to_owned(), table.shift_remove(*key)?))).collect();
+    let common = TableReader { path: "adaptive", table: common, taken: Vec::new(), errors }.read();
+    taken.insert(0, "method");
+    let reader = TableReader { path: "adaptive", table, taken, errors };
     let method = tagged(reader, ("method", Method::NAMES), |name, reader| Method::read(name, reader));
     Adaptive { common, method }
 }

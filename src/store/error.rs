@@ -108,13 +108,8 @@ pub(super) struct RowErrors {
 }
 
 impl RowErrors {
-    /// Adds an error; its line and column are computed only if it is kept.
-    pub fn add(&mut self, file: &str, cell: Option<usize>, message: String, place: impl FnOnce() -> (usize, usize)) {
-        self.add_with(None, cell, || FileError::at(file, place(), message));
-    }
-
     /// Adds the error that `make` returns, with its row in a table in memory; it is called only if the error is kept.
-    pub fn add_with(&mut self, row: Option<usize>, cell: Option<usize>, make: impl FnOnce() -> FileError) {
+    pub fn add(&mut self, row: Option<usize>, cell: Option<usize>, make: impl FnOnce() -> FileError) {
         let rows = self.rows.entry(cell).or_default();
         rows.push(row);
         if rows.len() <= MAX_KEPT {

@@ -547,6 +547,76 @@ fn has_no_locks(error: &Error) -> bool {
     error.kind() == ErrorKind::Unsupported || cfg!(unix) && error.raw_os_error() == Some(ENOLCK)
 }
 
+/// Suffix that is added to the name of the data file.
+pub(super) const LOCK_SUFFIX: &str = ".lock";
+
+/// That a session is being recorded.
+pub(super) const RECORDING: &str = "another program is recording this session";
+/// What to do about a lock file that a killed program left.
+const REMEDY: &str = "if no program on any computer is writing it, remove this file";
+
+/// The lock file of a running session, which is removed when the session ends: a file next to the rows that keeps other
+/// programs from writing the same session where the locks of the operating system do not work, as on some network shares.
+///
+/// The file is empty. It could name the computer and the program that created it, but no program can find out whether
+/// one on another computer still runs, and one on the same computer may have reused the number of a process that ended.
+/// Therefore only people remove the file that a killed program left.
+#[derive(Debug)]
+pub(super) struct LockFile(PathBuf);
+
+impl LockFile {
+    /// What a sidecar says about a session with a lock file.
+    pub const INCIDENT: &str =
+        "the file system of the results does not support locks; a lock file protected the session";
+
+    /// Creates the lock file for a data file, unless the operating system already locks the data file (`is_locked`).
+    ///
+    /// # Errors
+    /// Another program may be writing this session; I/O errors.
+    pub fn create(csv: &Path, is_locked: bool) -> Result<Option<Self>, StoreError> {
+        if is_locked {
+            return Ok(None);
+        }
+        let path = lock_path(csv);
+        match OpenOptions::new().write(true).create_new(true).open(&path) {
+            Ok(_) => Ok(Some(Self(path))),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                let what = format!(
+                    "means that another program is writing this session; expected it to be closed first; {REMEDY}"
+                );
+                Err(FileErrors::whole(path, what).into())
+            }
+            Err(error) => Err(io(&path, "create")(error)),
+        }
+    }
+}
+
+/// Returns the path of the lock file for a data file.
+fn lock_path(csv: &Path) -> PathBuf {
+    let mut name = csv.file_name().unwrap_or_default().to_owned();
+    name.push(LOCK_SUFFIX);
+    csv.with_file_name(name)
+}
+
+/// Says that another program is writing the session of a data file; `None` if none is. Where the locks of the operating
+/// system work, a lock file says nothing.
+///
+/// # Errors
+/// I/O errors.
+pub(super) fn held(csv: &Path) -> Result<Option<String>, StoreError> {
+    let path = lock_path(csv);
+    Ok(match is_locked(csv)? {
+        Some(is_locked) => is_locked.then(|| RECORDING.to_owned()),
+        None => exists(&path)?.then(|| format!("{RECORDING} ({} says so; {REMEDY})", path.display())),
+    })
+}
+
+impl Drop for LockFile {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
 /// How long to wait for other programs that use the same file. Each needs a few milliseconds.
 const MAX_WAIT: Duration = Duration::from_secs(10);
 
@@ -596,6 +666,6 @@ pub(super) fn complete_lines_or_header(
         return Ok(header);
     }
     let [found, expected] = [found, &String::from_utf8_lossy(&header)].map(shortened);
-    let message = format!("the file begins with {found:?}; expected the header {expected:?}");
+    let message = format!("the file begins with {found:?} and has no line feed; expected the header {expected:?}");
     Err(FileErrors::at(path, (1, 1), message))
 }

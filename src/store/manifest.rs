@@ -141,7 +141,12 @@ impl<'a> Manifest<'a> {
             (1..=self.shards).map(|index| self.folder.join(list_name(index, self.shards))).collect();
         let mut texts = vec![String::from_utf8_lossy(&own).into_owned()];
         for list in lists.iter().filter(|list| **list != self.list) {
-            texts.extend(text_of(list)?);
+            let Some(text) = text_of(list)? else { continue };
+            if !are_ours(&text, &self.rows, self.recipes) {
+                let message = "lists other images than this command makes; expected every shard to be made with the same definition and options";
+                return Err(FileErrors::whole(list, message).into());
+            }
+            texts.push(text);
         }
         // Each line begins with its image's number, so sorting restores the order. A line that another shard is still
         // writing has no line end yet and is skipped.

@@ -25,12 +25,8 @@ pub struct MatchFile {
     seed: u64,
 }
 
-/// A parsed row.
-struct Row {
-    is_undone: bool,
-    found: Match,
-    seed: u64,
-}
+/// Whether a row cancels a match, the match, and the seed of the order.
+type Row = (bool, Match, u64);
 
 impl MatchFile {
     /// Creates the file, and its folder if necessary. Never replaces an existing file.
@@ -54,7 +50,7 @@ impl MatchFile {
     pub fn resume(path: &Path) -> Result<(Self, Vec<Match>), StoreError> {
         let file = AppendFile::open(path, true, format!("{COLUMNS}\n").into_bytes(), MAX_TEXT)?;
         let rows = rows(&path.display().to_string(), file.content())?;
-        let seed = rows.last().map_or(0, |row| row.seed);
+        let seed = rows.last().map_or(0, |(.., seed)| *seed);
         Ok((Self { file, seed }, counted(rows)))
     }
 
@@ -63,23 +59,13 @@ impl MatchFile {
         self.seed
     }
 
-    /// Records match `number`, counted from 1, made `time_s` seconds after the first picture.
+    /// Records match `number`, counted from 1, made `time_s` seconds after the first picture; or, if it `is_undone`, that it no
+    /// longer counts.
     ///
     /// # Errors
     /// The write failed; the next call will also write this match.
-    pub fn accept(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("match", number, found, time_s)
-    }
-
-    /// Records that a match no longer counts.
-    ///
-    /// # Errors
-    /// The same errors as [`MatchFile::accept`].
-    pub fn undo(&mut self, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
-        self.event("undo", number, found, time_s)
-    }
-
-    fn event(&mut self, event: &str, number: usize, found: &Match, time_s: f64) -> Result<(), StoreError> {
+    pub fn record(&mut self, number: usize, found: &Match, time_s: f64, is_undone: bool) -> Result<(), StoreError> {
+        let event = if is_undone { "undo" } else { "match" };
         let Match { channel, rows: Rows { lit, period, row_px }, code } = found;
         let seed = self.seed;
         let row = format!("{event},{number},{channel},{lit},{period},{row_px},{code},{time_s:.3},{seed}\n");
@@ -105,8 +91,8 @@ pub fn parse(file: &str, text: &str) -> Result<Vec<Match>, FileErrors> {
 
 fn counted(rows: Vec<Row>) -> Vec<Match> {
     let mut matches = Vec::new();
-    for row in rows {
-        if row.is_undone { _ = matches.pop() } else { matches.push(row.found) }
+    for (is_undone, found, _) in rows {
+        if is_undone { _ = matches.pop() } else { matches.push(found) }
     }
     matches
 }
@@ -135,7 +121,7 @@ fn row(cells: &[&str]) -> Result<Row, (usize, String)> {
         ));
     }
     let found = Match { channel, rows, code: number(6, patch)? };
-    Ok(Row { is_undone: event == "undo", found, seed: number(8, seed)? })
+    Ok((event == "undo", found, number(8, seed)?))
 }
 
 fn number<T: std::str::FromStr>(cell: usize, text: &str) -> Result<T, (usize, String)> {

@@ -45,4 +45,4 @@ pub use columns::Columns;
 pub use error::{FileError, FileErrors, StoreError};
 pub use output::Writer;
 pub use ratings::answers;
-pub use session::{dataset, frames, participants, recorded, results, sidecar, sitting, verify};
+pub use session::{dataset, recorded, results, sidecar};

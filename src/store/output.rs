@@ -10,10 +10,9 @@ use rayon::prelude::*;
 
 use super::{
     StoreError,
-    dataset::{DATA_FILE, DESCRIPTION, SIDECAR_SUFFIX, identity},
+    dataset::{DATA_FILE, DESCRIPTION, FRAMES_SUFFIX, SIDECAR_SUFFIX, identity},
     error::io,
     file::{ABANDONED, exists, folder_of, full_path, make_folder, put, remove_temporary, sync_folder},
-    frames,
 };
 use crate::system::{found, identified};
 
@@ -202,7 +201,7 @@ fn data_set(target: &Path) -> Result<Option<(PathBuf, bool)>, StoreError> {
 /// session, any of its files.
 fn session_of(target: &Path) -> Result<Option<PathBuf>, StoreError> {
     let name = target.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    let suffixes = [SIDECAR_SUFFIX, DATA_FILE, frames::SUFFIX];
+    let suffixes = [SIDECAR_SUFFIX, DATA_FILE, FRAMES_SUFFIX];
     let Some(stem) = suffixes.iter().find_map(|suffix| name.strip_suffix(suffix)) else { return Ok(None) };
     let [sidecar, csv, frames] = suffixes.map(|suffix| target.with_file_name(format!("{stem}{suffix}")));
     let is_named = identity(&csv).is_ok();

@@ -57,7 +57,7 @@ pub(super) fn gallery(
     background: f64,
     errors: &mut DefinitionErrors,
 ) -> Gallery {
-    let read: Gallery = TableReader { path: "stimulus", table, errors }.read();
+    let read: Gallery = TableReader { path: "stimulus", table, taken: vec!["kind"], errors }.read();
     let mut gallery = Gallery { background, ..read };
     let is_known = |known: &&Gallery| {
         known.files == gallery.files && known.references.iter().map(|picture| picture.file.as_str()).eq(reference)
@@ -95,7 +95,7 @@ pub(super) fn gallery(
         }
     }
     for picture in all.iter_mut().take(shown.len()).filter(|_| !factors.is_empty()) {
-        let name = name_of(&picture.file).unwrap_or_default();
+        let name = picture.file.rsplit('/').next().unwrap_or_default();
         match levels.get(name) {
             Some(own) => picture.levels.clone_from(own),
             None => failed(format!("{TABLE} has no row with the {FILE} {name}; expected one for each picture")),
@@ -104,10 +104,6 @@ pub(super) fn gallery(
     gallery.references = all.split_off(shown.len().min(all.len()));
     (gallery.pictures, gallery.factors) = (all, factors);
     gallery
-}
-
-fn name_of(file: &str) -> Option<&str> {
-    Path::new(file).file_name()?.to_str()
 }
 
 /// Returns the files that a pattern names, relative to `folder`, in natural order.

@@ -37,27 +37,34 @@ pub fn open(path: &Path) -> Result<Readings, FileErrors> {
 /// # Errors
 /// The same errors as [`open()`].
 pub fn parse(file: &str, text: &str) -> Result<Readings, FileErrors> {
-    let mut rows = match of_other_program(file, text) {
-        Some(found) => (found?.into_iter()).map(|(reading, line)| Row { reading, places: [(line, 1); 3] }).collect(),
-        None => rows(file, text)?,
+    let (mut rows, unread) = match of_other_program(file, text) {
+        Some(found) => {
+            let row = |(reading, line)| Row { reading, places: [(line, 1); 3] };
+            (found?.into_iter().map(row).collect(), Vec::new())
+        }
+        None => rows(file, text),
     };
     complete_black(&mut rows);
-    Readings::new(rows.iter().map(|row| row.reading).collect()).map_err(|found| {
-        let (mut errors, mut of_all) = (RowErrors::default(), Vec::new());
-        for error in found {
-            let message = error.message.clone();
-            let (index, column) = match error.location {
-                ErrorLocation::Luminance(index) => (index, 2),
-                ErrorLocation::Level(index) => (index, 1),
-                ErrorLocation::All => {
-                    of_all.push(FileError::whole(file, message));
-                    continue;
-                }
-            };
-            errors.add(file, Some(column), message, || rows[index].places[column]);
-        }
-        FileErrors([errors.finish(file, &COLUMNS), of_all].concat())
-    })
+    let found = match Readings::new(rows.iter().map(|row| row.reading).collect()) {
+        Ok(readings) if unread.is_empty() => return Ok(readings),
+        checked => checked.err().unwrap_or_default(),
+    };
+    let (mut errors, is_whole, mut others) = (RowErrors::default(), unread.is_empty(), unread);
+    for (location, message) in found {
+        let (index, column) = match location {
+            ErrorLocation::Luminance(index) => (index, 2),
+            ErrorLocation::Level(index) => (index, 1),
+            ErrorLocation::All => {
+                // What the rows that could not be read say is not known.
+                others.extend(is_whole.then(|| FileError::whole(file, message)));
+                continue;
+            }
+        };
+        errors.add(None, Some(column), || FileError::at(file, rows[index].places[column], message));
+    }
+    let mut all = [errors.finish(file, &COLUMNS), others].concat();
+    all.sort_by_key(|error| (error.position.is_none(), error.position));
+    Err(FileErrors(all))
 }
 
 /// Gives the reading of black to every channel that lacks it: all channels are dark in it.
@@ -78,7 +85,8 @@ fn complete_black(rows: &mut Vec<Row>) {
 /// # Errors
 /// Reports rows that are not readings, with their line and column.
 pub fn open_incomplete(path: &Path) -> Result<Vec<Reading>, FileErrors> {
-    let rows = rows(&path.display().to_string(), &read_text(path)?)?;
+    let (rows, errors) = rows(&path.display().to_string(), &read_text(path)?);
+    FileErrors::none(errors)?;
     Ok(rows.into_iter().map(|row| row.reading).collect())
 }
 
@@ -102,7 +110,8 @@ struct Row {
     places: [(usize, usize); 3],
 }
 
-fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
+/// Returns the rows that are readings, and the errors in the others.
+fn rows(file: &str, text: &str) -> (Vec<Row>, Vec<FileError>) {
     let separator = separator(text.lines().next().unwrap_or_default().as_bytes());
     let columns = Cell::new([0; 3]);
     let header = |names: &[&str]| {
@@ -113,7 +122,8 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
         let message = || format!("the header lacks {}; expected the columns {}", missing.join(", "), COLUMNS.join(","));
         if missing.is_empty() { Ok(()) } else { Err((0, message())) }
     };
-    let rows = table::parse(file, text.as_bytes(), separator, header, |cells, row| {
+    let mut rows = Vec::new();
+    let read = table::parse(file, text.as_bytes(), separator, header, |cells, row| {
         let columns = columns.get();
         let number = |index: usize| {
             let cell = cells[columns[index]].trim();
@@ -122,13 +132,15 @@ fn rows(file: &str, text: &str) -> Result<Vec<Row>, FileErrors> {
         };
         let channel: Channel = cells[columns[0]].trim().parse().map_err(|error: String| (columns[0], error))?;
         let reading = Reading { channel, level: number(1)?, luminance_cd_m2: number(2)? };
-        Ok(Row { reading, places: columns.map(|column| row.place(column)) })
-    })?;
+        rows.push(Row { reading, places: columns.map(|column| row.place(column)) });
+        Ok(())
+    });
+    let mut errors = read.map_or_else(|FileErrors(errors)| errors, |_| Vec::new());
     if rows.len() > MAX_READINGS {
         let message = format!("the number of readings is {}; expected at most {MAX_READINGS}", rows.len());
-        return Err(FileErrors::whole(file, message));
+        errors.push(FileError::whole(file, message));
     }
-    Ok(rows)
+    (rows, errors)
 }
 
 /// A reading, and its line in the file.
@@ -137,6 +149,8 @@ type Found = (Reading, usize);
 /// Reads the readings of another program; `None` if the text is not one of these formats. Black belongs to every channel
 /// that has readings; mixed colors are not readings of a channel and are left out.
 fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErrors>> {
+    // Editors may put a mark before the first character.
+    let text = text.trim_start_matches('\u{feff}');
     let first = text.split_whitespace().next().unwrap_or_default();
     if first.starts_with("CTI") || first.starts_with("CGATS") {
         return Some(cgats(text).map_err(|message| FileErrors::whole(file, message)));
@@ -150,7 +164,8 @@ fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErr
 /// Reads a CGATS table with the fields `RGB_R`, `RGB_G`, `RGB_B` and `XYZ_Y`.
 fn cgats(text: &str) -> Result<Vec<Found>, String> {
     let mut fields: Vec<&str> = Vec::new();
-    let (mut in_format, mut in_data, mut white_cd_m2, mut relative) = (false, false, None, false);
+    let (mut in_format, mut in_data, mut is_whole) = (false, false, false);
+    let (mut white_cd_m2, mut relative) = (None, false);
     let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
     for (line, content) in (1..).zip(text.lines()) {
         let words: Vec<&str> = content.split_whitespace().collect();
@@ -159,7 +174,10 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
             Some("END_DATA_FORMAT") => in_format = false,
             Some("BEGIN_DATA") => in_data = true,
             // A second table describes something else.
-            Some("END_DATA") => break,
+            Some("END_DATA") => {
+                is_whole = true;
+                break;
+            }
             Some("LUMINANCE_XYZ_CDM2") => {
                 white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
             }
@@ -171,7 +189,8 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
                     let place =
                         place.ok_or_else(|| format!("has no field {name}; expected RGB_R, RGB_G, RGB_B, XYZ_Y"))?;
                     let word = words.get(place).copied().unwrap_or_default();
-                    word.parse::<f64>().map_err(|_| format!("line {line}: {name} {word:?} is not a number"))
+                    word.parse::<f64>()
+                        .map_err(|_| format!("line {line}: {name} {word:?} is not a number; expected one such as 12.5"))
                 };
                 rows.push(([value("RGB_R")?, value("RGB_G")?, value("RGB_B")?], value("XYZ_Y")?, line));
             }
@@ -180,6 +199,9 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
     }
     if rows.is_empty() {
         return Err("has no data; expected a table between BEGIN_DATA and END_DATA".to_owned());
+    }
+    if !is_whole {
+        return Err("ends within its data; expected END_DATA".to_owned());
     }
     let scale = match (relative, white_cd_m2) {
         (false, _) => 1.0,

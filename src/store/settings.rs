@@ -14,7 +14,6 @@ use super::{
     file::{ABANDONED, exists, folder_of, make_folder, read_text, remove_temporary, write_file},
     toml,
 };
-use crate::system::config_folder;
 
 /// Maximum number of remembered experiments, and of remembered analyses.
 const MAX_RECENT: usize = 8;
@@ -103,11 +102,6 @@ pub struct SettingsFile {
 }
 
 impl SettingsFile {
-    /// Returns the path of the user's own file; `None` if the user has no home folder.
-    pub fn default_path() -> Option<PathBuf> {
-        config_folder().map(|folder| folder.join("settings.toml"))
-    }
-
     /// Reads the settings. A file that does not exist yet has the default settings.
     ///
     /// # Errors

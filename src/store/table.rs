@@ -47,14 +47,8 @@ impl<'a> Content<'a> {
         })
     }
 
-    /// Reads all of the content.
-    pub fn bytes(self) -> io::Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        self.open()?.read_to_end(&mut bytes)?;
-        Ok(bytes)
-    }
-
-    fn len(self) -> io::Result<u64> {
+    /// Returns the number of bytes.
+    pub fn len(self) -> io::Result<u64> {
         match self {
             Self::File(path) => std::fs::metadata(path).map(|metadata| metadata.len()),
             Self::Memory(content) | Self::Sheet(content) => Ok(content.len() as u64),
@@ -62,7 +56,7 @@ impl<'a> Content<'a> {
     }
 
     /// Reads at most [`MAX_ROW`] bytes of this range.
-    fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
+    pub fn slice(self, from: u64, to: u64) -> io::Result<Vec<u8>> {
         let (mut reader, mut bytes) = (self.open()?, Vec::new());
         reader.seek(SeekFrom::Start(from))?;
         reader.take((to - from).min(MAX_ROW)).read_to_end(&mut bytes)?;
@@ -76,8 +70,9 @@ pub(super) struct Row<'a> {
     pub record: &'a ByteRecord,
     content: Content<'a>,
     pub separator: u8,
-    /// The reader's position before the row. There may be line ends between this position and the row.
-    start: &'a Position,
+    /// The reader's position before the row, from which it can be read again. There may be line ends between this position and
+    /// the row.
+    pub start: &'a Position,
     end: u64,
     /// True if nothing follows this row.
     pub last: bool,
@@ -95,11 +90,6 @@ impl<'a> Row<'a> {
             .map_err(|_| self.record.iter().position(|cell| std::str::from_utf8(cell).is_err()).unwrap_or(0))
     }
 
-    /// Returns the cells as UTF-8. Those that are not are decoded from Windows-1252.
-    pub fn decoded(&self) -> ByteRecord {
-        self.record.iter().map(|cell| decoded(cell).into_owned()).collect()
-    }
-
     /// Returns the bytes of the row, including the line ends before and after it. They are read again from the source,
     /// which is acceptable because errors are rare.
     pub fn raw(&self) -> Vec<u8> {
@@ -112,11 +102,6 @@ impl<'a> Row<'a> {
             self.failed.set(Some(error));
             Vec::new()
         })
-    }
-
-    /// Returns the position of the row, from which it can be read again.
-    pub fn position(&self) -> Position {
-        self.start.clone()
     }
 
     /// Returns the line and column, from 1, of the beginning of a cell or, if the cell is not text, of its first
@@ -171,6 +156,10 @@ impl<'a> Row<'a> {
         {
             return Err((Some(cell), "the cell contains a zero byte; expected text".to_owned()));
         }
+        if self.record.as_slice().contains(&b'\n') && self.is_torn() {
+            let message = "a cell goes on after its closing quote, in another line; expected quotes around whole cells";
+            return Err((None, message.to_owned()));
+        }
         if is_utf8
             && self.text().is_err()
             && let Some(cell) = first(|cell| std::str::from_utf8(cell).is_err())
@@ -178,6 +167,19 @@ impl<'a> Row<'a> {
             return Err((Some(cell), "the cell is not UTF-8 text; expected UTF-8".to_owned()));
         }
         Ok(())
+    }
+
+    /// True if a text in quotes that has several lines ends within a cell: a quote that is never closed began it, and the next
+    /// one, that of another row, ends it.
+    fn is_torn(&self) -> bool {
+        let raw = self.raw();
+        let row = &raw[raw.iter().take_while(|byte| is_line_end(**byte)).count()..];
+        (0..self.record.len()).any(|cell| {
+            let start = cell_start(row, self.separator, cell);
+            let end = quoted_end(row, start);
+            let mut rest = row[end..].split(|byte| *byte == self.separator || is_line_end(*byte));
+            row[start..end].contains(&b'\n') && rest.next().is_some_and(|rest| !rest.trim_ascii().is_empty())
+        })
     }
 
     /// Returns the position of the next line.
@@ -207,19 +209,25 @@ fn is_line_end(byte: u8) -> bool {
 fn cell_start(row: &[u8], separator: u8, cell: usize) -> usize {
     let mut at = 0;
     for _ in 0..cell {
-        if row.get(at) == Some(&b'"') {
-            at += 1;
-            while let Some(length) = row[at..].iter().position(|byte| *byte == b'"') {
-                at += length + 1;
-                if row.get(at) != Some(&b'"') {
-                    break;
-                }
-                at += 1;
-            }
-        }
+        at = quoted_end(row, at);
         match row[at..].iter().position(|byte| *byte == separator) {
             Some(length) => at += length + 1,
             None => return row.len(),
+        }
+    }
+    at
+}
+
+/// Returns the byte offset behind the closing quote of a text that begins here, or this offset if it has no quotes.
+fn quoted_end(row: &[u8], mut at: usize) -> usize {
+    if row.get(at) == Some(&b'"') {
+        at += 1;
+        while let Some(length) = row[at..].iter().position(|byte| *byte == b'"') {
+            at += length + 1;
+            if row.get(at) != Some(&b'"') {
+                break;
+            }
+            at += 1;
         }
     }
     at
@@ -251,21 +259,11 @@ impl Seek for Limited<'_, '_> {
     }
 }
 
-/// Calls `take` with every row, beginning with the header. An unclosed quote affects only its own line.
+/// Calls `take` with the rows from a position on, or from the header, as long as it returns true. An unclosed quote affects
+/// only its own line.
 ///
 /// # Errors
 /// The content cannot be read, or a line has more than [`MAX_ROW`] bytes.
-pub(super) fn each_row(content: Content<'_>, separator: u8, mut take: impl FnMut(&Row<'_>)) -> io::Result<()> {
-    rows_from(content, separator, None, |row| {
-        take(row);
-        true
-    })
-}
-
-/// Calls `take` with the rows from a position on, or from the first, as long as it returns true.
-///
-/// # Errors
-/// The same errors as [`each_row`].
 pub(super) fn rows_from(
     content: Content<'_>,
     separator: u8,
@@ -330,27 +328,18 @@ pub(super) fn parse<T>(
     header: impl FnOnce(&[&str]) -> Result<(), CellError>,
     mut row: impl FnMut(&[&str], &Row<'_>) -> Result<T, CellError>,
 ) -> Result<Vec<T>, FileErrors> {
-    let (mut rows, mut errors, mut header) = (Vec::new(), Vec::new(), Some(header));
-    let (mut width, mut is_other) = (0, false);
-    let read = each_row(Content::Memory(text), separator, |found| {
-        if is_other {
-            return;
-        }
+    let (mut rows, mut errors, mut header, mut width) = (Vec::new(), Vec::new(), Some(header), 0);
+    let read = rows_from(Content::Memory(text), separator, None, |found| {
         let mut error = |(cell, message): CellError| errors.push(FileError::at(file, found.place(cell), message));
-        let cells: Vec<&str> = match found.record.iter().map(std::str::from_utf8).collect() {
-            Ok(cells) => cells,
-            Err(_) => {
-                return error((
-                    found.text().err().unwrap_or(0),
-                    "the row is not UTF-8 text; expected UTF-8".to_owned(),
-                ));
-            }
+        let Ok(cells) = found.record.iter().map(std::str::from_utf8).collect::<Result<Vec<&str>, _>>() else {
+            error((found.text().err().unwrap_or(0), "the row is not UTF-8 text; expected UTF-8".to_owned()));
+            return true;
         };
         if let Some(check) = header.take() {
             width = cells.len();
             if let Err((cell, message)) = check(&cells) {
-                is_other = cell == 0;
                 error((cell, message));
+                return cell > 0;
             }
         } else if cells.len() != width {
             error((0, format!("the number of cells in the row is {}; expected {width}", cells.len())));
@@ -360,6 +349,7 @@ pub(super) fn parse<T>(
                 Err(found) => error(found),
             }
         }
+        true
     });
     if let Err(error) = read {
         errors.push(FileError::whole(file, format!("cannot be read: {error}; expected CSV")));
@@ -413,32 +403,25 @@ impl std::fmt::Display for List {
 impl std::str::FromStr for List {
     type Err = String;
 
+    /// Splits what [`list`] joins; nothing for an empty text. An error says which quote or name is wrong.
     fn from_str(text: &str) -> Result<Self, String> {
-        split_list(text).map(Self)
+        if text.matches('"').count() % 2 == 1 {
+            return Err("a quote is never closed; expected names with commas between them".to_owned());
+        }
+        let mut reader = csv::ReaderBuilder::new();
+        let mut reader = reader.has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let rows: Vec<csv::StringRecord> = reader.records().filter_map(Result::ok).collect();
+        let names: Vec<String> = rows.iter().flatten().map(str::to_owned).collect();
+        match names.iter().position(String::is_empty) {
+            // CSV quotes the only cell of a row if it is empty.
+            Some(_) if names.len() == 1 => Ok(Self::default()),
+            Some(index) => Err(format!("name {} is empty; expected names with commas between them", index + 1)),
+            None => Ok(Self(names)),
+        }
     }
 }
 
 crate::text::names::serde_as_text!(List);
-
-/// Splits what [`list`] joins; nothing for an empty text.
-///
-/// # Errors
-/// Says which quote or name is wrong.
-pub fn split_list(text: &str) -> Result<Vec<String>, String> {
-    if text.matches('"').count() % 2 == 1 {
-        return Err("a quote is never closed; expected names with commas between them".to_owned());
-    }
-    let mut reader = csv::ReaderBuilder::new();
-    let mut reader = reader.has_headers(false).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let rows: Vec<csv::StringRecord> = reader.records().filter_map(Result::ok).collect();
-    let names: Vec<String> = rows.iter().flatten().map(str::to_owned).collect();
-    match names.iter().position(String::is_empty) {
-        // CSV quotes the only cell of a row if it is empty.
-        Some(_) if names.len() == 1 => Ok(Vec::new()),
-        Some(index) => Err(format!("name {} is empty; expected names with commas between them", index + 1)),
-        None => Ok(names),
-    }
-}
 
 /// Returns the beginning of an arbitrary text, short enough for a message.
 pub(super) fn shortened(text: &str) -> String {

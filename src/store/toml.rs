@@ -49,7 +49,7 @@ pub(super) fn read<'t, T: DeserializeOwned>(file: &'t str, text: &'t str) -> Res
             document.error(name, format!("{name} is missing; expected {field} = …"));
         } else {
             let place = document.locate(path);
-            document.errors.push((place, explained(path, message), path.to_owned()));
+            document.errors.push((place, explained(path, message, &[]), path.to_owned()));
             document.unread.push(place);
         }
     });
@@ -84,6 +84,8 @@ pub(super) struct TableReader<'e> {
     pub path: &'static str,
     /// The keys and values that are left.
     pub table: Map<String, Value>,
+    /// The keys that were taken from it, or could have been.
+    pub taken: Vec<&'static str>,
     /// Where errors go.
     pub errors: &'e mut DefinitionErrors,
 }
@@ -93,7 +95,8 @@ impl OptionReader for TableReader<'_> {
         let read = without_unread(Value::Object(self.table.clone()), |inner, message| {
             let path = format!("{}.{inner}", self.path);
             let path = path.trim_matches('.');
-            let message = explained(path, message);
+            let taken = if inner.contains('.') { &[] } else { &self.taken[..] };
+            let message = explained(path, message, taken);
             let message = if message.starts_with('"') { format!("{inner} {message}") } else { message };
             self.errors.add(path, message);
         });
@@ -216,12 +219,12 @@ fn remove(value: &mut Value, path: &str) -> bool {
     keys.get_mut(first).is_some_and(|inner| remove(inner, rest)) || keys.shift_remove(first).is_some()
 }
 
-/// Rephrases a message from serde about the value at `path` in this program's style.
-fn explained(path: &str, error: &str) -> String {
+/// Rephrases a message from serde about the value at `path` in this program's style. Its table also knows the keys `taken`.
+fn explained(path: &str, error: &str, taken: &[&str]) -> String {
     let (table, key) = path.rsplit_once('.').unwrap_or(("", path));
     if error.starts_with("unknown field") {
         // unknown field `widht`, expected one of `width`, `depth`
-        let known: Vec<&str> = error.split('`').skip(3).step_by(2).collect();
+        let known: Vec<&str> = taken.iter().copied().chain(error.split('`').skip(3).step_by(2)).collect();
         return unknown_key(table, key, &known);
     }
     let Some((wrong, expected)) = error.split_once(", expected ") else { return error.to_owned() };
@@ -230,6 +233,7 @@ fn explained(path: &str, error: &str) -> String {
         "u8" => "a whole number from 0 to 255",
         "u32" => "a whole number from 0 to 4294967295",
         "a string" => "text in quotes",
+        "a boolean" => "true or false",
         "a sequence" => "a list in brackets",
         other if other == "a map" || other.starts_with("struct ") => "a table",
         other => &other.replace("an array", "a list"),

@@ -1,22 +1,18 @@
-//! The analysis of ratings, with the ordinal model that it fits and a plan simulates.
+//! The analysis of ratings: which are read, and the ordinal model that is fitted and that a plan simulates.
 
 use std::{
     collections::{BTreeSet, HashSet},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use serde::Serialize;
 
-use super::{
-    Ratings, RequestError, Watcher,
-    ratings::{check_order, explained},
-    request::allow_only,
-};
+use super::{RequestError, Watcher, request::allow_only};
 use crate::{
     analysis::{
         Link, MAX_COEFFICIENTS, ModelError, Options, Random, Resampling, Results, Slopes, analyze_with,
-        counts::Counts,
-        find_factor, numbers_of,
+        counts::{Counts, Exclusions},
+        find_factor, number_of, numbers_of,
         tasks::psychometric::{self, Guess},
         terms::{Terms, Variable},
     },
@@ -26,10 +22,10 @@ use crate::{
         tasks::{self, Levels, TaskStudy},
     },
     store::{
-        Columns, FileError, StoreError,
+        Columns, FileError, FileErrors, StoreError,
         answers::{self, AnswerColumns, AnswersRead},
-        ratings::Source,
-        table::List,
+        ratings::{ReadOptions, Source},
+        table::{List, list},
     },
     text::names::{expected_one_of, one_of},
 };
@@ -74,7 +70,7 @@ pub struct Analyze {
 #[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
 pub struct Model {
     /// Terms of the model: names of factors. Prefix a numeric term with num:, and join the factors of an interaction
-    /// with : or * [default: every factor that varies].
+    /// with *, or with : beside its parts [default: every factor that varies].
     #[arg(long, value_name = "T,…")]
     pub terms: Option<Terms>,
     /// Link function of the cumulative model.
@@ -236,6 +232,11 @@ impl Analyze {
             return Err(RequestError::value("exclude", format!("{unknown} is not a participant; {expected}")).into());
         }
         rows.retain(|row| !exclude.contains(&row.subject));
+        if rows.is_empty() {
+            return Err(
+                StoreError::from(FileErrors::whole(path, "has no answers at levels; expected at least one")).into()
+            );
+        }
         let common = Common {
             parameter: columns.level,
             log: given.log,
@@ -405,4 +406,81 @@ pub(super) fn refused(error: &ModelError) -> Option<RequestError> {
         ModelError::TooManySlopes { .. } => Some(RequestError::value("slopes", error)),
         _ => None,
     }
+}
+
+/// Where to find the ratings, and how to read them.
+#[derive(Clone, Debug, Default, PartialEq, clap::Args, Serialize)]
+pub struct Ratings {
+    /// Result files, folders of result files, tables of counts, or any table (CSV or Excel).
+    #[arg(required = true, value_name = "FILE|DIR")]
+    pub paths: Vec<PathBuf>,
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub how: ReadOptions,
+}
+
+impl Ratings {
+    /// Returns the same ratings without what is to be excluded.
+    #[must_use]
+    pub fn excluding(mut self, Exclusions { exclude, only }: Exclusions) -> Self {
+        (self.how.exclude, self.how.only) = ((!exclude.is_empty()).then_some(List(exclude)), only);
+        self
+    }
+
+    /// Reads the files; `also` names additional columns that a model needs: those of its terms, and of covariates and items.
+    ///
+    /// # Errors
+    /// No file can be read, or an exclusion is not possible.
+    pub fn read(&self, also: [Vec<String>; 2], details: bool, large: bool) -> Result<Study, StudyError> {
+        if let Some((path, task)) = TaskStudy::task_at(&self.paths)? {
+            let answers = tasks::answers(&task);
+            let message =
+                format!("has {answers}; expected ratings on a scale of categories (machband analyze reads every task)");
+            return Err(FileErrors::whole(&path, message).into());
+        }
+        Study::read(&self.paths, &self.options(also, details, large))
+    }
+
+    /// Returns how the ratings are read.
+    fn options(&self, [also, roles]: [Vec<String>; 2], details: bool, unlimited: bool) -> ReadOptions {
+        ReadOptions { also, roles, details, unlimited, ..self.how.clone() }
+    }
+}
+
+/// Checks that the order of the categories is known. For counts, categories `may_be_words`, but not beside numbers.
+///
+/// # Errors
+/// Names the categories that are no numbers.
+pub fn check_order(study: &Study, may_be_words: bool) -> Result<(), RequestError> {
+    let (shape, counts) = (&study.source.shape, &study.measured.counts);
+    let words: Vec<&String> = counts.categories.iter().filter(|category| number_of(category).is_none()).collect();
+    let are_all = words.len() == counts.categories.len();
+    if counts.is_ordered(shape.categories.as_deref()) || are_all && may_be_words {
+        return Ok(());
+    }
+    let message = format!(
+        "{}: {} {}; expected numbers, or the order of all categories, lowest first",
+        shape.response,
+        list(words.iter().take(12)),
+        if words.len() == 1 { "is not a number" } else { "are not numbers" },
+    );
+    // Not an order of these words, which somebody would copy.
+    Err(RequestError::value("response", message).such_as("categories", "LOWEST,…,HIGHEST"))
+}
+
+/// Turns an error of reading into one of the request, if that is what is wrong.
+pub fn explained(error: StudyError) -> anyhow::Error {
+    let field = match &error {
+        StudyError::Files(_) => return error.into(),
+        StudyError::TooManyCategories { .. } => {
+            return RequestError::value("response", error).such_as("categories", "0,1,2").into();
+        }
+        StudyError::Codes { codes, .. } => {
+            let codes = list(codes.iter().map(|(code, _)| code));
+            return RequestError::value("response", error).such_as("missing", &codes).into();
+        }
+        StudyError::Names(field, _) => field,
+        StudyError::TooLarge(_) => return RequestError::whole(error).unless("large").into(),
+    };
+    RequestError::new(field, error).into()
 }

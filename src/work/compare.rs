@@ -142,19 +142,24 @@ pub type Pair = (String, anyhow::Result<Compared>);
 /// A picture as light.
 struct Lit {
     name: String,
-    image: LinearImage,
-    /// The luminance of full red, green and blue relative to white.
-    weights: [f64; 3],
+    /// Its size `[across, down]`, pixels, and the luminance of each pixel relative to white.
+    size: [u32; 2],
+    luminance: Vec<f64>,
     light: String,
 }
 
 impl Lit {
-    fn of_picture(name: String, picture: &Picture, light: String) -> Lit {
-        Lit { name, image: picture.codes.light(&picture.transfers), weights: picture.weights, light }
+    fn of_picture(name: &str, picture: &Picture, light: &str) -> Lit {
+        Self::of_light(name, &picture.codes.light(&picture.transfers), picture.weights, light)
+    }
+
+    fn of_light(name: &str, image: &LinearImage, weights: [f64; 3], light: &str) -> Lit {
+        let (size, luminance) = ([image.width, image.height], weighted(image, weights));
+        Lit { name: name.to_owned(), size, luminance, light: light.to_owned() }
     }
 }
 
-/// Returns the luminance of each pixel, with these parts of the primaries.
+/// Returns the luminance of each pixel relative to white; `weights` are those of full red, green and blue.
 fn weighted(image: &LinearImage, weights: [f64; 3]) -> Vec<f64> {
     let of = |pixel: &[f32]| pixel.iter().zip(weights).map(|(light, weight)| f64::from(*light) * weight).sum();
     image.data.chunks_exact(3).map(of).collect()
@@ -312,7 +317,7 @@ impl Compare {
 
     fn read(&self, path: &Path, encoded: &Encoded) -> anyhow::Result<Lit> {
         let picture = self.picture(path, encoded)?;
-        Ok(Lit::of_picture(path.display().to_string(), &picture, said(&picture)))
+        Ok(Lit::of_picture(&path.display().to_string(), &picture, &said(&picture)))
     }
 
     fn viewing(&self, encoded: &Encoded, width_px: u32) -> ViewingConditions {
@@ -323,19 +328,17 @@ impl Compare {
 
     fn compared(&self, shown: Lit, reference: Lit, encoded: &Encoded) -> anyhow::Result<Compared> {
         checkpoint();
-        let [size, other] = [&shown.image, &reference.image].map(|image| [image.width, image.height]);
-        if size != other {
-            let [a, b] = [size, other].map(|[width, height]| format!("{width} × {height}"));
+        let size = shown.size;
+        if size != reference.size {
+            let [a, b] = [size, reference.size].map(|[width, height]| format!("{width} × {height}"));
             let (name, reference) = (printable(&shown.name), printable(&reference.name));
             anyhow::bail!("{name}: has {a} pixels, but {reference} has {b}; expected pictures of one size");
         }
-        let viewing = self.viewing(encoded, shown.image.width);
+        let viewing = self.viewing(encoded, size[0]);
         let share = self.mask.as_deref().map(|path| self.share(path, size)).transpose()?;
         let size = size.map(|side| side as usize);
-        let (mine, theirs) = (weighted(&shown.image, shown.weights), weighted(&reference.image, reference.weights));
         let cd_m2 = |light: Vec<f64>| light.into_iter().map(|light| viewing.cd_m2(light)).collect::<Vec<f64>>();
-        let (mine, theirs) = (cd_m2(mine), cd_m2(theirs));
-        drop((shown.image, reference.image));
+        let (mine, theirs) = (cd_m2(shown.luminance), cd_m2(reference.luminance));
         let light = if shown.light == reference.light {
             shown.light
         } else {
@@ -446,15 +449,9 @@ fn lit(given: Given, name: &str, encoded: &Encoded) -> Lit {
     match given {
         Given::Codes(codes) => {
             let light = if encoded.is_given { "as asked" } else { "sRGB is assumed" };
-            Lit::of_picture(
-                name.to_owned(),
-                &encoded.shows(Picture::given(codes, encoded.transfers.clone())),
-                light.to_owned(),
-            )
+            Lit::of_picture(name, &encoded.shows(Picture::given(codes, encoded.transfers.clone())), light)
         }
-        Given::Light(image) => {
-            Lit { name: name.to_owned(), image, weights: Picture::srgb_weights(), light: "given as light".to_owned() }
-        }
+        Given::Light(image) => Lit::of_light(name, &image, Picture::srgb_weights(), "given as light"),
     }
 }
 

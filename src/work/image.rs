@@ -106,8 +106,7 @@ impl Encoding {
 
 /// Returns a warning if a measured profile should be measured again. `place` says where the profile comes from.
 pub fn outdated(place: &Path, profile: &DisplayProfile) -> Option<String> {
-    let warning = profile.warning(today()).filter(|_| profile.measured.is_some());
-    warning.map(|warning| format!("{}: {warning}", place.display()))
+    profile.warning(today()).map(|warning| format!("{}: {warning}", place.display()))
 }
 
 /// Returns today's date in UTC.

@@ -139,7 +139,7 @@ impl Predict {
         let found = viewing.visible(&stimuli, self.size).map_err(wrong)?;
         let compared = |study: Study| {
             prediction::compare_conditions(&study.measured.counts, &protocol, conditions, &found)
-                .map(|comparison| (comparison, study.source))
+                .map(|(comparison, _)| (comparison, study.source))
                 .map_err(|error| anyhow::anyhow!("{}: {error}", self.fit[0].display()))
         };
         let fit = study.map(compared).transpose()?;

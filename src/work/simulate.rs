@@ -24,7 +24,7 @@ use crate::{
     store::{
         StoreError, observer,
         session::{Changes, Interrupted, SessionStore},
-        sitting::{Pictures, SimulatedObserver, Sitting},
+        sidecar::{Pictures, SimulatedObserver, Sitting},
     },
     system::{after, before, check_clock, now, threads},
     text::number::whole,
@@ -103,25 +103,13 @@ struct Simulation<'a> {
     watcher: &'a dyn Watcher,
 }
 
-/// What was simulated.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Simulated {
-    /// The folder of the experiment.
-    pub folder: PathBuf,
-    /// Number of sessions.
-    pub sessions: u64,
-    /// Number of rows in all of them.
-    pub rows: u64,
-}
-
 /// Runs the sessions of `protocol`, which need not be the definition that the request names. The watcher learns the
-/// number of trials.
+/// number of trials. Returns the number of rows.
 ///
 /// # Errors
 /// The observer is invalid, a session cannot be stored, or the watcher ended it.
-pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) -> anyhow::Result<Simulated> {
+pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) -> anyhow::Result<u64> {
     let (observer, description) = observer(request, protocol)?;
-    let sessions = u64::from(request.participants);
     let simulation = Simulation {
         request,
         protocol,
@@ -129,7 +117,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
         description,
         pictures: Pictures::without_screen(protocol),
         hashes: OnceLock::new(),
-        trials: sessions * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
+        trials: u64::from(request.participants) * (protocol.main_trials() as u64 + u64::from(protocol.design.practice)),
         done: AtomicU64::new(0),
         watcher,
     };
@@ -138,7 +126,7 @@ pub fn simulate(request: &Simulate, protocol: &Protocol, watcher: &dyn Watcher) 
     let (threads, begin) = threads(AT_A_TIME.min(total))?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).spawn_handler(begin).build()?;
     pool.install(|| (1..=total).into_par_iter().try_for_each(|number| simulation.session(number)))?;
-    Ok(Simulated { folder: request.results.join(&protocol.name), sessions, rows: simulation.done.into_inner() })
+    Ok(simulation.done.into_inner())
 }
 
 /// Returns the rows of a session of the vision observer, which is not stored.

@@ -73,13 +73,6 @@ serde_as_text!(Shard);
 /// Memory in bytes for the images that are made at the same time.
 const MEMORY: u64 = 4 << 30;
 
-/// Returns how many images are made at the same time: as many as fit into [`MEMORY`], each with its light, its codes
-/// and its file.
-fn at_once(size: u32) -> usize {
-    let image = 16 * u64::from(size) * u64::from(size);
-    usize::try_from(MEMORY / image.max(1)).unwrap_or(usize::MAX).max(1)
-}
-
 impl RenderAll {
     /// Writes the images of this shard into a folder, and the manifest once every shard is done. Images that are already
     /// there are kept if they are the same. The watcher learns the number of images.
@@ -101,7 +94,9 @@ impl RenderAll {
         let manifest = Manifest::open(writer, out, &protocol, conditions, &recipes, (index, of))?;
         let (own, [made, done]) = (manifest.own.len(), [(); 2].map(|()| AtomicUsize::new(0)));
         let quantizer = like.quantizer();
-        for together in manifest.own.chunks(at_once(self.image.size)) {
+        // As many as fit into the memory, each with its light, its codes and its file.
+        let at_once = MEMORY / (16 * u64::from(self.image.size).pow(2)).max(1);
+        for together in manifest.own.chunks(usize::try_from(at_once)?.max(1)) {
             together.par_iter().try_for_each(|i| {
                 made.fetch_add(usize::from(manifest.make(*i, &quantizer)?), Ordering::Relaxed);
                 watcher.progress(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, own as u64);

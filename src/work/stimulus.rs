@@ -21,7 +21,7 @@ pub struct Render {
     #[command(flatten)]
     #[serde(flatten)]
     pub image: Image,
-    /// Reduce the image to a palette, given as the method (popularity, median-cut or k-means) and the maximum number of
+    /// Reduce the image to a palette, given as the method (popularity or median-cut) and the maximum number of
     /// colors, such as median-cut:16.
     #[arg(long, value_name = "METHOD:N")]
     #[serde(serialize_with = "as_text")]
@@ -62,15 +62,13 @@ impl Render {
         let quantizer = recipe.quantizer();
         if let Some(out) = out {
             match (self.halftone, self.palette) {
-                (Some(screen), _) => store::image::write_halftone(writer, out, &recipe, screen)?,
-                (None, Some(reduction)) => {
-                    store::image::write_reduced(writer, out, &recipe, &quantizer, reduction)?;
-                }
-                (None, None) => store::image::write_recipe(writer, out, &recipe, &quantizer)?,
-            }
+                (Some(screen), _) => store::image::write_halftone(writer, out, &recipe, screen),
+                (None, Some(reduction)) => store::image::write_reduced(writer, out, &recipe, &quantizer, reduction),
+                (None, None) => store::image::write_recipe(writer, out, &recipe, &quantizer),
+            }?;
         }
         if let Some(profile) = profile {
-            store::curve::write_profile(writer, profile, &recipe, &quantizer)?;
+            writer.write(profile, &store::curve::table(&recipe, &quantizer).csv())?;
         }
         Ok(())
     }

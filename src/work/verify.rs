@@ -8,9 +8,9 @@ use super::{Found, Watcher};
 use crate::{
     report::document::numbers::count,
     store::{
-        FileError, FileErrors,
+        FileErrors,
         ratings::Listed,
-        verify::{self, Renderer, Verified},
+        recorded::{self, Renderer, Verified},
     },
 };
 
@@ -27,9 +27,6 @@ pub struct Verify {
     pub folder: PathBuf,
 }
 
-/// Maximum number of errors that are kept until all sessions are verified.
-const MAX_ERRORS: usize = 1000;
-
 impl Verify {
     /// Verifies every session, and returns a sentence about each, and all errors. The watcher learns the number of
     /// sessions.
@@ -43,20 +40,15 @@ impl Verify {
         if listed.files.is_empty() && errors.is_empty() {
             return Err(listed.nothing(&self.folder).into());
         }
-        let (mut found, mut renderer, mut further) = (Found::default(), Renderer::default(), 0);
+        let (mut found, mut renderer) = (Found::default(), Renderer::default());
         for (csv, done) in listed.files.iter().zip(1..) {
-            let verified = verify::session(csv, &mut renderer);
+            let verified = recorded::verify(csv, &mut renderer);
             found.add(csv, sentence(&verified), watcher)?;
             watcher.progress(done, listed.files.len() as u64);
             if !verified.errors.is_empty() {
                 found.wrong.insert(csv.clone());
             }
-            for error in verified.errors {
-                if errors.len() < MAX_ERRORS { errors.push(error) } else { further += 1 }
-            }
-        }
-        if further > 0 {
-            errors.push(FileError::whole(&self.folder, format!("further errors: {further}; expected none")));
+            errors.extend(verified.errors);
         }
         listed.warnings.iter().for_each(|warning| watcher.warn(&warning.to_string()));
         found.errors = errors.into_iter().map(|error| FileErrors(vec![error]).into()).collect();

@@ -226,26 +226,6 @@ fn charts_show_what_the_table_says() {
     }
 }
 
-/// Numbers are placed to scale, on a logarithmic axis if they span more than a factor of ten. If some would hide
-/// others, the levels are spaced evenly, like texts and depths.
-#[test]
-fn levels_are_placed_at_their_numbers() {
-    for (factor, levels, middle) in [
-        ("width", ["0.02", "0.2", "2"], 0.5),
-        ("angle", ["0", "90", "360"], 0.25),
-        ("orientation_deg", ["10", "60", "210"], 0.25),
-        ("depth", ["1", "2", "inf"], 0.5),
-        ("n", ["1", "1.001", "9"], 0.5),
-        ("t", ["a", "b", "c"], 0.5),
-    ] {
-        let results = results(&[(factor, &levels[..])], 3, 2, &no_model(), |subject, levels, _| {
-            Some(((subject + levels[0]) % 4).to_string())
-        });
-        let [a, b, c] = circles(named(&figures::all(&results), "figure4a"), BLUE)[..] else { panic!("{factor}") };
-        assert!(((b.0 - a.0) / (c.0 - a.0) - middle).abs() < 1e-3, "{factor}: {a:?} {b:?} {c:?}");
-    }
-}
-
 /// Each of the two factors is on the horizontal axis once. The first line in each chart has black circles; means are
 /// weighted by the number of ratings. If each condition is predicted exactly as it is rated, the predicted chart is the
 /// measured chart without bars.
@@ -337,22 +317,5 @@ fn odd_studies_are_drawn() {
         let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
         assert_eq!(names.len(), *expected, "{what}: {names:?}");
         check(&figures);
-    }
-}
-
-#[test]
-fn images_are_sharp_complete_and_always_the_same() {
-    let results = bands(6);
-    let figures = figures::all(&results);
-    assert_eq!(figures::all(&results), figures);
-    for figure in &figures {
-        let (name, bytes, pixels) = (figure.name, figure.png().unwrap(), figure.pixels(1600).unwrap());
-        assert_eq!(figure.png().unwrap(), bytes);
-        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
-        let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut decoded).unwrap();
-        let height = (2.0 * tree(figure).size().height()).ceil() as u32;
-        assert_eq!((info.width, info.height, info.color_type), (1600, height, png::ColorType::Rgb), "{name}");
-        assert_eq!(decoded, pixels.rgb, "{name}");
     }
 }

@@ -125,7 +125,7 @@ fn compare(file: &str, fewest: usize) {
 
 #[test]
 fn estimates_errors_and_likelihoods_match_r() {
-    compare("models.csv", 450);
+    compare("models.csv", 400);
 }
 
 /// Random slopes for factors, numbers and both, independent and correlated, and items crossed with participants; `binary` is

@@ -2,7 +2,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-mod comparisons;
 mod counts;
 mod figures;
 mod golden;

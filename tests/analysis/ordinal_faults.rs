@@ -115,20 +115,6 @@ fn a_separated_baseline_is_replaced_by_another_level() {
     }
 }
 
-/// If ratings follow a number exactly, no estimate is finite.
-#[test]
-fn complete_separation_leaves_no_finite_estimate() {
-    let rows: Vec<Row> =
-        (0..6).flat_map(|s| WIDTHS.iter().enumerate().map(move |(r, w)| (format!("S{s}"), *w, "1", r as u8))).collect();
-    for random in [Random::None, Random::Subject] {
-        let model = fit(&counts(&rows), &spec("num:width", random)).unwrap();
-        assert_eq!(model.coefficients[0].estimate, f64::INFINITY);
-        assert!(model.notes.iter().any(|note| matches!(note, Note::Separation { .. })), "{:?}", model.notes);
-        assert!(model.notes.iter().any(|note| matches!(note, Note::SeparatedThreshold { .. })), "{:?}", model.notes);
-        assert!(model.loglik > -1e-4, "{}", model.loglik);
-    }
-}
-
 #[test]
 fn empty_categories_are_dropped_and_named() {
     let mut rows = rows(6, 4, 0.5, 3);
@@ -142,15 +128,6 @@ fn empty_categories_are_dropped_and_named() {
 }
 
 #[test]
-fn one_subject_has_no_random_intercept() {
-    let counts = counts(&rows(1, 8, 0.0, 4));
-    let mixed = fit(&counts, &spec("width", Random::Subject)).unwrap();
-    assert_eq!(mixed.notes, [Note::OneSubject]);
-    assert_eq!((mixed.method, &mixed.random), ("clm", &None));
-    assert_eq!(mixed.coefficients, fit(&counts, &spec("width", Random::None)).unwrap().coefficients);
-}
-
-#[test]
 fn redundant_terms_are_named_and_dropped() {
     let counts = counts(&rows(8, 6, 1.5, 5));
     let model = fit(&counts, &spec("width,num:width,depth", Random::Subject)).unwrap();
@@ -161,31 +138,6 @@ fn redundant_terms_are_named_and_dropped() {
     assert_eq!(names, ["width", "width0.2"]);
     let tests = fit_with_tests(&counts, &spec("width,num:width,depth", Random::None)).unwrap().terms;
     assert_eq!((tests[1].df, tests[1].p), (0, None));
-}
-
-#[test]
-fn subjects_who_do_not_differ_have_no_variance() {
-    // Everyone gives the same ratings, so participants differ even less than expected by chance.
-    let one = rows(1, 6, 0.0, 6);
-    let rows: Vec<Row> =
-        (0..6).flat_map(|s| one.iter().map(move |row| (format!("S{s}"), row.1, row.2, row.3))).collect();
-    let model = fit(&counts(&rows), &spec("width,depth", Random::Subject)).unwrap();
-    assert_eq!(model.notes, [Note::NoSubjectVariance]);
-    let random = model.random.unwrap();
-    assert_eq!((random.sd, random.se), (0.0, None));
-    let plain = fit(&counts(&rows), &spec("width,depth", Random::None)).unwrap();
-    assert_eq!(model.coefficients, plain.coefficients);
-    close(model.loglik, plain.loglik);
-}
-
-#[test]
-fn subjects_who_use_only_one_category_have_no_finite_variance() {
-    let rows: Vec<Row> =
-        rows(8, 3, 0.0, 7).into_iter().map(|row| (row.0.clone(), row.1, row.2, row.0.as_bytes()[1] % 4)).collect();
-    let model = fit(&counts(&rows), &spec("width", Random::Subject)).unwrap();
-    assert_eq!(model.notes, [Note::RunawayVariance]);
-    assert_eq!(model.random, None);
-    assert!(model.coefficients.iter().all(|c| c.se.is_none() && c.p.is_none()), "{:?}", model.coefficients);
 }
 
 #[test]

@@ -21,8 +21,7 @@ use machband::{
     store::{
         FileError, definition,
         ratings::{FileRead, Layout, SessionRead, Shape, Source},
-        sidecar::Sidecar,
-        sitting::{Geometry, PreflightNote, SimulatedObserver, Sitting},
+        sidecar::{Geometry, PreflightNote, Sidecar, SimulatedObserver, Sitting},
     },
 };
 use proptest::prelude::*;
@@ -341,33 +340,6 @@ fn the_report_shows_the_prediction_or_says_why_there_is_none() {
     source.protocol = Some(protocol.clone());
     let text = text(&page(&source, &self::results(1, &DEPTHS, false)));
     assert_parts(&text, &["window 4.5° wide"]);
-}
-
-#[test]
-fn the_page_is_one_file_and_reproducible() {
-    let protocol = definition::open("bangay2003").unwrap();
-    let results = results(8, &DEPTHS, false);
-    let hash = definition::hash(&protocol);
-    let definition_sha256 = Some(hash.clone());
-    let source = Source { definition_sha256, protocol: Some(protocol.clone()), ..source(&FACTORS) };
-    let page = page(&source, &results);
-    assert!(page.starts_with("<!DOCTYPE html><html lang=\"en\">"));
-    assert_eq!(page.matches("<h1").count(), 1);
-    assert_eq!(page.matches("<figure").count(), figures::all(&results).len());
-    for (at, _) in page.match_indices("href=\"#") {
-        let id = page[at + 7..].split('"').next().unwrap();
-        assert_eq!(page.matches(&format!("id=\"{id}\"")).count(), 1, "#{id}");
-    }
-    let command = "machband analyze data --out analysis";
-    let text = text(&page);
-    assert_parts(&text, &[command, env!("CARGO_PKG_VERSION"), "2026-01-02 03:04:05 UTC", &hash]);
-    // The page contains the exact definition.
-    let start = page.find("schema = 1").unwrap();
-    let toml = page[start..].split("</code>").next().unwrap();
-    let toml = toml.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
-    assert_eq!(definition::parse("page", &toml).unwrap(), protocol);
-    // The same input gives the same page.
-    assert_eq!(self::page(&source, &results), page);
 }
 
 proptest! {

@@ -1,13 +1,18 @@
-//! Compares psychometric functions with psignifit (`tests/golden/tasks`, made by `scripts/golden_tasks.py`), and checks on
-//! simulated studies that intervals and tests are calibrated.
+//! Compares psychometric functions with psignifit, and scales from comparisons and detection with `choix`, `statsmodels` and
+//! SciPy (`tests/golden/tasks`, made by `scripts/golden_tasks.py`); checks on simulated studies that intervals and tests
+//! are calibrated.
 
 use std::collections::BTreeMap;
 
 use machband::{
-    analysis::tasks::{
-        means::Mean,
-        population,
-        psychometric::{Estimate, Guess, Model, Point, fit, goodness_of_fit},
+    analysis::{
+        comparisons::{Scaling, Triads, Wins},
+        detection::Answers,
+        tasks::{
+            means::Mean,
+            population,
+            psychometric::{Estimate, Guess, Model, Point, fit, goodness_of_fit},
+        },
     },
     experiment::task::curve::Curve,
     statistics::Interval,
@@ -323,46 +328,6 @@ fn means_are_covered_where_people_have_unequal_numbers_of_trials() {
     assert_covers(covered[0], 300);
 }
 
-/// Where all functions rise between the same two levels, nothing says where, however the answers vary beside.
-#[test]
-fn functions_that_rise_between_two_levels_have_a_mean_without_an_interval() {
-    let own = |right: u32| -> Vec<Point> {
-        (0..7).map(|level| Point { x: level.into(), correct: if level < 3 { right } else { 60 }, total: 60 }).collect()
-    };
-    let people: Vec<Vec<Point>> = [30, 33, 27, 30].map(own).to_vec();
-    let population = population::fit(&people, &Model { range: Some([0.0, 6.0]), ..MODEL }).unwrap();
-    assert!(population.interval.is_none() && population.mean > 2.0 && population.mean < 3.0, "{population:?}");
-    // Nor do equal answers to targets say how people differ, whatever they answered in catch trials.
-    let model = Model { guess: Guess::Free, overdispersed: false, range: Some([-2.0, -0.495]), ..MODEL };
-    let people = [[1, 1], [0, 2]].map(|[alarms, catches]| {
-        let targets = [-1.699, -1.398].map(|x| Point { x, correct: 1, total: 1 });
-        [&targets[..], &[Point { x: model.unseen(), correct: alarms, total: catches }]].concat()
-    });
-    let population = population::fit(&people, &model).unwrap();
-    assert!(population.interval.is_none(), "{population:?}");
-}
-
-/// A guess rate of 0 with a low threshold is a maximum of its own: 8 people whose rate is ½ and whose thresholds are about 0.
-#[test]
-fn an_estimated_guess_rate_is_that_of_the_highest_maximum() {
-    let model = Model { guess: Guess::Free, overdispersed: false, range: Some([-0.602, 0.903]), ..MODEL };
-    let right = [
-        [14, 10, 13, 20, 23, 24],
-        [11, 10, 21, 23, 23, 24],
-        [10, 17, 12, 19, 24, 23],
-        [10, 14, 20, 22, 24, 23],
-        [14, 12, 21, 23, 24, 24],
-        [11, 20, 20, 23, 24, 22],
-        [10, 18, 21, 23, 23, 22],
-        [11, 11, 13, 19, 23, 24],
-    ];
-    let x = [-0.602, -0.301, 0.0, 0.301, 0.602, 0.903];
-    let own = |right: [u32; 6]| x.into_iter().zip(right).map(|(x, correct)| Point { x, correct, total: 24 }).collect();
-    let people: Vec<Vec<Point>> = right.into_iter().map(own).collect();
-    let population = population::fit(&people, &model).unwrap();
-    assert!(population.guess > 0.3 && population.mean.abs() < 0.1, "{population:?}");
-}
-
 /// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.
 #[test]
 fn catch_trials_tell_the_guess_rate() {
@@ -393,4 +358,111 @@ fn catch_trials_tell_the_guess_rate() {
         );
         assert!(goodness_of_fit(&people[0], &model, 19, &mut rng).unwrap().deviance.is_finite());
     }
+}
+
+#[test]
+fn scale_values_are_those_of_other_programs() {
+    let (data, expected) = (rows("pairs_data.csv"), rows("pairs.csv"));
+    let mut sets = 0;
+    for rows in expected.chunk_by(|a, b| a["dataset"] == b["dataset"]) {
+        let mut wins = Wins::zeros(rows.len(), rows.len());
+        for row in data.iter().filter(|row| row["dataset"] == rows[0]["dataset"]) {
+            wins[(number(row, "winner"), number(row, "loser"))] += number::<f64>(row, "count");
+        }
+        for (scaling, column) in [(Scaling::BradleyTerry, "bradley_terry"), (Scaling::Thurstone, "thurstone")] {
+            let scale = scaling.fit(&wins).unwrap();
+            assert!(!scale.is_limited);
+            for (row, value) in rows.iter().zip(&scale.values) {
+                let expected = number::<f64>(row, column) / scaling.jnd();
+                assert!((value - expected).abs() < 1e-6, "{} {column}: {value}, expected {expected}", row["dataset"]);
+            }
+        }
+        sets += 1;
+    }
+    assert_eq!(sets, 13);
+}
+
+#[test]
+fn an_item_that_always_wins_is_limited_and_told() {
+    let wins = Wins::from_row_slice(3, 3, &[0.0, 9.0, 9.0, 0.0, 0.0, 5.0, 0.0, 4.0, 0.0]);
+    let scale = Scaling::Thurstone.fit(&wins).unwrap();
+    assert!(scale.is_limited && scale.values.iter().all(|value| value.is_finite()), "{scale:?}");
+    assert!(scale.values[0] > scale.values[1] + 1.0 && scale.values[1] > scale.values[2], "{scale:?}");
+    assert!(Scaling::Thurstone.fit(&Wins::zeros(3, 3)).is_none());
+}
+
+#[test]
+fn circular_triads_are_counted() {
+    // a > b > c > a, and all three over d.
+    let mut wins = Wins::zeros(4, 4);
+    for place in [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)] {
+        wins[place] = 2.0;
+    }
+    assert_eq!(Triads::of(&wins), Triads { circular: 1, all: 4 });
+    wins[(3, 2)] = 2.0;
+    assert_eq!(Triads::of(&wins), Triads { circular: 1, all: 2 });
+}
+
+#[test]
+fn detection_is_that_of_another_program() {
+    let rows = rows("detection.csv");
+    for row in &rows {
+        let count = |column: &str| number(row, column);
+        let answers = Answers {
+            hits: count("hits"),
+            misses: count("misses"),
+            false_alarms: count("false_alarms"),
+            correct_rejections: count("correct_rejections"),
+        };
+        let found = answers.detection().unwrap();
+        assert!((found.d_prime - number::<f64>(row, "d_prime")).abs() < 1e-9, "{row:?}");
+        assert!((found.criterion - number::<f64>(row, "criterion")).abs() < 1e-9, "{row:?}");
+    }
+    assert!(rows.len() >= 20);
+    assert!(Answers { hits: 3, misses: 1, ..Answers::default() }.detection().is_none());
+}
+
+/// Returns the share of intervals that contain the truth.
+fn covered(intervals: &[(Interval, f64)]) -> f64 {
+    let inside = intervals.iter().filter(|(interval, truth)| contains(*interval, *truth));
+    inside.count() as f64 / intervals.len() as f64
+}
+
+#[test]
+fn intervals_of_scale_values_cover_people_with_scales_of_their_own() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let truth = [-1.2, -0.4, 0.1, 0.5, 1.0];
+    for people in [2, 3, 6, 12, 20] {
+        let mut intervals = Vec::new();
+        for _ in 0..120 {
+            let person = |rng: &mut ChaCha8Rng| {
+                let own: Vec<f64> = truth.iter().map(|value| value + 0.4 * normal(rng)).collect();
+                let mut wins = Wins::zeros(5, 5);
+                for (i, j) in (0..5).flat_map(|i| (i + 1..5).map(move |j| (i, j))) {
+                    for _ in 0..4 {
+                        let first = own[i] - own[j] + normal(rng) > 0.0;
+                        wins[if first { (i, j) } else { (j, i) }] += 1.0;
+                    }
+                }
+                wins
+            };
+            let all: Vec<Wins> = (0..people).map(|_| person(&mut rng)).collect();
+            // Two or three people whose own comparisons do not determine a scale say too little about others.
+            let Some(found) = Scaling::Thurstone.intervals(&all, 200, &mut rng) else {
+                assert!(people < 5);
+                continue;
+            };
+            // What the pooled model estimates: the noise of one comparison and the spread of people together.
+            let shrink = 1.0 / (1.0 + 2.0 * 0.4_f64.powi(2)).sqrt() / Scaling::Thurstone.jnd();
+            intervals.extend(found.into_iter().zip(truth.map(|value| value * shrink)));
+        }
+        let share = covered(&intervals);
+        println!("{people} people: {share:.3}");
+        // For two or three people, the comparisons themselves set the width, which is then too large.
+        assert!((0.93..=if people < 5 { 0.995 } else { 0.985 }).contains(&share), "{people} people: {share}");
+    }
+    // Three people who agree say no more than their comparisons do.
+    let wins = Wins::from_row_slice(3, 3, &[0.0, 6.0, 8.0, 4.0, 0.0, 6.0, 2.0, 4.0, 0.0]);
+    let same = Scaling::Thurstone.intervals(&[wins.clone(), wins.clone(), wins], 200, &mut rng).unwrap();
+    assert!(same.iter().all(|interval| (0.3..1.5).contains(&(interval.high - interval.low))), "{same:?}");
 }

@@ -188,6 +188,8 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     wait_until_idle(&mut window);
     click(&mut window, "Model");
     assert_has(&window, "link = \"probit\"");
+    let below = |window: &Window| window.get_by_label("Random intercept per participant").rect();
+    let place = below(&window);
     for (terms, expected) in [
         ("width,nothing", "There is no factor nothing. Enter some of width, depth."),
         ("width,,depth", "an empty name"),
@@ -195,6 +197,7 @@ fn the_window_shows_the_document_and_follows_the_settings() {
     ] {
         enter_terms(&mut window, terms);
         assert_has(&window, expected);
+        assert_eq!(below(&window), place, "an error shifts nothing");
     }
     click(&mut window, "Copy as command");
     assert_has(&window, "--terms num:width --link probit");

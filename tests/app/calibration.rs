@@ -296,7 +296,7 @@ fn an_observer_finds_the_gamma_of_the_screen_with_the_keys() {
     std::fs::write(&csv, &text[..text.len() - 5]).unwrap();
     let (mut file, done) = matches::MatchFile::resume(&csv).unwrap();
     assert_eq!(done.len(), 5);
-    file.accept(6, &done[0], 1.0).unwrap();
+    file.record(6, &done[0], 1.0, false).unwrap();
     assert_eq!(matches::open(&csv).unwrap().len(), 6);
     assert!(matches::MatchFile::resume(&csv).is_err(), "the file is already open");
 }

@@ -117,6 +117,12 @@ fn a_question_of_ones_own_is_named() {
     window.get_by_label_contains("Enter a name that no other question has.");
     type_into(&mut window, "Name of Question 2", "dominant_eye");
     choose(&mut window, "Answers to Question 2", "one of several");
+    let place = |window: &Window| window.get_by_label("Label of Question 2").rect();
+    let before = place(&window);
+    window.query_all_by_label("Name of Question 2").find(|node| node.value().is_some()).unwrap().type_text("s");
+    window.step();
+    assert_eq!(place(&window), before, "nothing shifts while a name is typed");
+    type_into(&mut window, "Name of Question 2", "dominant_eye");
     type_into(&mut window, "Answers of Question 2", "left, right, unknown");
     type_into(&mut window, "Label of Question 2", "Your dominant eye");
     choose(&mut window, "Add a question", "A question of your own");

@@ -342,39 +342,6 @@ fn a_stimulus_that_does_not_fit_is_reported_and_creates_no_file() {
     assert!(!folder.path().join("panes").exists());
 }
 
-#[test]
-fn no_answer_is_lost_when_the_folder_is_removed() {
-    let folder = tempfile::tempdir().unwrap();
-    let (first, second) = (folder.path().join("first"), folder.path().join("second"));
-    let protocol = protocol(0.2, 10.0);
-    let mut harness = harness(request(&first, protocol.clone()));
-    walk_to_first_trial(&mut harness);
-    harness.run_steps(20);
-    press(&mut harness, Key::Num1);
-    walk(&mut harness, &["Now the main part"]);
-    // The folder is replaced by a file, so that the program cannot create it again.
-    std::fs::remove_dir_all(&first).unwrap();
-    std::fs::write(&first, "in the way").unwrap();
-    harness.run_steps(20);
-    // The key is released while the error page is shown, and must not count as held afterward.
-    harness.key_down(Key::Num3);
-    harness.step();
-    wait_for(&mut harness, "The last answer could not be saved");
-    harness.key_up(Key::Num3);
-    harness.step();
-    harness.get_by_label("Try again").click();
-    harness.run_steps(3);
-    wait_for(&mut harness, "The last answer could not be saved");
-    let other = "Or save the entire session in another folder:";
-    type_into(&mut harness, other, &second.display().to_string());
-    click(&mut harness, "Save there and continue");
-    harness.run_steps(25);
-    press(&mut harness, Key::Num3);
-    harness.run_steps(3);
-    let ratings: Vec<_> = rows(&second, &protocol).iter().map(|row| row.rating.unwrap().0).collect();
-    assert_eq!(ratings, [1, 3, 3]);
-}
-
 /// A session that is resumed after the time in its definition shows the practice again; its answers are new attempts.
 #[test]
 fn a_late_resumption_repeats_the_practice() {
@@ -426,21 +393,6 @@ fn a_late_resumption_repeats_the_practice() {
     assert_eq!(seen, expected);
     let told = common::succeeds(folder.path(), &["verify", "."]);
     assert!(told.contains("5 of 5 trials answered"), "{told}");
-}
-
-/// Enter begins what is in the fields, also what was typed in the same frame.
-#[test]
-fn enter_begins_what_was_just_typed() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = window::home(SIZE, STEP_S);
-    session_form(&mut window);
-    type_into(&mut window, "Results folder", folder.path().to_str().unwrap());
-    type_into(&mut window, "Participant", "P00");
-    let (key, modifiers) = (Key::Enter, egui::Modifiers::NONE);
-    let enter = egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
-    window.input_mut().events.extend([egui::Event::Text("7".to_owned()), enter]);
-    window.step();
-    wait_for(&mut window, "participant P007 · session 1");
 }
 
 /// Two windows on one results folder do not begin the same session.

@@ -12,8 +12,6 @@ mod display;
 mod editor;
 mod home;
 mod names;
-mod predicted;
 mod settings;
 mod shading;
 mod studies;
-mod system;

@@ -1,17 +1,19 @@
-//! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute.
+//! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute. The
+//! predicted bands of the gallery and of the demo agree with the library, and the window does not wait for them.
 
-use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2};
-use egui_kittest::kittest::Queryable as _;
+use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role};
+use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
     app::{
         App, Launch,
         explore::shading::{Comparison, MeshChoice},
     },
-    light::{Bits, CodeImage, Quantizer},
+    light::{Bits, CodeImage, Quantizer, Transfer},
     shading::{Scene, Shader, Surface, image, shapes::Shape},
+    stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
 };
 
-use crate::window::{Window, builder, choose, click, type_into, value};
+use crate::window::{Window, builder, choose, click, home, type_into, value};
 
 /// Opens the page from Home without rendering it.
 fn open() -> Window {
@@ -69,16 +71,24 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2, button: PointerButton) {
     window.run_steps(2);
 }
 
-fn expected(compared: &Comparison, which: usize, width: u32, height: u32) -> CodeImage {
+fn expected(compared: &Comparison, transfer: &Transfer, which: usize, width: u32, height: u32) -> CodeImage {
     let frame = compared.scene.frame(&Surface::new(compared.mesh.mesh().unwrap().0), width, height);
-    Quantizer::new(&compared.transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
+    Quantizer::new(transfer, Bits::Eight).quantize(&image(&frame, &compared.sides[which]))
 }
 
-/// Compares both halves at the start and with another shader on the right.
+/// Compares both halves at the start and with another shader on the right, also with a display profile.
 #[test]
 fn each_half_shows_exactly_the_image_of_its_shader() {
-    for scale in [1.0, 1.5] {
+    let folder = tempfile::tempdir().unwrap();
+    let profile = folder.path().join("screen.toml");
+    std::fs::write(&profile, "schema = 1\nname = \"Left\"\ntransfer = \"gamma:1.8\"\n").unwrap();
+    for (scale, path, transfer) in [(1.0, "", Transfer::Srgb), (1.5, profile.to_str().unwrap(), Transfer::Gamma(1.8))] {
         let Some(mut window) = open_with_pixels(scale) else { return };
+        click(&mut window, "Display");
+        type_into(&mut window, "Profile in use", path);
+        click(&mut window, "Shading");
+        window.remove_cursor();
+        window.run_steps(4);
         let mut compared = Comparison::default();
         for (shader, title) in [(Shader::Patch, "Patch"), (Shader::Flat, "Flat")] {
             choose(&mut window, "Right shader", title);
@@ -86,7 +96,7 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
             window.get_by_label_contains(&format!("Gouraud on the left, {title} on the right"));
             let rect = picture(&window) * scale;
             let (width, height) = (rect.width().round() as u32, rect.height().round() as u32);
-            let [left, right] = [0, 1].map(|which| expected(&compared, which, width, height));
+            let [left, right] = [0, 1].map(|which| expected(&compared, &transfer, which, width, height));
             let column = width.div_ceil(2);
             let mut differing = 0;
             // The divider and its handle cover part of the picture.
@@ -225,4 +235,80 @@ fn rotations_add_up() {
         // The side that faced the eye now faces right.
         assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
     }
+}
+
+fn page_of(page: &str, size: [f32; 2]) -> Window {
+    let mut window = home(size, 1.0 / 60.0);
+    click(&mut window, page);
+    window.remove_cursor();
+    window.run_steps(2);
+    window
+}
+
+fn text(window: &Window, beginning: &str) -> String {
+    let node = window.get_by_label_contains(beginning);
+    node.accesskit_node().label().or_else(|| node.value()).unwrap()
+}
+
+/// The expected sentence for a stimulus in a window of 10°.
+fn sentence(stimulus: &Stimulus, size: u32) -> String {
+    let Visible::Ramp(bands) = ViewingConditions::new(10.0).visible(&[stimulus], Some(size)).unwrap().remove(0) else {
+        panic!("no ramp")
+    };
+    format!("{:.1} times the threshold. The dark band is at {:.1}.", bands.bright, bands.dark)
+}
+
+#[test]
+fn the_gallery_marks_both_ends_of_a_ramp_and_none_of_a_step() {
+    let mut window = page_of("Stimuli", [1100.0, 860.0]);
+    let ramp = |width| Stimulus::MachBand(MachBand { width, ..MachBand::default() });
+    assert!(text(&window, "The bright band, which").ends_with(&sentence(&ramp(0.4), 512)));
+    let set_width = |window: &mut Window, width: f64| {
+        window.query_all_by_label("Width").find(|node| node.value().is_some()).unwrap().set_value_accesskit(width);
+        window.run_steps(3);
+    };
+    // The dark plateau is on the left.
+    set_width(&mut window, 0.1);
+    let marks = text(&window, "Plot: light, ");
+    let places: Vec<&str> = marks.trim_start_matches("Plot: light, predicted bands: ").split(", ").collect();
+    assert_eq!(places.len(), 2, "{marks}");
+    for (word, end) in [("dark", -0.05), ("bright", 0.05)] {
+        let place =
+            places.iter().find_map(|place| place.strip_prefix(word)).unwrap_or_else(|| panic!("{word}: {marks}"));
+        let place: f64 = place.trim_start_matches(" at ").parse().unwrap();
+        assert!((place - end).abs() < 0.015, "{word}: {marks}");
+    }
+    set_width(&mut window, 0.0);
+    assert_eq!(text(&window, "Plot: light, "), "Plot: light, no predicted band");
+    assert!(text(&window, "The bright band, which").ends_with(&sentence(&ramp(0.0), 512)));
+}
+
+/// The left and right cells of the row of the visible difference.
+fn differences(window: &Window) -> Vec<String> {
+    let head = window.get_by_label("visible difference, times the threshold").rect();
+    let mut cells: Vec<_> = window
+        .query_all(By::new().predicate(|node| node.role() == Role::Label))
+        .map(|node| (node.rect(), node.accesskit_node().value().or_else(|| node.accesskit_node().label())))
+        .filter(|(rect, _)| rect.left() > head.right() && rect.y_range().contains(head.center().y))
+        .map(|(rect, text)| (rect.left(), text.unwrap()))
+        .collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    cells.into_iter().map(|(_, text)| text).collect()
+}
+
+fn predicted(window: &mut Window) -> [f64; 2] {
+    await_numbers(window);
+    let numbers: Vec<f64> =
+        differences(window).iter().map(|text| text.parse().unwrap_or_else(|_| panic!("{text:?}"))).collect();
+    numbers.try_into().unwrap()
+}
+
+#[test]
+fn the_demo_predicts_without_waiting() {
+    let mut window = page_of("Shading", [900.0, 800.0]);
+    click(&mut window, "Details");
+    // The page has been drawn several times without waiting for the prediction.
+    assert_eq!(differences(&window), ["…", "…"]);
+    let [gouraud, c1] = predicted(&mut window);
+    assert!(c1 < gouraud, "{c1} {gouraud}");
 }

@@ -228,18 +228,6 @@ fn a_pilot_is_simulated_in_a_folder_of_its_own() {
     assert!(folder.path().join("five-pilot-1/five/data").is_dir() && !folder.path().join("results").exists());
 }
 
-/// A definition that another program has just changed is looked at before a session begins with it.
-#[test]
-fn a_definition_that_was_just_changed_is_not_begun() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = opened(folder.path(), DEFINITION);
-    let path = folder.path().join("five.toml");
-    fs::write(&path, DEFINITION.replace("0.8", "0.7")).unwrap();
-    press(&mut window, Key::Enter);
-    window.get_by_label_contains("Another window or program has just changed this study.");
-    assert!(!folder.path().join("results").exists());
-}
-
 /// What could not be read in the results folder is named, a line each, and the rest is shown.
 #[test]
 fn what_could_not_be_read_is_named() {

@@ -299,37 +299,3 @@ fn the_image_has_the_expected_plateaus_and_matches_the_profile() {
         assert_eq!(ends, [(dark, 0), (bright, 0)]);
     }
 }
-
-/// Each command that uses a measured profile prints one warning if it is old or dated in the future, and uses it
-/// anyway. A profile measured today and one that was never measured cause no warning.
-#[test]
-fn an_unreliable_profile_causes_one_warning_and_is_used() {
-    let today = jiff::tz::TimeZone::UTC.to_datetime(jiff::Timestamp::now()).date().to_string();
-    for (day, expected) in [
-        ("2020-02-29", Some("days ago; after 30 days")),
-        ("2999-01-01", Some("is in the future")),
-        (today.as_str(), None),
-        ("", None),
-    ] {
-        let folder = tempfile::tempdir().unwrap();
-        let measured = if day.is_empty() { String::new() } else { format!("[measured]\non = \"{day}\"\n") };
-        let profile = format!("schema = 1\nname = \"left\"\ntransfer = \"gamma:2.2\"\n{measured}");
-        fs::write(folder.path().join("p.toml"), profile).unwrap();
-        for line in [
-            "check p.toml",
-            "stimulus --size 8 --out x.png --display p.toml",
-            "stimuli quick --size 8 --out many --display p.toml",
-            "shade --shader gouraud --size 8 --out cube.png --display p.toml",
-        ] {
-            let Some(expected) = expected else {
-                succeeds(folder.path(), &split(line));
-                continue;
-            };
-            let output = machband(folder.path(), &split(line));
-            let warning = text(&output.stderr);
-            assert_eq!((output.status.code(), warning.lines().count()), (Some(0), 1), "{line}: {warning}");
-            assert!(warning.starts_with("warning: p.toml: The ") && warning.contains(expected), "{line}: {warning}");
-        }
-        assert!(folder.path().join("x.png").exists() && folder.path().join("many/manifest.csv").exists());
-    }
-}

@@ -302,48 +302,6 @@ fn steps_are_those_of_the_bits_that_codes_have() {
     assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
 }
 
-/// Codes that are skipped evenly, as after posterizing or stretching the contrast, are steps as large as they are; colors
-/// that are only few are none.
-#[test]
-fn steps_are_those_between_the_codes_that_occur() {
-    let pictures = Pictures::new();
-    let ramp = |i: u32| 12.0 + 225.0 * f64::from(i % 512) / 512.0;
-    let gray = |name: &str, code: &dyn Fn(u32) -> f64| {
-        pictures.gray(name, [512, 64], |i| code(i).clamp(0.0, 255.0) as u8);
-    };
-    // What is rounded, what the codes become, and what they stand for.
-    type Code = Box<dyn Fn(f64) -> f64>;
-    let mut cases: Vec<(String, Code, Code)> = [2.0, 3.0, 5.0, 10.0, 16.0, 32.0]
-        .map(|by: f64| -> (String, Code, Code) {
-            let code = move |value: f64| (value / by).floor() * by + ((by - 1.0) / 2.0).floor();
-            (format!("by{by}"), Box::new(code), Box::new(move |value| value - by / 2.0 + ((by - 1.0) / 2.0).floor()))
-        })
-        .into();
-    let stretched = |value: f64| ((value.floor() - 60.0) * 1.7).round();
-    cases.push(("stretched".to_owned(), Box::new(stretched), Box::new(|value| (value - 60.5) * 1.7)));
-    for (name, code, truth) in &cases {
-        gray(&format!("{name}.png"), &|i| code(ramp(i)));
-        let fine = |i: u32| (truth(ramp(i)).clamp(0.0, 255.0) * 257.0).round() as u16;
-        pictures.gray_16("fine.png", [512, 64], fine, |_| {});
-        let (found, _) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
-        let (truth, _) = pictures.run(&format!("compare {name}.png fine.png --window 30 --json"));
-        let (steps, truth) = (found["steps"].as_f64().unwrap(), times(&truth));
-        assert!((steps / truth - 1.0).abs() < 0.3, "{name}: {steps}, expected {truth}");
-    }
-    // Few levels may be colors: nothing is said about the steps between them.
-    gray("few.png", &|i| f64::from(112 + i % 512 / 128 * 4));
-    let few = machband(pictures.0.path(), &split("compare few.png --steps --window 30"));
-    assert!(!text(&few.stdout).contains("no dither") && text(&few.stderr).contains("not judged"), "{few:?}");
-    let colors = [17.0, 30.0, 96.0, 133.0, 150.0, 201.0, 222.0, 255.0];
-    gray("flat.png", &|i| colors[(i % 512 / 64 * 5 % 8) as usize]);
-    let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 24) / 64.0;
-    gray("noisy.png", &|i| 110.0 + 20.0 * f64::from(i % 512) / 512.0 + noise(i));
-    for (name, most) in [("flat", 1.0), ("noisy", 3.0)] {
-        let (found, _) = pictures.run(&format!("compare {name}.png --steps --window 30 --json"));
-        assert!(found["steps"].as_f64().unwrap() < most, "{name}: {found}");
-    }
-}
-
 #[test]
 fn impossible_comparisons_are_refused() {
     let pictures = Pictures::new();

@@ -2,7 +2,6 @@
 //! little memory.
 
 use std::{
-    ffi::OsString,
     fmt::Write as _,
     fs,
     io::Read as _,
@@ -21,29 +20,16 @@ use crate::common::{
     command, split, succeeds, text, workbook,
 };
 
-/// Maximum time in seconds for an input below 1 MB.
-const MAX_S: f64 = 5.0;
-/// The program that `MACHBAND_LIMITS` names is timed. Without it, this is the tests' own build, which is slower than a
-/// release build and may run on a busy machine, so that only an input that hangs is found.
-const MAX_S_OF_TESTS: f64 = 30.0;
+/// Maximum time in seconds for an input below 1 MB. The tests' own build is slower than a release build and may run on a busy
+/// machine, so that only an input that hangs is found.
+const MAX_S: f64 = 30.0;
 /// Maximum peak memory in KiB.
 const MAX_KIB: u64 = 1 << 20;
 
-/// A release build of the program, to be measured.
-fn measured() -> Option<OsString> {
-    std::env::var_os("MACHBAND_LIMITS")
-}
-
-/// Runs a command line and returns its status, its messages, and its time and peak memory. Panics if the command takes
+/// Runs a command line and returns its status and its messages. Panics if the command takes
 /// too long, uses too much memory, or ends in a way that no command should.
-fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
+fn bounded(folder: &Path, line: &str) -> (Option<i32>, String) {
     let mut command = command(folder, &split(line));
-    let mut max_s = MAX_S_OF_TESTS;
-    if let Some(program) = measured() {
-        command = Command::new(program);
-        command.args(split(line)).current_dir(folder).stdin(Stdio::null());
-        max_s = MAX_S;
-    }
     // The test itself may be limited to one thread, so that a single command runs at a time.
     command.env_remove("RAYON_NUM_THREADS");
     let started = Instant::now();
@@ -57,19 +43,18 @@ fn bounded(folder: &Path, line: &str) -> (Option<i32>, String, String) {
         if let Some(status) = child.try_wait().unwrap() {
             break status;
         }
-        if peak > MAX_KIB || started.elapsed().as_secs_f64() > max_s {
+        if peak > MAX_KIB || started.elapsed().as_secs_f64() > MAX_S {
             child.kill().unwrap();
             child.wait().unwrap();
             panic!("{line} in {}: {peak} KiB and {:?}", folder.display(), started.elapsed());
         }
         std::thread::sleep(Duration::from_millis(2));
     };
-    let cost = format!("{:.2} s | {} MiB", started.elapsed().as_secs_f64(), peak >> 10);
     let mut text = Vec::new();
     messages.reopen().unwrap().take(100_000).read_to_end(&mut text).unwrap();
     let text = String::from_utf8_lossy(&text).into_owned();
     assert!(matches!(status.code(), Some(0..=2)) && !text.contains("panicked"), "{line}: {status}: {text}");
-    (status.code(), text, cost)
+    (status.code(), text)
 }
 
 /// The commands that read a file with a given ending.
@@ -121,7 +106,7 @@ fn only_regular_files_are_read() {
             symlink(what, at(&link)).unwrap();
             for line in lines {
                 let line = line.replace("{}", &link);
-                let (status, messages, _) = bounded(folder.path(), &line);
+                let (status, messages) = bounded(folder.path(), &line);
                 runs += 1;
                 // A folder with the name of the sidecar does not count as a sidecar.
                 let is_expected = messages.contains("is not a regular file") || messages.contains("is a folder");
@@ -221,7 +206,7 @@ const COMMANDS: [(&str, &str); 6] = [
 ];
 
 /// Inputs below 1 MB that are as expensive as possible, each with the commands that read it.
-fn cases(full: bool) -> Vec<Case> {
+fn cases() -> Vec<Case> {
     use png::{BitDepth::*, ColorType::*};
     let readings = |count: usize| -> String {
         let level = |i: usize| i as f64 / (count - 1) as f64;
@@ -230,7 +215,7 @@ fn cases(full: bool) -> Vec<Case> {
     };
     let widths = |count: usize| format!("width = [{}]", list(count, |i| 0.001 + 0.99 * i as f64 / count as f64));
     let mebibyte = 1 << 20;
-    let (many, bombs) = if full { (20_000, 400 * mebibyte) } else { (2_000, 100 * mebibyte) };
+    let (many, bombs) = (2_000, 100 * mebibyte);
     let long = |cell: &str| format!("subject_id,rating,count,width\nS1,1,1,{cell}\nS1,1,1,1\nS2,2,1,2\n");
     let text_bomb = |keyword: &[u8]| bomb(keyword, bombs);
     let case =
@@ -242,7 +227,7 @@ fn cases(full: bool) -> Vec<Case> {
     let curve = list(40_001, |i| i as f64 / 40_000.0);
     let profile = "schema = 1\nname = \"x\"\ntransfer = \"table\"";
     let [a, b] = ["a", "b"].map(|letter| letter.repeat(500_000));
-    let mut cases: Vec<Case> = vec![
+    vec![
         case("levels.csv", &ratings(2 * many, 2, 1, many, 4), "ANALYZE => the number of levels of f0 is | COUNTS"),
         case("cell.csv", &long(&"x".repeat(200_000)), "ANALYZE => the number of bytes of the name | COUNTS"),
         case("row.csv", &long(&"1,".repeat(450_000)), "COUNTS => the row has"),
@@ -316,45 +301,23 @@ fn cases(full: bool) -> Vec<Case> {
             "check {} => aaaa … aaaa | predict {} => aaaa … aaaa",
         ),
         case("edges.obj", &obj(50, 4 * many, 3), "SHADE => *"),
-    ];
-    let all: String = (0..250).map(|category| format!("{category},")).collect();
-    let named = format!("ANALYZE --response rating --categories {all}250");
-    if full {
-        cases.extend([
-            case("at_readings.csv", &readings(4000), "CALIBRATE"),
-            case("at_levels.csv", &ratings(40_000, 20, 1, 120, 4), "ANALYZE"),
-            case("at_people.csv", &ratings(60_000, 20_000, 1, 3, 4), "ANALYZE"),
-            case("at_people_and_categories.csv", &ratings(48_000, 12_000, 2, 10, 250), &format!("{named} --terms f0")),
-            case("at_factors.csv", &ratings(5_000, 20, 10, 3, 4), "ANALYZE"),
-            case("at_coefficients.csv", &ratings(5_000, 20, 6, 20, 4), "ANALYZE => minutes of one processor"),
-            case("at_categories.csv", &ratings(50_000, 20, 1, 8, 250), &named),
-            case("at_corners.obj", &obj(1024, 150, 1024), "SHADE => *"),
-            case("at_pixels.png", &png(4096, Sixteen, Rgb, None), "check {} => no text chunk"),
-            case("at_conditions.toml", &definition(&widths(500), ""), "predict {}"),
-            case("at_plan.toml", &definition(&widths(120), ""), "PLAN"),
-        ]);
-    }
-    cases
+    ]
 }
 
-/// No input below 1 MB takes long or much memory. `MACHBAND_LIMITS=PROGRAM` also runs the inputs at the limits,
-/// measures this release build, and prints a table; `docs/scale.md` names the slowest.
+/// No input below 1 MB takes long or much memory.
 #[test]
 fn small_inputs_cost_little() {
     let folder = tempfile::tempdir().unwrap();
     let mut runs = 0;
-    for (name, content, said) in cases(measured().is_some()) {
+    for (name, content, said) in cases() {
         assert!(content.len() < 1 << 20, "{name}: {}", content.len());
         fs::write(folder.path().join(name), content).unwrap();
         for said in said.split(" | ") {
             let (line, expected) = said.split_once(" => ").unwrap_or((said, ""));
             let line = COMMANDS.iter().fold(line.to_owned(), |line, (word, command)| line.replace(word, command));
             let line = line.replace("{}", name);
-            let (status, messages, cost) = bounded(folder.path(), &line);
+            let (status, messages) = bounded(folder.path(), &line);
             runs += 1;
-            if measured().is_some() {
-                println!("| {line} | {cost} |");
-            }
             match expected {
                 "*" => {}
                 "" => assert_eq!(status, Some(0), "{line}: {messages}"),
@@ -364,13 +327,6 @@ fn small_inputs_cost_little() {
                     assert!(errors.any(|error| error.contains(expected)), "{line}: {messages}");
                 }
             }
-        }
-    }
-    if measured().is_some() {
-        for line in ["stimulus --size 2880 --out at_picture.png", "compare at_picture.png at_picture.png --window 50"] {
-            let (status, messages, cost) = bounded(folder.path(), line);
-            assert_eq!(status, Some(0), "{line}: {messages}");
-            println!("| {line} | {cost} |");
         }
     }
     withstood("small files that ask for much work", runs, &[PANICS, HANGS]);
@@ -409,7 +365,7 @@ fn huge_files_are_refused_before_they_are_read() {
         "counts results --out c.csv",
         "export results --format bids --out bids",
     ] {
-        let (status, messages, _) = bounded(folder.path(), &line.replace("{}", csv));
+        let (status, messages) = bounded(folder.path(), &line.replace("{}", csv));
         assert!(status == Some(1) && messages.contains("error: "), "{line}: {messages}");
     }
 }
@@ -427,13 +383,13 @@ fn huge_files_beside_the_data_are_refused() {
     for name in ["LICENSE", "README.md", "CHANGES.md"] {
         sparse(&format!("results/quick/{name}"), 3 << 30);
         for format in ["bids", "psych-ds"] {
-            let (status, messages, _) = bounded(folder.path(), &format!("export results --format {format} --out out"));
+            let (status, messages) = bounded(folder.path(), &format!("export results --format {format} --out out"));
             let expected = format!("{name}: has 3221225472 bytes; expected at most 16777216");
             assert!(status == Some(1) && messages.contains(&expected), "{format}: {messages}");
         }
         fs::remove_file(folder.path().join("results/quick").join(name)).unwrap();
     }
-    let (status, messages, _) = bounded(folder.path(), "shade --shader gouraud --mesh mesh.gltf --metrics m.csv");
+    let (status, messages) = bounded(folder.path(), "shade --shader gouraud --mesh mesh.gltf --metrics m.csv");
     let expected = "big.bin: has 262144000 bytes; expected at most 629";
     assert!(status == Some(1) && messages.contains(expected), "{messages}");
 }
@@ -448,7 +404,7 @@ fn a_sidecar_cannot_ask_for_huge_pictures() {
     let changed = text.replacen("\"size\": 256", "\"size\": 100000", 1);
     assert_ne!(changed, text);
     fs::write(&path, changed).unwrap();
-    let (status, messages, _) = bounded(folder.path(), "verify results");
+    let (status, messages) = bounded(folder.path(), "verify results");
     assert!(status == Some(1) && messages.contains("were not rendered"), "{messages}");
     let mut sidecar: serde_json::Value = serde_json::from_str(&text).unwrap();
     let sitting = sidecar["sittings"][0].clone();
@@ -469,7 +425,7 @@ fn limits_can_be_raised() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("levels.csv"), ratings(242, 2, 1, 121, 4)).unwrap();
     let line = "analyze levels.csv --out out --tables-only --draws 99";
-    let (status, messages, _) = bounded(folder.path(), line);
+    let (status, messages) = bounded(folder.path(), line);
     assert!(status == Some(2) && messages.contains("or the option --large"), "{messages}");
     assert_eq!(bounded(folder.path(), &format!("{line} --large --terms num:f0")).0, Some(0));
 }

@@ -15,5 +15,3 @@ mod predict;
 mod requests;
 mod security;
 mod shade;
-mod tables;
-mod thresholds;

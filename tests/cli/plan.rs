@@ -1,12 +1,12 @@
-//! Power planning, compared with R, with Whitehead's formula and with results that must hold exactly; and `machband
-//! plan` as a user's script sees it.
+//! Power planning, compared with R and with results that must hold exactly; `machband plan` as a user's script sees it; and
+//! thresholds, from plans and from tables of other programs.
 
-use std::path::Path;
+use std::{fs, path::Path};
 
 use machband::{
     analysis::{
         Options, Slopes,
-        power::{Effect, Plan, Power, Sampling, Shift, Slope, Test},
+        power::{Plan, Power, Sampling, Shift, Slope, Test},
         terms::Terms,
     },
     experiment::{OrderedLogit, Protocol},
@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{command, fails, golden_path, records, refuses, split, table, text};
+use crate::common::{fails, golden_path, records, refuses, split, succeeds, table};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -110,40 +110,6 @@ fn slopes_keep_the_false_alarm_rate() {
     assert!(without > 0.05 + 3.0 * error, "{without}");
 }
 
-/// Whitehead (1993), Statistics in Medicine 12, 2257: the power to distinguish two groups of n/2 ordered ratings with a
-/// log odds ratio of θ is Φ(|θ| √(n(1 − Σp̄³)/12) − 1.96), where p̄ are the mean proportions of the categories.
-#[test]
-fn power_matches_whiteheads_formula() {
-    let repetitions = 150;
-    let text = format!(
-        "schema = 1\nname = \"two\"\n[stimulus]\nkind = \"mach-band\"\nwidth = 0.1\ndepth = 2\n[factors]\n\
-         orientation_deg = [0, 45]\n[design]\nrepetitions = {repetitions}\n"
-    );
-    let protocol = definition::parse("two.toml", &text).unwrap();
-    let observer = OrderedLogit { subject_sd: 0.0, lapse: 0.0, ..oblique(0.5) };
-    let sampling = Sampling { studies: 2000, ..Sampling::default() };
-    let plan = plan(&protocol, &observer, &[], None);
-    let found = powers(&plan, &[1], &sampling)[0][0].share();
-
-    // The predictor is 6/2 − 0.7 log₂(0.1/0.05) = 2.3; the thresholds are 0, 1.5, 3.5.
-    let below = |threshold: f64, predictor: f64| 1.0 / (1.0 + (predictor - threshold).exp());
-    let bounds = |predictor: f64| [0.0, below(0.0, predictor), below(1.5, predictor), below(3.5, predictor), 1.0];
-    let (one, other) = (bounds(2.3), bounds(2.8));
-    let cubes: f64 = (1..5).map(|j| ((one[j] - one[j - 1] + other[j] - other[j - 1]) / 2.0).powi(3)).sum();
-    let information = 2.0 * f64::from(repetitions) * (1.0 - cubes) / 12.0;
-    let z = 0.5 * information.sqrt() - 1.959_964;
-    // Φ by Simpson's rule.
-    let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
-    let step = z / 200.0;
-    let simpson: f64 = (0..100)
-        .map(|i| 2.0 * f64::from(i) * step)
-        .map(|x| (density(x) + 4.0 * density(x + step) + density(x + 2.0 * step)) * step / 3.0)
-        .sum();
-    let expected = 0.5 + simpson;
-    assert!((0.5..0.9).contains(&expected), "{expected}: a power that tells");
-    assert!((found - expected).abs() < 0.04, "{found}, expected {expected}");
-}
-
 /// The expected values come from `binom.test(found, all)$conf.int` in R 4.2.2.
 #[test]
 fn intervals_of_proportions_match_r() {
@@ -175,92 +141,16 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
     }
 }
 
-/// Shifting one level has exactly the same effect, on every single rating, as the equivalent observer parameter.
-#[test]
-fn shifting_a_level_equals_an_observer_effect() {
-    let sampling = Sampling { studies: 8, ..Sampling::default() };
-    let shift = |level: &str| Shift { factor: "orientation_deg".to_owned(), level: level.to_owned(), logits: 0.75 };
-    let with = |observer: &OrderedLogit, shifts: &[Shift]| {
-        let plan = plan(&design(), observer, shifts, None);
-        (plan.run(&[3], &sampling, &|_| ()), plan.hypotheses[0].effect.clone())
-    };
-    let (by_parameter, truth) = with(&oblique(0.75), &[]);
-    assert_eq!(with(&oblique(0.0), &[shift("45")]), (by_parameter, truth.clone()));
-    let truth = truth.unwrap();
-    assert_eq!((truth.logits, truth.above.as_str(), truth.below.as_str()), (Some(0.75), "45", "0"));
-    // A different spelling of the level, and the opposite direction.
-    let (_, other) = with(&oblique(0.0), &[shift("0.0")]);
-    assert_eq!(other.map(|effect| (effect.above, effect.below)), Some(("0".to_owned(), "45".to_owned())));
-}
-
-/// True effects computed by hand from the observer's doc comment.
-#[test]
-fn the_true_effect_is_what_the_term_adds_to_the_predictor() {
-    let bangay = definition::open("bangay2003").unwrap();
-    let truths = |protocol: &Protocol, terms: Option<&str>| -> Vec<_> {
-        let plan = plan(protocol, &OrderedLogit::default(), &[], terms);
-        let tests = plan.hypotheses.iter().filter(|hypothesis| hypothesis.test == Test::LikelihoodRatio);
-        let levels = |effect: &Effect| (effect.logits, format!("{}>{}", effect.above, effect.below));
-        tests.map(|hypothesis| (hypothesis.term.to_string(), hypothesis.effect.as_ref().map(levels))).collect()
-    };
-    let term = |name: &str, effect: Option<(f64, &str)>| {
-        (name.to_owned(), effect.map(|(logits, levels)| (Some(logits), levels.to_owned())))
-    };
-    let expected =
-        [term("width", Some((2.8, "0.05>0.8"))), term("depth", Some((4.8, "1>inf"))), term("orientation_deg", None)];
-    assert_eq!(truths(&bangay, None), expected);
-    // The straight line through 6/n, with 6/5 at n = ∞, where 1/n is 0.
-    let (x, y) = ([1.0, 0.5, 1.0 / 3.0, 0.25, 0.0], [6.0, 3.0, 2.0, 1.5, 1.2]);
-    let mean = |values: &[f64; 5]| values.iter().sum::<f64>() / 5.0;
-    let (mx, my) = (mean(&x), mean(&y));
-    let products: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
-    let slope = products / x.iter().map(|x| (x - mx).powi(2)).sum::<f64>();
-    let line = truths(&bangay, Some("num:inv_n,width"));
-    assert_eq!(line[0].1.as_ref().unwrap().1, "1>inf");
-    assert!((line[0].1.as_ref().unwrap().0.unwrap() - slope).abs() < 1e-8, "{line:?}, expected {slope}");
-    // Parameters are additive, so there is no interaction. A step has no band at any depth, so with steps there is an
-    // interaction, but it has no size in logits.
-    assert_eq!(truths(&bangay, Some("width*depth")), [term("width:depth", None)]);
-    let steps = definition::parse("steps.toml", &DESIGN.replace("[0.1, 0.4]", "[0, 0.4]")).unwrap();
-    let step = &truths(&steps, Some("width*depth"))[0];
-    assert!(step.1.as_ref().is_some_and(|(logits, _)| logits.is_none()), "{step:?}");
-}
-
-/// Returns what `machband plan` prints when it runs with this many threads.
-fn succeeds(folder: &Path, line: &str, threads: &str) -> String {
-    let arguments = split(&format!("plan {line}"));
-    let output = command(folder, &arguments).env("RAYON_NUM_THREADS", threads).output().unwrap();
-    let errors = text(&output.stderr);
-    assert!(output.status.success() && errors.is_empty(), "{line}: {errors}");
-    text(&output.stdout)
-}
-
-#[test]
-fn the_number_of_threads_does_not_change_a_plan() {
-    let folder = tempfile::tempdir().unwrap();
-    let csv = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
-    let plan = |participants: &str, options: &str, threads| {
-        let study = "quick --studies 3 --effect oblique=1 --terms orientation_deg";
-        let line = format!("{study} --participants {participants} --out {options}");
-        succeeds(folder.path(), &line, threads)
-    };
-    let one = plan("3,2,3", "one.csv", "1");
-    assert_eq!(one, plan("3,2,3", "three.csv", "3"));
-    assert_eq!(csv("one.csv"), csv("three.csv"));
-    assert_ne!(one, plan("2", "other.csv --seed 2", "1"));
-    // The result for three participants does not depend on which other numbers are planned.
-    plan("3", "alone.csv", "2");
-    let rows = |name: &str| {
-        csv(name).lines().filter(|line| line.starts_with("quick,3,")).map(str::to_owned).collect::<Vec<_>>()
-    };
-    assert_eq!((rows("alone.csv"), rows("alone.csv").len()), (rows("one.csv"), 2));
+/// Returns what `machband plan` prints.
+fn planned(folder: &Path, line: &str) -> String {
+    succeeds(folder, &split(&format!("plan {line}")))
 }
 
 #[test]
 fn effects_null_effects_and_missing_models_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let line = "shaders --participants 3 --studies 40 --effect shader:gouraud=3 --out p.csv";
-    let said = succeeds(folder.path(), line, "2");
+    let said = planned(folder.path(), line);
     let rows = records(&folder.path().join("p.csv"));
     let cell = |row: usize, name: &str| rows[row][name].clone();
     // The mixed model and Friedman's test for shader, then for mesh.
@@ -272,7 +162,7 @@ fn effects_null_effects_and_missing_models_are_told_apart() {
     let (power, alarms) = (share(0, "power"), share(2, "false_alarms"));
     assert!(power > 80.0 && alarms < 30.0, "{power} {alarms}");
     // The observer has no effect of any factor, so there is no power to report.
-    let said = succeeds(folder.path(), "shaders --participants 2 --studies 5 --terms shader", "2");
+    let said = planned(folder.path(), "shaders --participants 2 --studies 5 --terms shader");
     assert!(said.contains("No factor has an effect on this observer") && !said.contains("power  "), "{said}");
 }
 
@@ -285,7 +175,7 @@ fn a_test_that_an_analysis_withholds_has_no_power() {
                   orientation_deg = [0, 45]\n[design]\nrepetitions = 1\n";
     std::fs::write(folder.path().join("few.toml"), design).unwrap();
     let line = "few.toml --participants 6 --studies 20 --effect width:0.1=3 --out p.csv";
-    let said = succeeds(folder.path(), line, "2");
+    let said = planned(folder.path(), line);
     let withheld =
         "With 6 participants, 20 of 20 studies could not test width with the mixed model: the design has too few";
     assert!(said.contains(withheld), "{said}");
@@ -328,7 +218,7 @@ fn wrong_usage_is_reported() {
 fn a_preregistration_says_what_was_planned() {
     let folder = tempfile::tempdir().unwrap();
     let line = "quick --participants 2,6 --effect width:0.1=1 --studies 100 --preregistration plan.md";
-    succeeds(folder.path(), line, "2");
+    planned(folder.path(), line);
     let text = std::fs::read_to_string(folder.path().join("plan.md")).unwrap();
     for expected in [
         "- width: ratings at 0.1 are higher than at 0.8. The effect planned for is 3.10 logits.",
@@ -342,12 +232,134 @@ fn a_preregistration_says_what_was_planned() {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     // Three studies that all find the effect are no proof that most would.
-    let said = succeeds(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3 --terms width", "2");
+    let said = planned(folder.path(), "quick --participants 6 --effect width:0.1=1 --studies 3 --terms width");
     assert!(said.contains("6 participants may be enough"), "{said}");
     // Without an effect, no number of participants is enough.
     let line = "quick --participants 2 --studies 100 --terms orientation_deg --preregistration none.md";
-    succeeds(folder.path(), line, "2");
+    planned(folder.path(), line);
     let text = std::fs::read_to_string(folder.path().join("none.md")).unwrap();
     assert!(text.contains("[N] participants will be tested. No effect is planned for"), "{text}");
     fails(folder.path(), &split(&format!("plan {line}")), 2);
+}
+
+/// Writes the rows of a golden file, without comments, that `keep` chooses.
+fn copied(name: &str, to: &Path, keep: impl Fn(&str) -> bool) {
+    let text = fs::read_to_string(golden_path("tasks").join(name)).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    let rows = lines[1..].iter().filter(|line| keep(line)).map(|line| format!("{line}\n"));
+    fs::write(to, format!("{}\n{}", lines[0], rows.collect::<String>())).unwrap();
+}
+
+/// Returns a column of a table as numbers.
+fn numbers(path: &Path, column: &str) -> Vec<f64> {
+    records(path).iter().map(|row| row[column].parse().unwrap_or(f64::NAN)).collect()
+}
+
+/// The example of psignifit's documentation has psignifit's threshold, also as single trials, with decimal commas, and on
+/// levels that fall.
+#[test]
+fn tables_of_other_programs_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    copied("psignifit_data.csv", &path("counts.csv"), |line| line.starts_with("documentation,"));
+    let (_, rows) = table(&path("counts.csv"));
+    let expected = 0.004646442173983336;
+    let commas: String =
+        rows.iter().map(|row| format!("{};{};{}\n", row[1].replace('.', ","), row[2], row[3])).collect();
+    let commas = format!("Reiz;richtig;Anzahl\n{commas}");
+    fs::write(path("commas.csv"), &commas).unwrap();
+    fs::write(path("tabs.tsv"), commas.replace(';', "\t")).unwrap();
+    let single = rows.iter().flat_map(|row| {
+        let [right, total] = [2, 3].map(|at| row[at].parse::<u32>().unwrap());
+        (0..total).map(move |trial| format!("-{},{}\n", row[1], u32::from(trial < right)))
+    });
+    fs::write(path("trials.csv"), format!("x,right\n{}", single.collect::<String>())).unwrap();
+    for (file, columns, sign) in [
+        ("counts.csv", &["--level=level", "--correct=correct", "--total=total"][..], 1.0),
+        ("commas.csv", &["--level=Reiz", "--correct=richtig", "--total=Anzahl"], 1.0),
+        ("tabs.tsv", &["--level=Reiz", "--correct=richtig", "--total=Anzahl"], 1.0),
+        ("trials.csv", &["--level=x", "--correct=right", "--easier=low"], -1.0),
+    ] {
+        let out = format!("{file}.analysis");
+        let fixed = ["analyze", file, "--guess=0.5", "--out", &out];
+        succeeds(folder.path(), &[&fixed[..], columns].concat());
+        let threshold = numbers(&path(&out).join("thresholds.csv"), "threshold")[0];
+        assert!((sign * threshold / expected - 1.0).abs() < 0.01, "{file}: {threshold}");
+    }
+
+    copied("people.csv", &path("people.csv"), |_| true);
+    let mut arguments = vec!["analyze", "people.csv", "--level=level", "--correct=correct", "--total=total"];
+    arguments.extend(["--guess=0.5", "--subject=person", "--factors=condition", "--out=people"]);
+    let printed = succeeds(folder.path(), &arguments);
+    assert!(printed.contains("12 participants gave 5,040 answers."), "{printed}");
+    let [low, high] = ["threshold_low", "threshold_high"].map(|end| numbers(&path("people/population.csv"), end));
+    let everyone = (1..=12).map(|person| format!("P{person:02}")).collect::<Vec<_>>().join(",");
+    arguments[8] = "--out=no-one";
+    let left = fails(folder.path(), &[&arguments[..], &["--exclude", &everyone]].concat(), 1);
+    assert!(left.contains("people.csv: has no answers at levels; expected at least one"), "{left}");
+    for (i, mean) in [3.0, 3.8, 5.1].into_iter().enumerate() {
+        assert!(low[i] < mean && mean < high[i], "{mean} is not in {}…{}", low[i], high[i]);
+    }
+
+    fs::write(path("wrong.csv"), "x,right,n\n0.1,5,10\n0.2,12,10\nhigh,3,10\n").unwrap();
+    let columns = ["analyze", "wrong.csv", "--level=x", "--correct=right", "--total=n", "--guess=0.5", "--out=wrong"];
+    let refused = |cases: &str| refuses(folder.path(), &format!("{} {{}}", columns.join(" ")), cases);
+    refused(
+        r#"1: => wrong.csv:3:5: right is "12"; expected no more correct answers than trials
+           1: => wrong.csv:4:1: x is "high"; expected a level, which is a number
+           1: --log => wrong.csv:3:5
+           2: --function weibull => --function weibull: uses logarithms of the level; expected logistic or normal, or the option --log
+           2: --link probit => --link: does not apply to answers at levels"#,
+    );
+}
+
+/// Planned studies find a difference that is not there in about 5 % of cases, and a large one nearly always; more people
+/// and more trials are more precise.
+#[test]
+fn studies_of_thresholds_are_planned() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |options: &str| {
+        let printed =
+            succeeds(folder.path(), &split(&format!("plan threshold-width --out plan.csv --force {options}")));
+        // A number stands below the end of the name of its column.
+        let lines: Vec<&str> =
+            printed.lines().filter(|line| line.contains("mean threshold") || line.contains("error")).collect();
+        let end = lines[1].find("half_width").unwrap() + "half_width".len();
+        let shown: f64 = lines[2][..end].rsplit(' ').next().unwrap().parse().unwrap();
+        let width = &numbers(&folder.path().join("plan.csv"), "half_width")[1];
+        assert!((shown - width).abs() < 6e-4, "{printed}");
+        folder.path().join("plan.csv")
+    };
+    let false_alarms = numbers(&plan("--participants 5 --studies 100"), "false_alarms")[2];
+    assert!((0.01..0.1).contains(&false_alarms), "{false_alarms}");
+
+    let large = plan("--participants 4,10 --trials 20,50 --studies 16 --effect orientation_deg:90=0.3");
+    let (error, width, power) = (numbers(&large, "error"), numbers(&large, "half_width"), numbers(&large, "power"));
+    // Rows: 20 trials of 4 people, of 10, 50 trials of 4, of 10; each with person, mean and difference.
+    assert_eq!(numbers(&large, "participants").len(), 12);
+    assert!(power[11] > 0.8, "{power:?}");
+    assert!(error[6] < 0.8 * error[0], "{error:?}");
+    assert!(width[4] < width[1] && width[7] < width[1] && width[10] < width[4], "{width:?}");
+
+    // Trials that no session could order are no reason to simulate.
+    let definition = fs::read_to_string("experiments/threshold-width.toml").unwrap();
+    let two = definition.replace("high = 0.75\n", "").replace("[0, 90]", "[0, 90]\nhigh = [0.7, 0.75]");
+    let definition = two.replace("[design]", "[design]\nmax_run = 1");
+    fs::write(folder.path().join("run.toml"), definition).unwrap();
+    let adjust = "schema = 1\nname = \"adj\"\n[stimulus]\nkind = \"mach-band\"\n[task]\nkind = \"adjust\"\nparameter = \"low\"\nhigh = 0.5\n";
+    fs::write(folder.path().join("a.toml"), adjust).unwrap();
+    let cases = r"
+        1: run.toml => max_run = 1
+        2: a.toml => expected a rating on a scale of categories
+        2: pairs-shaders => expected a rating on a scale of categories, or a task with [adaptive]
+        2: quick --trials 20 => --trials: does not apply to ratings
+        2: threshold-width --effect orientation:90=0.3 => --effect orientation: no such factor; expected orientation_deg
+        2: threshold-width --effect orientation_deg:45=0.3 => --effect orientation_deg:45: no such level; expected one of 0, 90
+        2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
+        2: threshold-width --effect lapse=0.9 => expected 0…0.5
+        2: threshold-width --terms width => does not apply to thresholds
+        2: threshold-width --link probit => does not apply to thresholds
+        2: threshold-width --preregistration p.md => --preregistration: does not apply to thresholds
+        2: threshold-width --alpha 0.01 => --alpha: does not apply to thresholds";
+    refuses(folder.path(), "plan {} --participants 4", cases);
 }

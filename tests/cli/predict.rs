@@ -99,37 +99,3 @@ fn impossible_predictions_are_reported() {
     refuses(folder.path(), "predict {}", cases);
     succeeds(folder.path(), &split("predict --width 0.2 --window 359"));
 }
-
-/// What the table of a study's own pictures says is a level as it is written: `007` and `7` differ.
-#[test]
-fn levels_of_pictures_keep_their_text() {
-    let folder = tempfile::tempdir().unwrap();
-    fs::create_dir(folder.path().join("p")).unwrap();
-    for name in ["a", "b", "c", "d"] {
-        let out = format!("p/{name}.png");
-        succeeds(folder.path(), &["stimulus", "--kind", "cornsweet", "--size", "32", "--out", &out]);
-    }
-    let table = "file,code,scale\na.png,007,0.5\nb.png,7,0.5\nc.png,07,1\nd.png,7.0,1\n";
-    fs::write(folder.path().join("p/pictures.csv"), table).unwrap();
-    let definition =
-        |files: &str| format!("schema = 1\nname = \"own\"\ntitle = \"Own\"\n[stimulus]\nkind = \"image\"\n{files}\n");
-    fs::write(folder.path().join("own.toml"), definition("files = \"p/*.png\"")).unwrap();
-    fs::write(folder.path().join("p/pictures.csv"), format!("{table}e.png,1,1\n")).unwrap();
-    let error = fails(folder.path(), &split("check own.toml"), 1);
-    assert!(error.contains("pictures.csv:6:1: there is no file \"e.png\""), "{error}");
-    fs::write(folder.path().join("p/pictures.csv"), table).unwrap();
-    let predicted = succeeds(folder.path(), &split("predict own.toml --json"));
-    let predicted: serde_json::Value = serde_json::from_str(&predicted).unwrap();
-    let levels: Vec<String> = predicted.as_array().unwrap().iter().map(|row| row["code"].to_string()).collect();
-    assert_eq!(levels, [r#""007""#, r#""7""#, r#""07""#, r#""7.0""#]);
-    assert_eq!(predicted[0]["scale"], 0.5);
-    succeeds(folder.path(), &split("simulate own.toml --participants 4 --results r"));
-    let verified = succeeds(folder.path(), &split("verify r"));
-    assert!(verified.contains("4 sessions verified; no errors"), "{verified}");
-    // The session's definition has the same pictures by their hashes; other pictures are other stimuli.
-    let error = fails(folder.path(), &split("predict own.toml --fit r"), 1);
-    assert!(!error.contains("other stimuli"), "{error}");
-    succeeds(folder.path(), &split("stimulus --kind cornsweet --size 64 --out p/a.png --force"));
-    let error = fails(folder.path(), &split("predict own.toml --fit r"), 2);
-    assert!(error.contains("those of own in another version; expected those of own"), "{error}");
-}

@@ -16,7 +16,7 @@ use std::{
 
 use machband::{
     experiment::{Protocol, TrialRecord, columns},
-    store::{results, verify},
+    store::{recorded, results},
 };
 
 pub const MACHBAND: &str = env!("CARGO_BIN_EXE_machband");
@@ -241,8 +241,8 @@ pub fn rows(csv: &Path, protocol: &Protocol) -> Vec<TrialRecord> {
 }
 
 /// The findings of `machband verify` about a session.
-pub fn verified(csv: &Path) -> verify::Verified {
-    verify::session(csv, &mut verify::Renderer::default())
+pub fn verified(csv: &Path) -> recorded::Verified {
+    recorded::verify(csv, &mut recorded::Renderer::default())
 }
 
 /// Builds the library `tests/faults/NAME.c` with `cc`, which also links Rust programs; returns whether it succeeded.
@@ -296,7 +296,9 @@ pub mod eye {
     pub fn matched_code(display: &Transfers, shown: &Match, threshold: f64, rng: &mut ChaCha8Rng) -> u8 {
         let deviate: f64 = StandardNormal.sample(rng);
         let noise = deviate * threshold * SD_PER_QUARTILE;
-        let index = shown.channel.index().unwrap_or(1);
+        // Gray has the light of green.
+        let [red, _, blue] = shown.channel.rgb(1).map(usize::from);
+        let index = 1 + blue - red;
         let ratio = |code: u8| display.linear_from_encoded([f64::from(code) / 255.0; 3])[index] / shown.rows.share();
         let away = |code: &u8| (ratio(*code).ln() - noise).abs();
         (0..=255u8).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap()

@@ -16,10 +16,10 @@ use rand_chacha::{
 
 use crate::{
     disk,
+    run::Table,
     run::{self, Report},
     shim,
     sweep::Sweep,
-    table::Table,
 };
 
 /// The definition of the sessions; it has eight trials.

@@ -19,7 +19,6 @@ mod scenes;
 mod shim;
 mod sweep;
 mod system;
-mod table;
 
 use std::io::Write as _;
 
@@ -64,7 +63,7 @@ fn no_row_is_lost_when_something_happens_around_a_session() {
     if shim::library().is_none() {
         return;
     }
-    let mut table = table::Table::default();
+    let mut table = run::Table::default();
     scenes::play(&sweep::Sweep::new(1), &mut table);
     print(&format!("{table:?}"));
     withstood("faults around a session", table.total("sessions"), &ALL);
@@ -76,7 +75,7 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
     if shim::library().is_none() {
         return;
     }
-    let mut table = table::Table::default();
+    let mut table = run::Table::default();
     let cuts = setting("MACHBAND_CUTS", 50) as usize;
     let wrong = power::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table);
     print(&format!("{table:?}\n{cuts} power cuts"));
@@ -91,7 +90,7 @@ fn nothing_that_was_reported_is_lost_in_a_power_cut() {
 #[test]
 fn no_row_is_lost_in_a_power_cut_of_ext4() {
     let cuts = setting("MACHBAND_CUTS", 50) / 10;
-    let mut table = table::Table::default();
+    let mut table = run::Table::default();
     match ext4::play(&sweep::Sweep::new(1), cuts, setting("MACHBAND_FAULT_SEED", 1), &mut table) {
         Err(why) => common::skip("ROOT", &format!("no power cuts of ext4: {why}")),
         Ok(wrong) => {

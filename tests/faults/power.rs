@@ -19,9 +19,10 @@ use rayon::prelude::*;
 
 use crate::{
     common::{self, MACHBAND, everything},
-    disk, run, shim,
+    disk, run,
+    run::Table,
+    shim,
     sweep::{self, Sweep},
-    table::Table,
 };
 
 /// One line of the journal. Files and folders are named by their inodes.

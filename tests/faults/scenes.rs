@@ -13,9 +13,9 @@ use rustix::process::{Pid, Signal, kill_process};
 use crate::{
     common, disk,
     run::{self, ProgramResult, Report},
+    run::{Counts, Table},
     shim::{self, Fault},
     sweep::{self, Sweep},
-    table::{Counts, Table},
 };
 
 /// The definition that the scenes use; it has eight trials.

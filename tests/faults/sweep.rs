@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use crate::{
     disk,
     run::{self, DEFINITIONS, Report},
+    run::{Counts, Table},
     shim::{self, Fault, Hit, Log},
-    table::{Counts, Table},
 };
 
 /// How each call can fail. Frequent calls are listed twice, so that they are drawn more often.

@@ -3,12 +3,10 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-mod crease;
 mod files;
 mod illumination;
 mod kit;
 mod meshes;
-mod obj;
 mod patch;
 mod raster;
 mod scenes;

@@ -3,7 +3,7 @@
 use crate::{frame, grid};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::shading::{
-    Field, Frame, Lighting, Patches, Scene, Surface, View,
+    Field, Frame, Lighting, Patches, Surface, View,
     cubic::Gradient,
     shaders::ShaderKernel as _,
     shapes::{self, Shape},
@@ -103,89 +103,6 @@ fn cubics_match_numpy() {
 /// Makes a sphere with the curvature that is estimated from its mesh.
 fn sphere(vertices: usize) -> Surface {
     Surface::new(shapes::mesh(Shape::Sphere, vertices).expect("a sphere"))
-}
-
-/// Makes a sphere with true normals and true curvature.
-fn true_sphere(vertices: usize) -> Surface {
-    let mut surface = sphere(vertices);
-    for (tensor, vertex) in surface.fans.curvature.iter_mut().zip(&mut surface.mesh.vertices) {
-        let n = vertex.position.normalize();
-        vertex.normal = n;
-        let flat = DMat3::IDENTITY - DMat3::from_cols(n * n.x, n * n.y, n * n.z);
-        *tensor = (flat * (1.0 / vertex.position.length())).to_cols_array_2d();
-    }
-    surface
-}
-
-/// Returns the root mean square error of the gradients of a sphere under a distant lamp, relative to the root mean
-/// square of the true gradients. Counts only vertices at which the cosine of the angle between the normal and the
-/// direction to the eye exceeds `facing`.
-fn gradient_error(frame: &Frame, facing: f64) -> f64 {
-    let patches = Patches::new(frame, Field::Light);
-    let (mut error, mut size) = (0.0, 0.0);
-    for (vertex, gradient) in frame.vertices.iter().zip(&patches.gradients) {
-        let toward = frame.view.to_viewer(vertex.eye);
-        if vertex.normal.dot(toward) > facing {
-            let truth = traced_gradient(frame, vertex.screen);
-            error += DVec2::from(gradient[0]).distance_squared(truth);
-            size += truth.length_squared();
-        }
-    }
-    (error / size).sqrt()
-}
-
-/// Returns the slope of red on the unit sphere at the pixel position `p`, by tracing rays next to it.
-fn traced_gradient(frame: &Frame, p: DVec2) -> DVec2 {
-    let light = |p: DVec2| {
-        let View { width, height, fill, distance: d, .. } = frame.view;
-        let scale = f64::from(width.min(height)) * fill / 2.0;
-        let q = (p - DVec2::new(f64::from(width), f64::from(height)) / 2.0) / scale;
-        // The ray through the picture; it meets the unit sphere around the origin at `hit`.
-        let (from, along) = if d.is_finite() {
-            let eye = DVec3::new(0.0, 0.0, d);
-            (eye, DVec3::new(q.x, -q.y, -(d * d - 1.0).sqrt()).normalize())
-        } else {
-            (DVec3::new(q.x, -q.y, 2.0), DVec3::NEG_Z)
-        };
-        let half = from.dot(along);
-        let hit = from + along * (-half - (half * half - from.length_squared() + 1.0).sqrt());
-        frame.lighting.light(hit, hit, frame.view.to_viewer(hit)).x
-    };
-    let h = 1e-3;
-    let slope = |e: DVec2| (light(p + h * e) - light(p - h * e)) / (2.0 * h);
-    DVec2::new(slope(DVec2::X), slope(DVec2::Y))
-}
-
-#[test]
-fn curvature_gives_a_spheres_gradients() {
-    for distance in [f64::INFINITY, 3.0] {
-        for (name, surface) in [("true", true_sphere(642)), ("estimated", sphere(642))] {
-            let frame = Scene { distance, ..Scene::default() }.frame(&surface, 512, 512);
-            let error = gradient_error(&frame, 0.4);
-            assert!(error < 0.03, "eye at {distance}, {name} curvature: {error}");
-        }
-    }
-}
-
-#[test]
-fn lights_stay_bounded_near_the_silhouette() {
-    // The centroid of a triangle, a point in each of its thirds, and the midpoint of an edge.
-    const WEIGHTS: [[f64; 3]; 5] = [[1.0 / 3.0; 3], [0.6, 0.3, 0.1], [0.1, 0.6, 0.3], [0.3, 0.1, 0.6], [0.0, 0.5, 0.5]];
-    for shape in [Shape::Sphere, Shape::Torus, Shape::Blob] {
-        let surface = Surface::new(shapes::mesh(shape, 700).expect("a mesh"));
-        for turn in 0..12 {
-            let view = View::square(400).rotated([30.0 * f64::from(turn), 17.0, 5.0]);
-            let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
-            let patches = Patches::new(&frame, Field::Light);
-            for t in 0..frame.triangles.len() {
-                for w in WEIGHTS {
-                    let light = patches.light(t, w, DVec3::ZERO).x;
-                    // The lights of the surface are within 0.1…1.
-                    assert!((-0.1..1.2).contains(&light), "{shape}, turn {turn}, triangle {t}: {light}");
-                }
-            }
-        }
-    }
 }
 
 /// While a mesh turns, its slopes do not jump when the normal of a vertex begins to face away.

@@ -64,21 +64,6 @@ fn a_scene_of_one_mesh_is_its_picture() {
     }
 }
 
-/// Two spheres through each other: at every pixel, the nearer one is seen, whatever the order.
-#[test]
-fn the_nearest_surface_is_in_front() {
-    let (red, blue) = (DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1.0));
-    let at = |x: f64, z: f64, color| body(moved(shapes::sphere(3), DVec3::new(x, 0.0, z)), color);
-    let forth = scene(vec![at(-0.5, 0.2, red), at(0.5, -0.2, blue)]);
-    let back = scene(vec![at(0.5, -0.2, blue), at(-0.5, 0.2, red)]);
-    let image = forth.image(SIDE, SIDE);
-    assert_eq!(apart(&image, &back.image(SIDE, SIDE)), 0.0);
-    // In the middle, where both are, the nearer one.
-    let [r, _, b] = image.pixel(SIDE / 2, SIDE / 2);
-    assert!(r > 2.0 * b, "{r} {b}");
-    assert_eq!(image.pixel(1, 1), [0.1, 0.2, 0.3]);
-}
-
 #[test]
 fn transparent_surfaces_combine_as_the_formulas_say() {
     let (tint, ball) = (DVec3::new(0.9, 0.5, 0.2), moved(shapes::sphere(3), DVec3::new(0.3, 0.0, -1.5)));

@@ -118,20 +118,6 @@ fn shaders_agree_with_numbers_computed_elsewhere() {
     close("flat", Shading::new(&pair, &Shade::new(Shader::Flat)).light(0, [0.2, 0.3, 0.5]), face.x);
 }
 
-/// As printed, vertex shading makes a dark ring around each vertex of a uniform surface.
-#[test]
-fn printed_vertex_shading_darkens_a_uniform_surface() {
-    let places = [DVec2::ZERO, DVec2::new(0.0, 90.0), DVec2::new(90.0, 0.0)];
-    let surface = frame(places.map(|place| vertex(place, DVec3::ONE)).to_vec(), &[[0, 1, 2]], only_ambient());
-    for (b, expected) in [(0.2, 0.979), (0.33, 0.944)] {
-        let shade = Shade { vertex: Correction::Printed, ..shade(Shader::Gouraud, Depth::Finite(2), b) };
-        let shading = Shading::new(&surface, &shade);
-        let along = (0..=1000).map(|i| f64::from(i) / 1000.0);
-        let darkest = along.map(|s| shading.light(0, [1.0 - s, s, 0.0]).x).fold(1.0, f64::min);
-        assert!((darkest - expected).abs() < 1.5e-3, "{b}: {darkest}");
-    }
-}
-
 // ---- fields and frames ----
 
 /// Returns the position on the screen of the weights `w` of a triangle.

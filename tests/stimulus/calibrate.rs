@@ -146,30 +146,6 @@ fn readings_without_noise_recover_the_display() {
     assert_eq!(calibration.chosen, Family::Srgb);
 }
 
-/// A display with a black that reads as 0 on a photometer with few digits.
-#[test]
-fn rounded_readings_of_a_dark_black_are_fitted() {
-    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.004);
-    let mut readings = display.read(17, 0.005, 3);
-    readings.iter_mut().for_each(|one| one.luminance_cd_m2 = (one.luminance_cd_m2 * 100.0).round() / 100.0);
-    let calibration = calibrate(readings);
-    assert!(gammas(&calibration).iter().all(|gamma| (gamma - 2.2).abs() < 0.02), "{:?}", gammas(&calibration));
-}
-
-/// Each channel has its own γ if the readings show this.
-#[test]
-fn different_channels_get_different_curves() {
-    let gamma = |gamma| Transfer::gamma(gamma).unwrap();
-    let display = Display { light: [gamma(2.0), gamma(2.2), gamma(2.4), gamma(2.2)], black_cd_m2: 0.3 };
-    for seed in 0..20 {
-        let calibration = calibrate(display.read(17, 0.01, seed));
-        assert!(!calibration.model(Family::Gamma).common_shape);
-        for (found, known) in gammas(&calibration).iter().zip([2.0, 2.2, 2.4, 2.2]) {
-            assert!((found - known).abs() < 0.03, "{found} for {known}");
-        }
-    }
-}
-
 /// Creates a display that no curve fits: γ 2.2 of an encoded value that is shifted by up to a few codes.
 fn moved(by: impl Fn(f64) -> f64) -> Display {
     let encoded: Vec<f64> = (0..=1020).map(|i| f64::from(i) / 1020.0).collect();
@@ -203,18 +179,6 @@ fn a_table_fits_displays_that_no_curve_fits() {
 }
 
 #[test]
-fn a_table_always_rises() {
-    for seed in 0..30 {
-        let calibration = calibrate(moved(|v| 4.0 * (40.0 * v).sin() * v * (1.0 - v)).read(33, 0.015, seed));
-        for channel in calibration.transfers(Family::Table).channels() {
-            let Transfer::Table(table) = channel else { panic!("no table") };
-            assert!(table.linear().len() >= 256 && table.linear().windows(2).all(|pair| pair[0] < pair[1]));
-            assert_eq!((table.linear()[0], table.linear()[255]), (0.0, 1.0));
-        }
-    }
-}
-
-#[test]
 fn cross_validation_prefers_the_true_family() {
     let truths = [
         (Family::Srgb, Transfer::Srgb),
@@ -226,17 +190,6 @@ fn cross_validation_prefers_the_true_family() {
         let right = (0..30).filter(|seed| calibrate(display.read(17, 0.01, *seed)).chosen == family).count();
         assert!(right >= 24, "{family}: {right} of 30");
     }
-}
-
-/// The errors at left-out levels are as large as the noise: 1 % of the light is 0.01/γ·V in encoded value.
-#[test]
-fn cross_validation_gives_the_error_of_new_levels() {
-    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.05);
-    let calibration = calibrate(display.read(33, 0.01, 5));
-    let validation = &calibration.model(Family::Gamma).validation;
-    let expected = 255.0 * 0.01 / 2.2 * (1.0f64 / 3.0).sqrt();
-    assert!((validation.rms_codes / expected - 1.0).abs() < 0.3, "{} against {expected}", validation.rms_codes);
-    assert!((calibration.misfit - 0.01).abs() < 0.002, "{:?}", calibration.misfit);
 }
 
 #[test]
@@ -253,17 +206,6 @@ fn additivity_is_measured() {
     assert!((largest_percent(&sums) - 100.0 * (1.0 - 1.0 / 1.1)).abs() < 1e-9);
     let notes = Calibration::new(&readings).notes;
     assert!(notes.iter().any(|note| note.contains("channels not additive")), "{notes:?}");
-}
-
-#[test]
-fn gray_alone_is_used_for_all_channels_with_a_note() {
-    let display = Display::alike(Transfer::gamma(2.2).unwrap(), 0.3);
-    let gray = display.read(17, 0.01, 1).into_iter().filter(|one| one.channel == Channel::Gray).collect();
-    let calibration = calibrate(gray);
-    assert!(calibration.transfers(calibration.chosen).uniform().is_some());
-    let notes = &calibration.notes;
-    assert!(notes.iter().any(|note| note.contains("red, green, blue not measured")), "{notes:?}");
-    assert!((calibration.luminance_of(calibration.chosen).white_cd_m2 / 115.3 - 1.0).abs() < 0.02);
 }
 
 fn errors(readings: Vec<Reading>) -> Vec<ReadingsError> {
@@ -309,7 +251,7 @@ fn every_kind_of_bad_readings_has_its_own_message() {
         (exchanged(Channel::Gray, Channel::Green), "swapped", ""),
     ];
     for (readings, kind, detail) in cases {
-        let messages: Vec<String> = errors(readings).iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = errors(readings).into_iter().map(|(_, message)| message).collect();
         assert!(messages.iter().all(|message| message.contains(kind)), "{kind}: {messages:?}");
         assert!(messages.iter().any(|message| message.contains(detail)), "{kind}, {detail}: {messages:?}");
     }

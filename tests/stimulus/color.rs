@@ -246,14 +246,4 @@ proptest! {
             }
         }
     }
-
-    /// A ramp of one color in RGB or HSV changes only in luminance.
-    #[test]
-    fn a_ramp_of_one_color_changes_only_in_luminance(mut band in band(), x in -0.5..=0.5f64, named in any::<bool>()) {
-        band.color_high = named.then_some(band.color);
-        if band.space != RampSpace::Lab {
-            let luminance = band.ramp().luminance_at(x);
-            prop_assert_eq!(band.ramp().light_at(x), band.color.rgb().map(|weight| weight * luminance));
-        }
-    }
 }

@@ -1,14 +1,18 @@
 //! Dither and halftone, compared with the published matrices and algorithm and with their defining properties: only the
-//! two enclosing codes occur, the mean light is right, and there is no noise where none is needed.
+//! two enclosing codes occur, the mean light is right, and there is no noise where none is needed. Palettes: what each
+//! reducer keeps, and that the result is always the same.
 
-use super::transfers;
 use std::{collections::BTreeSet, sync::LazyLock};
 
-use machband::light::dither::MASK_SIZE;
-use machband::light::halftone::{Halftone, Screen};
 use machband::light::{
     Bits, CodeImage, Dither, DitherMatrix, LinearImage, Quantizer, Samples, Thresholds, Transfer, Transfers,
+    dither::MASK_SIZE,
+    halftone::{Halftone, Screen},
+    palette::{IndexedImage, Reducer, Reduction},
 };
+use proptest::prelude::*;
+
+use super::transfers;
 
 /// Returns every kind of dither, the random kind with several seeds.
 fn dithers() -> Vec<Dither> {
@@ -177,29 +181,10 @@ fn the_exact_light_of_a_code_has_no_noise() {
                     let found = quantizer.quantize_with(&image, &dither);
                     for y in 0..256 {
                         let expected = (0..256).map(|x| code(x, y));
-                        assert!(reds(&found, y).into_iter().eq(expected), "{} {dither} {y}", quantizer.transfers());
+                        assert!(reds(&found, y).into_iter().eq(expected), "{dither} {y}");
                     }
                 }
             }
-        }
-    }
-}
-
-#[test]
-fn light_outside_the_range_is_clamped() {
-    let lights = [f32::NAN, f32::NEG_INFINITY, -0.2, -0.0, 0.0, 1.0, 1.2, f32::INFINITY];
-    let image = LinearImage::from_fn(8, 8, |x, _| [lights[x as usize]; 3]);
-    for dither in dithers() {
-        for quantizer in [&*SRGB_8, &*SRGB_16] {
-            let codes = quantizer.quantize_with(&image, &dither);
-            let max = quantizer.bits().max_code();
-            for y in 0..8 {
-                assert_eq!(reds(&codes, y), [0, 0, 0, 0, 0, max, max, max]);
-            }
-        }
-        for (width, height) in [(0, 0), (0, 5), (5, 0)] {
-            let codes = SRGB_8.quantize_with(&LinearImage::new(width, height), &dither);
-            assert_eq!((codes.width, codes.height, codes.bytes()), (width, height, Some(&[][..])));
         }
     }
 }
@@ -335,4 +320,68 @@ fn enlarged_images_have_a_cell_for_every_pixel() {
     }
     let halftone = halftone(DitherMatrix::Bayer2, 1, &Transfer::Linear);
     assert_eq!(halftone.enlarged(&LinearImage::new(0, 3)).bytes(), Some(&[][..]));
+}
+
+fn image(width: u32, pixels: &[[u8; 3]]) -> CodeImage {
+    let height = pixels.len() as u32 / width;
+    CodeImage { width, height, samples: Samples::Eight(pixels.as_flattened().to_vec()) }
+}
+
+fn reduce(image: &CodeImage, transfer: &Transfer, colors: u32, reducer: Reducer) -> IndexedImage {
+    machband::light::palette::reduce(image, transfer, Reduction { reducer, colors }).unwrap()
+}
+
+/// An example small enough to compute by hand.
+#[test]
+fn each_reducer_does_what_its_name_says() {
+    let pixels = [(10, 5), (12, 4), (100, 3), (201, 1)].map(|(red, count)| vec![[red, 0, 0]; count]).concat();
+    let of = |colors, reducer| reduce(&image(1, &pixels), &Transfer::Linear, colors, reducer);
+    assert_eq!(of(2, Reducer::Popularity).palette, [[10, 0, 0], [12, 0, 0]]);
+    // Of 13 pixels, the middle one is a 12. It is nearer to the cut before it (5 | 8) than to the cut after it (9 | 4).
+    // The mean of 4·12, 3·100 and 201 is 68.6.
+    assert_eq!(of(2, Reducer::MedianCut).palette, [[10, 0, 0], [69, 0, 0]]);
+    // Among equally frequent colors, the lowest are kept.
+    let even = image(1, &[[3, 0, 0], [1, 0, 0], [2, 0, 0]]);
+    assert_eq!(reduce(&even, &Transfer::Srgb, 2, Reducer::Popularity).palette, [[1, 0, 0], [2, 0, 0]]);
+}
+
+/// The palette from one machine is pinned; every other machine must produce the same.
+#[test]
+fn palettes_are_the_same_everywhere() {
+    // Uses only whole numbers, so that the image itself cannot differ.
+    let pixels: Vec<[u8; 3]> = (0..64u32 * 64)
+        .map(|i| {
+            let (x, y) = (i % 64, i / 64);
+            [4 * x, 4 * y, (x * y) / 16].map(|code| code as u8)
+        })
+        .collect();
+    let palette = |reducer| {
+        let reduced = reduce(&image(64, &pixels), &Transfer::Linear, 6, reducer);
+        reduced.palette.iter().map(|[r, g, b]| format!("{r:02x}{g:02x}{b:02x}")).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(palette(Reducer::Popularity), "000000 000400 000800 000c00 001000 001400");
+    assert_eq!(palette(Reducer::MedianCut), "1e3e07 3ebe2e 5e3e16 9e3e26 bebe8d de3e35");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn any_image_can_be_reduced(
+        pixels in prop::collection::vec(prop::array::uniform3(prop_oneof![any::<u8>(), Just(0), Just(255)]), 1..300),
+        colors in 1u32..=40, linear in any::<bool>(), which in 0usize..2,
+    ) {
+        let transfer = if linear { Transfer::Linear } else { Transfer::Srgb };
+        let image = image(1, &pixels);
+        let reduced = reduce(&image, &transfer, colors, Reducer::ALL[which]);
+        prop_assert_eq!(&reduced, &reduce(&image, &transfer, colors, Reducer::ALL[which]));
+        prop_assert!(!reduced.palette.is_empty() && reduced.palette.len() <= colors as usize);
+        prop_assert!(reduced.palette.is_sorted_by(|a, b| a < b));
+        prop_assert_eq!(reduced.indices.len(), pixels.len());
+        let distinct = BTreeSet::from_iter(&pixels);
+        if distinct.len() <= colors as usize {
+            prop_assert!(reduced.palette.iter().eq(distinct));
+            prop_assert_eq!(reduced.codes(), image);
+        }
+    }
 }

@@ -1,9 +1,8 @@
 //! Interpolation, transfer functions and the conversion of light to codes, compared with other implementations and with
 //! their defining properties.
 
-use machband::light::interpolation::coefficients;
 use machband::light::quantize::reference_code;
-use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer, Transfers};
+use machband::light::{Bits, Depth, Interpolation, Quantizer, Transfer};
 use proptest::prelude::*;
 
 use super::{common::golden, transfers};
@@ -68,14 +67,6 @@ proptest! {
             prop_assert!(i.value(a + step) >= i.value(a));
         }
     }
-}
-
-#[test]
-fn coefficients_are_exact() {
-    assert_eq!(coefficients::<1>(), [1.0]);
-    assert_eq!(coefficients::<4>(), [35.0, -84.0, 70.0, -20.0]);
-    const AT_COMPILE_TIME: [f64; 5] = coefficients::<5>();
-    assert_eq!(AT_COMPILE_TIME, [126.0, -420.0, 540.0, -315.0, 70.0]);
 }
 
 #[test]
@@ -157,15 +148,6 @@ fn gain_offset_and_gamma_are_inverse_and_reach_both_ends() {
     for (gamma, gain, offset) in [(0.0, 1.0, 0.0), (2.2, 0.0, 0.0), (2.2, 0.1, -0.2), (2.2, f64::NAN, 0.0)] {
         assert!(Transfer::gog(gamma, gain, offset).is_err(), "{gamma} {gain} {offset}");
     }
-}
-
-#[test]
-fn each_channel_may_have_its_own_transfer() {
-    let text = "gamma:1.8/gog:2.2,1.05,-0.05/srgb";
-    let transfers: Transfers = text.parse().unwrap();
-    assert_eq!((transfers.to_string().as_str(), transfers.uniform()), (text, None));
-    assert_eq!("gamma:2/gamma:2/gamma:2".parse::<Transfers>().unwrap().to_string(), "gamma:2");
-    assert!("srgb/srgb".parse::<Transfers>().unwrap_err().to_string().contains("expected one, or three"));
 }
 
 /// Compares the quantizer with the formula that defines it, on both sides of every threshold and over the whole range.

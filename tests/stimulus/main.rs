@@ -4,13 +4,11 @@
 mod common;
 
 mod calibrate;
-mod catalog;
 mod color;
 mod dither;
 mod images;
 mod light;
 mod matching;
-mod palette;
 mod ramp;
 mod timing;
 mod vision;

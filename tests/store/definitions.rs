@@ -1,4 +1,5 @@
-//! Definitions, display profiles and observers: what can be loaded, and the message for every kind of mistake.
+//! Definitions, display profiles and observers: what can be loaded, the message for every kind of mistake, and edits that
+//! keep comments and layout.
 
 use std::{collections::HashSet, fs, path::Path};
 
@@ -7,7 +8,13 @@ use machband::{
     experiment::{Identity, Order, Phase, Protocol, ResponseScale, Schedule, columns},
     light::Transfer,
     stimulus::KINDS,
-    store::{FileErrors, Writer, check::check, definition, observer, profile},
+    store::{
+        FileErrors, Writer,
+        check::check,
+        definition,
+        draft::{Draft, Typed},
+        observer, profile,
+    },
 };
 use sha2::{Digest as _, Sha256};
 
@@ -109,32 +116,23 @@ const MISTAKES: &str = r##"
 # Unknown keys, with the most similar known key.
 title = "My study" => titel = "My study" => 3:1 => unknown key "titel" | did you mean title?
 width = [0.1, 0.4] => widht = [0.1, 0.4] => 12:1 => "widht" | [factors] | did you mean width?
-[recovery] => [recover] => 22:2 => unknown key "recover" | did you mean recovery?
-depth = [1, 2, "inf"] => loudness = [1, 2] => 13:1 => "loudness" | expected one of | orientation_deg
 # Values out of range.
 width = [0.1, 0.4] => width = [0.1, 1.5] => 12:15 => width 1.5 | 0…1
 depth = [1, 2, "inf"] => depth = [0] => 13:10 => depth 0 | 1 to 32
 depth = [1, 2, "inf"] => depth = [1.5] => 13:10 => 1.5 | is not a whole number
-depth = [1, 2, "inf"] => depth = ["infinite"] => 13:10 => depth "infinite" | or inf
 depth = [1, 2, "inf"] => depth = [] => 13:1 => factor depth is empty | at least one level
 depth = [1, 2, "inf"] => orientation_deg = [0, nan] => 13:23 => orientation_deg "NaN" is not a number
 width = [0.1, 0.4] => width = [1, 1.0] => 12:13 => level 1 of width appears twice
-depth = [1, 2, "inf"] => color = ["gray", "white"] => 13:18 => level gray of color appears twice
 duration_s = 2.0 => duration_s = -2.0 => 23:1 => duration_s -2 | 0…600 | seconds
-repetitions = 2 => repetitions = 0 => 16:1 => repetitions is 0 | at least 1
 low = 0.25 => low = 0.9 => 5:2 => high 0.75 | below low | 0.9
-distance_cm = 50.0 => distance_cm = 0 => 32:1 => distance_cm 0 | cm
 color = "yellow" => color = "purpel" => 9:1 => color "purpel" | yellow, gray
 # Types.
 name = "mine" => name = 7 => 2:1 => name is 7 | text in quotes
-width = [0.1, 0.4] => width = 0.1 => 12:1 => factors.width is 0.1 | a list of
 [recovery] => [presentation]\n[recovery] => 22:2 => presentation.duration_s is missing
-labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", 4] => 28:26 => response.labels.3 is 4
 # Top-level keys.
 schema = 1\n => schema = 2\n => 1:1 => schema is 2 | expected 1
 schema = 1\n => \n => 1:1 => schema is missing | expected schema = 1
 name = "mine" =>  => 1:1 => name is missing
-kind = "mach-band" =>  => 5:2 => stimulus.kind is missing
 kind = "mach-band" => kind = "mach-bend" => 6:1 => kind "mach-bend" | did you mean mach-band?
 name = "mine" => name = "my/study" => 2:1 => name "my/study" | lowercase
 # Order and scale.
@@ -149,18 +147,14 @@ labels = ["a", "b", "c", "d"] => labels = ["a", " ", "c", "d"] => 28:16 => label
 # The participant.
 [instructions] => [participant]\nage = 3\n[instructions] => 36:1 => participant.age is 3 | a table
 [instructions] => [participant]\nage = { requird = true }\n[instructions] => 36:9 => unknown key "requird" in [participant.age] | did you mean required?
-[instructions] => [participant]\nage = { choices = ["old"] }\n[instructions] => 36:9 => age has choices
 [instructions] => [participant]\nconsent = {}\n[instructions] => 36:1 => consent has no text
 [instructions] => [participant]\nx = { choices = ["a"], number = true }\n[instructions] => 36:1 => x has more than one of
-[instructions] => [participant]\nx = { choices = ["a", "a"] }\n[instructions] => 36:23 => choice "a" appears twice
 [instructions] => [participant]\nx = { choices = ["n/a"] }\n[instructions] => 36:18 => choice "n/a" cannot be recorded
 [instructions] => [participant]\nsex = { choices = ["femal"] }\n[instructions] => 36:20 => "femal" | did you mean female? | choice_labels
 [instructions] => [participant]\nsex = { choice_labels = ["w"] }\n[instructions] => 36:9 => choice_labels has length 1; expected 3
-[instructions] => [participant]\nX = {}\n[instructions] => 36:1 => "X" is not allowed | lowercase
 [instructions] => [participant]\nsessions = {}\n[instructions] => 36:1 => sessions already has another meaning
 # Scripts.
 welcome = "Hello" => welcome = "שלום" => 36:1 => Hebrew, which is written from right to left
-title = "My study" => title = "אב" => 3:1 => Hebrew, which is written from right to left
 labels = ["a", "b", "c", "d"] => labels = ["a", "b", "c", "ᠠ"] => 28:26 => Mongolian, which is written from top to bottom
 # Too many trials.
 practice = 4 => practice = 4000000000 => 11:2 => 4000000012 trials | at most
@@ -202,18 +196,6 @@ fn every_mistake_has_its_own_message() {
         assert!(error.starts_with("mine.toml:2:1: name"), "{name:?}: {error}");
     }
     definition::parse("mine.toml", BASE).unwrap();
-}
-
-#[test]
-fn all_errors_are_reported_in_file_order() {
-    let text = edited("name = \"mine\"", "name = \"My Study\"")
-        .replace("width = [0.1, 0.4]", "width = [2, true, -1]")
-        .replace("repetitions = 2", "repetitions = 0")
-        .replace("level = 0.5", "lievel = 0.5\nlevel = 7");
-    let error = definition::parse("mine.toml", &text).unwrap_err();
-    let found = messages(&error);
-    let places: Vec<_> = error.0.iter().filter_map(|error| error.position).collect();
-    assert_eq!(places, [(2, 1), (12, 10), (12, 13), (12, 19), (16, 1), (24, 1), (25, 1)], "{found:#?}");
 }
 
 #[test]
@@ -440,4 +422,119 @@ fn the_column_dictionary_is_up_to_date() {
         expected += &format!("| `{}` | {} | {}{levels} |\n", column.name, column.unit, column.description);
     }
     assert_documented("results/README.md", &expected);
+}
+
+/// A definition with comments and layouts that an editor must not change.
+const COMMENTED: &str = r#"# A study, by hand.
+schema = 1
+name = "by-hand"      # also the folder
+title = "Mach bands"
+
+[stimulus]            # the same in all trials
+kind = 'mach-band'
+color = "gray"        # neutral
+
+# What varies.
+[factors]
+width = [
+    0.1,  # narrow
+    0.4,  # as in the paper
+    0.8,  # wide
+]
+# An infinite depth is smooth everywhere.
+depth = [1, 2, "inf"] # not 3
+orientation_deg = [0, 90]
+
+[design]
+repetitions = 4
+order = "blocked:depth"
+
+[response]
+question = "Wie deutlich?"
+labels = ["kein Band", "breit, weich", "schmal", "scharf"]
+
+# The end.
+"#;
+
+fn draft(text: &str) -> Draft {
+    Draft::parse("draft", text).unwrap()
+}
+
+#[test]
+fn only_what_is_edited_changes() {
+    let built_in = definition::BUILT_IN.iter().map(|built_in| built_in.text);
+    for text in built_in.chain([COMMENTED]) {
+        for text in [text.to_owned(), text.replace('\n', "\r\n")] {
+            let mut draft = draft(&text);
+            assert_eq!(draft.text(), text);
+            // Typing what is already there changes nothing.
+            for factor in draft.factors() {
+                let key = format!("factors.{factor}");
+                draft.set(&key, &draft.get(&key).unwrap(), Typed::Values);
+            }
+            if let Some(repetitions) = draft.get("design.repetitions") {
+                draft.set("design.repetitions", &repetitions, Typed::Value);
+            }
+            draft.set("title", &draft.get("title").unwrap(), Typed::Text);
+            assert_eq!(draft.text(), text);
+            let name = draft.get("name").unwrap();
+            draft.set("name", "a-copy", Typed::Text);
+            assert_eq!(draft.text(), text.replacen(&format!("name = \"{name}\""), "name = \"a-copy\"", 1));
+            assert_eq!(draft.check(None).unwrap().name, "a-copy");
+        }
+    }
+}
+
+#[test]
+fn edits_keep_comments_and_give_the_expected_definition() {
+    let mut draft = draft(COMMENTED);
+    draft.set("factors.width", "0.1, .4, 0.9, 1", Typed::Values);
+    draft.set("factors.depth", "1, inf", Typed::Values);
+    draft.set("design.repetitions", "2", Typed::Value);
+    draft.set("design.order", "latin:depth", Typed::Text);
+    draft.remove("design.max_run");
+    draft.set("stimulus.color", "0.5,0.5,0.5", Typed::Value);
+    draft.set("presentation.duration_s", "0.5", Typed::Value);
+    draft.set("instructions.welcome", "Guten Tag\n\"Freund\"", Typed::Text);
+    draft.set_texts("response.labels", &["kein Band", "breit", "schmal", "scharf"].map(str::to_owned));
+    let expected = COMMENTED
+        .replace(
+            "[\n    0.1,  # narrow\n    0.4,  # as in the paper\n    0.8,  # wide\n]",
+            "[0.1, 0.4, 0.9, 1]",
+        )
+        .replace(
+            "depth = [1, 2, \"inf\"] # not 3\n",
+            "depth = [1, \"inf\"] # not 3\n",
+        )
+        .replace("repetitions = 4", "repetitions = 2")
+        .replace("blocked:depth", "latin:depth")
+        .replace("\"gray\"  ", "\"0.5,0.5,0.5\"  ")
+        .replace("\"breit, weich\"", "\"breit\"")
+        .replace("scharf\"]\n", "scharf\"]\n\n[presentation]\nduration_s = 0.5\n\n[instructions]\nwelcome = \"\"\"\nGuten Tag\n\"Freund\"\"\"\"\n");
+    assert_eq!(draft.text(), expected);
+    let protocol = draft.check(None).unwrap();
+    let levels = protocol.factors.iter().map(|factor| {
+        let levels: Vec<_> = factor.levels.iter().map(ToString::to_string).collect();
+        (factor.name.as_str(), levels.join(" "))
+    });
+    let levels: Vec<_> = levels.collect();
+    assert_eq!(
+        levels,
+        [("width", "0.1 0.4 0.9 1".into()), ("depth", "1 inf".into()), ("orientation_deg", "0 90".to_owned())]
+    );
+    assert_eq!((protocol.design.repetitions, protocol.design.order.to_string()), (2, "latin:depth".to_owned()));
+    assert_eq!(protocol.presentation.map(|presentation| presentation.duration_s), Some(0.5));
+    assert_eq!(protocol.instructions.welcome, "Guten Tag\n\"Freund\"");
+    assert_eq!(protocol.main_trials(), 4 * 2 * 2 * 2);
+
+    // Parameters that the new kind does not have are removed. Factors are kept, with an error.
+    draft.set_kind("kanizsa");
+    let errors = draft.check(None).unwrap_err();
+    let keys: Vec<&str> = errors.0.iter().map(|error| error.key.as_str()).collect();
+    assert_eq!(keys, ["factors.width", "factors.depth", "design.order"], "{errors}");
+    draft.remove("factors.width");
+    draft.remove("factors.depth");
+    draft.set("design.order", "random", Typed::Text);
+    assert_eq!(draft.check(None).unwrap().main_trials(), 2 * 2);
+    assert!(draft.text().contains("# What varies.\n[factors]\norientation_deg"), "{}", draft.text());
 }

@@ -15,9 +15,9 @@ use machband::{
         dataset,
         export::{Choice, Format, export},
         ratings::{Listed, ReadOptions},
+        recorded,
         session::{Changes, SessionStore},
-        sitting::{Pictures, Sitting},
-        verify,
+        sidecar::{Pictures, Sitting},
     },
 };
 use serde_json::Value;
@@ -276,11 +276,11 @@ fn copy(from: &Path, to: &Path) {
 }
 
 /// Returns which of [`WHO`] report something about these results. Resuming comes last because it may change them.
-fn seen(results: &Path, renderer: &mut verify::Renderer) -> [bool; 5] {
+fn seen(results: &Path, renderer: &mut recorded::Renderer) -> [bool; 5] {
     let files = Listed::sessions(results).files;
     let data_set = results.join("small-one");
     let mut is_noticed = |csv: &PathBuf| {
-        let found = verify::session(csv, renderer);
+        let found = recorded::verify(csv, renderer);
         !found.errors.is_empty() || found.notes.iter().any(|note| note.contains("which ended before this session"))
     };
     let verified = files.iter().any(&mut is_noticed) || !dataset::unexpected_files(&data_set).is_empty();
@@ -363,7 +363,7 @@ const STATED: [(&[&str], &[&str], &str); 9] = [
 #[test]
 fn every_command_notices_every_edit_except_those_listed() {
     let folder = tempfile::tempdir().unwrap();
-    let mut renderer = verify::Renderer::default();
+    let mut renderer = recorded::Renderer::default();
     let mut table =
         format!("| session | edits of | edits | {} |\n|---|---|--:|--:|--:|--:|--:|--:|\n", WHO.join(" | "));
     let (mut reasons, mut wrong, mut sealed) = (vec![0; STATED.len()], Vec::new(), 0);

@@ -16,8 +16,7 @@ use machband::{
         image,
         ratings::{Listed, ReadOptions},
         recorded::Recorded,
-        sidecar::Sidecar,
-        sitting::{FrameSummary, Geometry},
+        sidecar::{FrameSummary, Geometry, Sidecar},
         table::List,
     },
 };
@@ -216,23 +215,6 @@ fn every_cell_and_every_picture_is_exported() {
 }
 
 #[test]
-fn exports_are_reproducible_from_any_folder_of_the_data() {
-    let (scratch, results) = simulated(&["quick", "--participants", "2"]);
-    for format in FORMATS {
-        let exported = |name: &str, from: &Path| {
-            let to = scratch.path().join(format!("{format:?}-{name}"));
-            written(from, &to, format);
-            let inside = |(path, content): (PathBuf, Vec<u8>)| (path.strip_prefix(&to).unwrap().to_owned(), content);
-            everything(&to).into_iter().map(inside).collect::<Vec<_>>()
-        };
-        let first = exported("a", &results);
-        assert!(!first.is_empty());
-        assert!(first == exported("b", &results.join("quick")), "{format:?}");
-        assert!(first == exported("c", &results.join("quick/data")), "{format:?}");
-    }
-}
-
-#[test]
 fn errors_are_reported_and_nothing_is_written() {
     let (scratch, results) = simulated(&["quick", "--participants", "2"]);
     let at = |name: &str| scratch.path().join(name);
@@ -323,26 +305,6 @@ fn screens_and_participants_are_described_in_bids_terms_and_units() {
     let table = fs::read_to_string(session.with_extension("tsv")).unwrap();
     for name in table.lines().next().unwrap().split('\t') {
         assert!(described[name]["Description"].is_string(), "{name}");
-    }
-}
-
-#[test]
-fn different_definitions_with_the_same_name_are_exported_apart() {
-    let scratch = tempfile::tempdir().unwrap();
-    let results = scratch.path().join("results");
-    for (folder, participants, factor) in [("a", "1", "tanh_k = [5, 7.5]"), ("b", "2", "color = [\"red\", \"gray\"]")] {
-        let head = "schema = 1\nname = \"small\"\ntitle = \"Small\"\n[stimulus]\nkind = \"mach-band\"\n[factors]\n";
-        fs::write(scratch.path().join("small.toml"), format!("{head}{factor}\n")).unwrap();
-        let folder = format!("results/{folder}");
-        succeeds(scratch.path(), &["simulate", "small.toml", "--participants", participants, "--results", &folder]);
-    }
-    for file in [session_csv(&results.join("b"), "small", "S001"), sidecar(&results.join("b"), "small", "S001")] {
-        fs::remove_file(file).unwrap();
-    }
-    for (format, name) in [(Format::Bids, "bids"), (Format::PsychDs, "psych-ds")] {
-        let refused = export(&results, &scratch.path().join(name), format, Choice::default()).unwrap_err().to_string();
-        assert!(refused.contains("expected the same content, or one export for each folder"), "{refused}");
-        written(&results.join("a"), &scratch.path().join(name), format);
     }
 }
 

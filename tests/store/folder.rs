@@ -92,23 +92,6 @@ mod layout {
         assert_eq!(kept, small());
     }
 
-    /// The session is worth more than the description of its folder.
-    #[test]
-    fn a_description_that_cannot_be_extended_stays_and_is_an_incident() {
-        let folder = tempfile::tempdir().unwrap();
-        let paths = paths(folder.path());
-        fs::create_dir(&paths.dataset).unwrap();
-        let description = paths.dataset.join("dataset_description.json");
-        for text in ["torn", "{}"] {
-            fs::write(&description, text).unwrap();
-            create(folder.path()).unwrap();
-            let incidents = json(&paths.sidecar)["sittings"][0]["incidents"].to_string();
-            assert!(incidents.contains("dataset_description.json is not JSON with a list"), "{incidents}");
-            assert_eq!(fs::read_to_string(&description).unwrap(), text);
-            fs::remove_dir_all(paths.dataset.join("data")).unwrap();
-        }
-    }
-
     #[test]
     fn the_next_free_participant_has_no_files() {
         let folder = tempfile::tempdir().unwrap();
@@ -345,27 +328,6 @@ mod interrupted {
 
 mod trouble {
     use super::*;
-
-    #[test]
-    fn a_session_can_move_to_a_folder_without_it() {
-        let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let mut store = create(first.path()).unwrap();
-        rate(&mut store, None, 3).unwrap();
-        // A folder that already has this session is rejected and not changed.
-        let taken = session_of(5);
-        let before = everything(taken.path());
-        let error = store.continue_in(taken.path()).unwrap_err();
-        assert!(matches!(error, StoreError::Exists(_)), "{error}");
-        assert_eq!(everything(taken.path()), before);
-        // Moving to the same folder again is not a conflict.
-        for _ in 0..2 {
-            store.continue_in(second.path()).unwrap();
-        }
-        assert_eq!((store.csv(), rows(store.csv()).len()), (&*paths(second.path()).csv, 3));
-        drop(store);
-        let sidecar = Sidecar::read(&paths(second.path()).sidecar).unwrap().unwrap();
-        assert!(sidecar.sittings[0].incidents.iter().any(|incident| incident.contains("moved from")), "{sidecar:?}");
-    }
 
     #[test]
     fn a_file_changed_by_someone_else_is_not_overwritten() {

@@ -10,8 +10,8 @@ use machband::{
     store::{
         StoreError,
         check::check,
-        frames::{self, FrameFile, HEADER},
         ratings::ReadOptions,
+        results::{FRAMES_HEADER, FrameFile, frames_line},
         session::SessionStore,
         sidecar::Sidecar,
     },
@@ -40,7 +40,7 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
             store.append(&TrialRecord::new(&context, &response, jiff::Timestamp::UNIX_EPOCH + response.onset)).unwrap();
             session.step(Event::Stored, now);
             let runs = session.take_frame_runs();
-            let lines = runs.iter().filter_map(|run| frames::line(run, schedule, sitting));
+            let lines = runs.iter().filter_map(|run| frames_line(run, schedule, sitting));
             store.append_frames(&lines.collect::<Vec<_>>());
             rated += 1;
         }
@@ -54,7 +54,7 @@ fn rate(store: &mut SessionStore, schedule: &Schedule, resumed: &Resumed, sittin
 /// Returns the cells of the rows of a frames file.
 fn frame_rows(path: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(path).unwrap();
-    assert_eq!(text.lines().next(), Some(HEADER));
+    assert_eq!(text.lines().next(), Some(FRAMES_HEADER));
     text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
@@ -85,7 +85,7 @@ fn frames_are_appended() {
     .map(str::to_owned);
     file.append(&rows[..1]).unwrap();
     file.append(&rows[1..]).unwrap();
-    assert_eq!(fs::read_to_string(&path).unwrap(), format!("{HEADER}\n{}", rows.concat()));
+    assert_eq!(fs::read_to_string(&path).unwrap(), format!("{FRAMES_HEADER}\n{}", rows.concat()));
     assert!(check(path.to_str().unwrap()).unwrap().sentence.contains("frames of a session"));
     // If a power failure truncates the file, it continues after the last complete row.
     drop(file);

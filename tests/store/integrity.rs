@@ -1,4 +1,5 @@
-//! A session that was changed by hand is not passed off as unchanged, and an honest session is not called faulty.
+//! Changes after a session are found: resuming refuses them or records them for good, `machband verify` reports them, the
+//! session after a deleted one reveals it, and a repair deletes no byte.
 
 use std::{
     fs,
@@ -7,14 +8,14 @@ use std::{
 
 use jiff::Timestamp;
 use machband::store::{
-    check,
-    frames::HEADER,
+    check, dataset,
+    results::FRAMES_HEADER,
     session::{Changes, Interrupted, SessionStore, repair},
     sidecar::Sidecar,
 };
 
 use crate::{
-    common::{change_rating, edit, everything, machband, set_cell, succeeds, text, verified},
+    common::{change_rating, edit, everything, machband, session_csv, set_cell, succeeds, text, verified},
     recording::{self, SEED, create, identity, paths, resume, sitting, small},
 };
 
@@ -54,6 +55,12 @@ fn errors(csv: &Path) -> String {
     verified(csv).errors.iter().map(|error| format!("{error}\n")).collect()
 }
 
+/// Writes a frames file.
+fn with_frames(csv: &Path, content: &str) {
+    let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");
+    fs::write(frames, content).unwrap();
+}
+
 #[test]
 fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
     type Touch = fn(&Path);
@@ -67,7 +74,7 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         ("the seal", 6, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
         ("the whole end but the time", 3, |csv| edit_sidecar(csv, |sidecar| sidecar.sittings[0].seal = None)),
         // Nothing was shown on a screen, so there are no frames.
-        ("the frames, of which there were none", 3, |csv| with_frames(csv, &format!("{HEADER}\n"))),
+        ("the frames, of which there were none", 3, |csv| with_frames(csv, &format!("{FRAMES_HEADER}\n"))),
     ];
     for (what, rows, touch) in ways {
         let (folder, csv) = ended(rows);
@@ -88,27 +95,6 @@ fn resuming_refuses_a_changed_session_or_records_the_change_permanently() {
         let has_hashes = notes.contains("when sealed") && notes.contains(" now");
         assert!(has_hashes || what.starts_with("the "), "{what}: {notes}");
     }
-}
-
-#[test]
-fn rows_of_earlier_sittings_stay_sealed() {
-    let (folder, csv) = ended(2);
-    for limit in [2, usize::MAX] {
-        let (mut store, found) = resume(folder.path()).unwrap();
-        sit(&mut store, Some(&found), limit);
-    }
-    assert_eq!(errors(&csv), "");
-    let whole = everything(folder.path());
-    edit(&csv, |text| text.replacen(",S001,", ",S002,", 1));
-    let found = errors(&csv);
-    for sitting in ["sitting 1 ended", "sitting 2 ended"] {
-        assert!(found.contains(&format!("_data.csv: was changed since {sitting}")), "{found}");
-    }
-    for (path, content) in whole {
-        fs::write(path, content).unwrap();
-    }
-    edit_sidecar(&csv, |sidecar| sidecar.sittings[0].started_at = Timestamp::now().to_string());
-    assert!(errors(&csv).contains("_data.json: was changed since sitting 1 ended"));
 }
 
 /// Records a session of another participant in the same folder, up to `limit` trials.
@@ -180,30 +166,6 @@ fn neither_resuming_nor_repairing_nor_concurrent_sessions_leave_a_gap() {
         assert_eq!((errors(csv), notes(csv)), Default::default());
     }
     assert_eq!((errors(&csv), notes(&csv)), Default::default());
-}
-
-#[test]
-fn a_sidecar_lists_a_sitting() {
-    let (folder, csv) = ended(3);
-    edit_sidecar(&csv, |sidecar| sidecar.sittings.clear());
-    assert!(resume(folder.path()).map(|_| ()).unwrap_err().to_string().contains("lists no sitting"));
-    assert!(errors(&csv).contains("lists no sitting"));
-}
-
-/// Reading a pipe would wait forever.
-#[cfg(unix)]
-#[test]
-fn pipes_next_to_a_session_do_not_stop_it() {
-    let (folder, csv) = ended(2);
-    for pipe in ["subject-S009_session-1_task-smallone_data.json", "subject-S001_session-1_task-smallone_data.csv.lock"]
-    {
-        let pipe = csv.with_file_name(pipe);
-        assert!(std::process::Command::new("mkfifo").arg(pipe).status().unwrap().success());
-    }
-    let (mut store, found) = resume(folder.path()).unwrap();
-    sit(&mut store, Some(&found), usize::MAX);
-    drop(store);
-    assert!(check::check(&csv).unwrap().sentence.contains("6 of 6"));
 }
 
 #[cfg(feature = "window")]
@@ -353,21 +315,77 @@ fn an_analysis_tells_missing_rows_and_a_repair_notes_them() {
     assert!(!text(&analyzed().stderr).contains("without a row"));
 }
 
-/// Writes a frames file.
-fn with_frames(csv: &Path, content: &str) {
-    let frames = csv.to_str().unwrap().replace("_data.csv", "_frames.csv");
-    fs::write(frames, content).unwrap();
+/// Records one session of `quick` with the simulated observer.
+fn recorded() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    succeeds(folder.path(), &["simulate", "quick", "--seed", "5"]);
+    let csv = session_csv(&folder.path().join("results"), "quick", "S001");
+    (folder, csv)
+}
+
+fn error_texts(csv: &Path) -> Vec<String> {
+    let found = verified(csv);
+    found.errors.iter().map(ToString::to_string).collect()
 }
 
 #[test]
-fn frames_have_a_seal_and_the_generator_is_known() {
-    let (_folder, csv) = ended(usize::MAX);
-    with_frames(&csv, "");
-    assert!(errors(&csv).contains("_frames.csv: is in no seal"), "{}", errors(&csv));
-    edit_sidecar(&csv, |sidecar| {
-        sidecar.generator = "MT19937".to_owned();
-        let own = sidecar.sha256_at_end_of(0);
-        sidecar.sittings[0].seal.as_mut().unwrap().sidecar_sha256 = own;
-    });
-    assert!(errors(&csv).contains("the generator is \"MT19937\""), "{}", errors(&csv));
+fn an_unchanged_session_is_confirmed_and_another_picture_is_named() {
+    let (folder, csv) = recorded();
+    let found = verified(&csv);
+    assert_eq!(found.errors, []);
+    assert_eq!((found.rows, found.rated, found.sealed), (28, (28, 28), true));
+    // All combinations of 4 widths, 3 depths and 2 orientations.
+    assert_eq!(found.pictures, 24);
+    let said = succeeds(folder.path(), &["verify", "results"]);
+    assert!(
+        said.contains("unchanged since it was recorded") && said.contains("1 session verified; no errors"),
+        "{said}"
+    );
+    edit(&csv.with_extension("json"), |text| text.replacen("\"size\": 256", "\"size\": 255", 1));
+    let found = error_texts(&csv);
+    assert!(found.iter().any(|error| error.contains("condition 24 of sitting 1 renders to sha256")), "{found:?}");
+    // An unreadable row does not hide that the file is another one.
+    edit(&csv, |text| text.replacen("S001_1_main_0002_1,", "", 1));
+    let found = error_texts(&csv);
+    assert!(found.len() == 3 && found[1].contains("was changed since the session ended"), "{found:?}");
+    assert!(text(&machband(folder.path(), &["verify", "results"]).stdout).contains("could not be read; 3 errors"));
+}
+
+#[test]
+fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
+    let (_folder, csv) = recorded();
+    let data = csv.parent().unwrap();
+    fs::write(data.join("subject-S009_session-1_task-quick_data.json"), "{}").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data.json.machband-a1b2C3d4E5f6G7h8.tmp"), "{").unwrap();
+    fs::write(data.join("subject-S001_session-1_task-quick_data (conflicted copy).csv"), "").unwrap();
+    fs::write(data.join("subject-S002_session-1_task-quick_data.csv.gz"), "").unwrap();
+    fs::write(data.join(".DS_Store"), "").unwrap();
+    let left = dataset::unexpected_files(data.parent().unwrap());
+    assert_eq!(left.len(), 3, "{left:?}");
+    // An analysis and an export say so, because rows may be missing.
+    let folder = data.ancestors().nth(3).unwrap();
+    let analyzed = machband(folder, &["counts", "results", "--out", "counts.csv"]);
+    let exported = machband(folder, &["export", "results", "--format", "bids", "--out", "out"]);
+    assert_eq!((analyzed.status.code(), exported.status.code()), (Some(1), Some(0)));
+    for stray in [
+        "subject-S009_session-1_task-quick_data.json: has no data file next to it",
+        "(conflicted copy).csv: is not named like",
+        "_data.csv.gz: is not named like",
+    ] {
+        for said in [text(&analyzed.stderr), text(&exported.stderr)] {
+            assert!(said.contains(stray), "{said}");
+        }
+    }
+    let mut sidecar = Sidecar::read(&csv.with_extension("json")).unwrap().unwrap();
+    let sitting = &mut sidecar.sittings[0];
+    (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);
+    sidecar.write(&csv.with_extension("json")).unwrap();
+    edit(&csv, |text| text[..text.len() - 10].to_owned());
+    let found = verified(&csv);
+    assert_eq!(found.errors, []);
+    assert!(
+        !found.sealed && found.notes.iter().any(|note| note.contains("line 29 is incomplete")),
+        "{:?}",
+        found.notes
+    );
 }

@@ -5,16 +5,13 @@ mod common;
 
 mod absence;
 mod definitions;
-mod drafts;
 mod edits;
 mod export;
 mod folder;
 mod frame_files;
-mod fuzz_corpus;
 mod integrity;
 mod participants;
 mod reading;
 mod recording;
 mod session;
 mod tasks;
-mod verify;

@@ -11,14 +11,14 @@ use machband::{
         dataset::SessionPaths,
         definition,
         export::{Choice, Format, export},
-        session::{Changes, SessionStore},
+        session::SessionStore,
         sidecar::Sidecar,
     },
 };
 use serde_json::{Value, json};
 
 use crate::{
-    common::{json as read_json, text, verified},
+    common::{json as read_json, verified},
     recording::{SEED, TEXT, rate, sitting},
 };
 
@@ -167,6 +167,10 @@ fn a_table_that_cannot_be_read_stays_as_it_is() {
             &b"participant_id\tnote\n\nsub-S009\n"[..],
             "participants.tsv:3:1: the number of cells in the row is 1; expected 2",
         ),
+        (
+            &b"participant_id\tnote\n\"sub-S009\"\tx\n"[..],
+            "participants.tsv:2:1: the participant is \"sub-S009\"; expected",
+        ),
     ]
     .into_iter()
     .enumerate()
@@ -179,25 +183,4 @@ fn a_table_that_cannot_be_read_stays_as_it_is() {
         let incident = &sidecar.sittings[0].incidents[0];
         assert!(incident.contains(expected), "{incident}");
     }
-}
-
-/// After a session was moved to another folder, its participant is there too; a resumed session keeps its answers.
-#[test]
-fn answers_move_with_their_session() {
-    let folder = tempfile::tempdir().unwrap();
-    let (first, second) = (folder.path().join("first"), folder.path().join("second"));
-    let (protocol, identity) = (asking(), Identity::new("S001", "1").unwrap());
-    let mut store = SessionStore::create(&first, &protocol, &identity, SEED, sitting()).unwrap();
-    store.keep_participant(answers(&[("age", json!(27)), ("consent", json!("2026-01-31"))]));
-    store.continue_in(&second).unwrap();
-    store.finish(false, "2026-01-31T00:00:00Z".to_owned(), None).unwrap();
-    drop(store);
-    assert_eq!(table(&second.join("small-one/participants.tsv"))[1][..2], ["sub-S001", "27"]);
-    let (mut store, found) =
-        SessionStore::resume(&second, &protocol, &identity, None, sitting(), Changes::Refuse).unwrap();
-    rate(&mut store, (&protocol, &identity), Some(&found), 100, false).unwrap();
-    let csv = csv_of(&second, "S001");
-    assert_eq!(read_json(&csv.with_extension("json"))["participant"]["age"], 27);
-    let printed = text(&crate::common::machband(folder.path(), &["verify", "second"]).stdout);
-    assert!(printed.contains("no errors"), "{printed}");
 }

@@ -1,11 +1,14 @@
-//! Reading ratings from files: which rows count, which do not, and that every error has its own message.
+//! Reading ratings from files: which rows count, which do not, and that every error has its own message. Every reader
+//! survives the files that fuzzers found.
 
 use std::{
     collections::BTreeMap,
-    fs,
+    fs::{self, File},
+    io::Read as _,
     path::{Path, PathBuf},
 };
 
+use flate2::read::GzDecoder;
 use machband::{
     analysis::counts::Role,
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
@@ -21,7 +24,11 @@ use machband::{
 };
 
 use crate::{
-    common::{self, edit, set_cell},
+    common::{
+        self,
+        attacks::{HANGS, PANICS, withstood},
+        edit, set_cell,
+    },
     recording::{self, SEED, sitting},
 };
 
@@ -150,22 +157,6 @@ fn long() -> ReadOptions {
     }
 }
 
-/// The experiment is found in a first row of any length, and an endless row is an error.
-#[test]
-fn long_rows_are_read_whole_or_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let header = "note,subject_id,session_id,phase,trial,attempt,experiment,width,rating";
-    let text = |note: usize| {
-        format!("{header}\n{},S1,1,main,1,1,one,0.1,2\nshort,S1,1,main,2,1,two,0.1,2\n", "x".repeat(note))
-    };
-    let long = file(&folder, "long.csv", text(70_000));
-    let other = "long.csv:3:21: experiment is \"two\"; expected one, as in the first row";
-    assert_eq!(errors(&[&long], &ReadOptions::default()), [other]);
-    let endless = file(&folder, "endless.csv", text(3 << 20));
-    let found = errors(&[&endless], &ReadOptions::default()).join("\n");
-    assert!(found.contains("line 2 has more than 1048576 bytes"), "{found}");
-}
-
 mod what_counts {
     use super::*;
 
@@ -213,23 +204,6 @@ mod what_counts {
         assert_eq!(sorted(rows), expected(&files[..1]));
         assert_eq!(source.left_out(Reason::Unfinished), (6, 1));
     }
-
-    #[test]
-    fn dropped_frames_are_counted_in_the_last_attempt() {
-        let (_folder, files) = study(&["S1"]);
-        edit(&files[0], |text| {
-            let mut rows = csv_rows(text);
-            let place = |name: &str| rows[0].iter().position(|known| known == name).unwrap();
-            let (attempt, phase, dropped) = (place("attempt"), place("phase"), place("dropped_frames"));
-            for row in rows.iter_mut().skip(1) {
-                row[dropped] = u32::from(row[phase] == "main" && row[attempt] == "1").to_string();
-            }
-            csv_text(&rows)
-        });
-        let (source, _) = read(&[&files[0]], &ReadOptions::default());
-        // Three trials were rated again, without dropped frames.
-        assert_eq!(source.sessions[0].dropped, Some(MAIN - 3));
-    }
 }
 
 mod layouts {
@@ -258,6 +232,8 @@ mod layouts {
                     .replace("3;2\n", "3;2;\n"),
             ),
             ("spaced", LONG.replace(',', " , ")),
+            ("separator line of Excel", format!("\u{feff}sep=;\r\n{}", LONG.replace(',', ";").replace('.', ","))),
+            ("separator line with a point", format!("SEP=\t\n{}", LONG.replace(',', "\t"))),
             ("quoted crlf bom", format!("\u{feff}{}", quoted.replace('\n', "\r\n"))),
             ("stray", stray),
         ] {
@@ -415,17 +391,6 @@ mod layouts {
         let Err(StudyError::Files(errors)) = Study::from_columns("ratings", columns, &how) else { panic!() };
         assert_eq!(errors.0[0].rows, [0, 1]);
     }
-
-    #[test]
-    fn duplicate_rows_of_counts_add_up_and_row_numbers_are_not_a_factor() {
-        let folder = tempfile::tempdir().unwrap();
-        let a = file(&folder, "a.csv", ",subject_id,width,rating,count\n0,A,0.1,1,2.0\n1,A,0.1,1,3\n2,A,0.2,0,0\n");
-        let b = file(&folder, "b.csv", "count,width,rating,subject_id\n4,0.1,1,A\n");
-        let study = Study::read(&[a, b], &ReadOptions::default()).unwrap();
-        assert_eq!(study.source.errors, []);
-        let rows: Vec<_> = study.measured.counts.rows.iter().map(|row| (row.rating, row.count)).collect();
-        assert_eq!((rows, study.measured.counts.factors.len()), (vec![(1, 9)], 1));
-    }
 }
 
 /// Tables that other programs wrote.
@@ -490,33 +455,6 @@ mod elsewhere {
         let path = file(&folder, "t.csv", text);
         assert_eq!(try_read(&[&path], &how).unwrap().1, ["A a 1 1", "A b 2 1", "B a 3 1"]);
         assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 5 cells; expected 4, as in the header"]);
-    }
-
-    #[test]
-    fn the_separator_line_of_excel_is_skipped() {
-        let folder = tempfile::tempdir().unwrap();
-        for (start, separator, end) in [
-            ("\u{feff}sep=;\r\n", ";", "\r\n"),
-            ("sep=|\n", "|", "\n"),
-            ("SEP=\t\n", "\t", "\n"),
-            ("sep=,\n", ",", "\n"),
-        ] {
-            let point = if separator == "," { "." } else { "," };
-            let text = format!("{start}subject;c;y{end}A;0{point}5;1{end}A;1;2{point}5{end}B;2;x;{end}")
-                .replace(';', separator);
-            let path = file(&folder, "t.csv", text);
-            let how = of("y", &["c"]);
-            assert_eq!(
-                try_read(&[&path], &how).unwrap().1,
-                ["A 0.5 1 1".to_owned(), "A 1 2.5 1".to_owned()],
-                "{start:?}"
-            );
-            assert_eq!(errors(&[&path], &how), ["t.csv:5:1: the row has 4 cells; expected 3, as in the header"]);
-            assert_eq!(
-                errors(&[&path], &of("answer", &["c"])),
-                ["t.csv:2:1: the column answer is missing; expected one of subject, c, y"]
-            );
-        }
     }
 
     fn gzip(text: &[u8]) -> Vec<u8> {
@@ -635,19 +573,6 @@ mod elsewhere {
             let said = errors(&[&file(&folder, name, bytes)], &how);
             assert!(said.len() == 1 && said[0].starts_with(&format!("{name}: {expected}")), "{said:?}");
         }
-    }
-
-    #[test]
-    fn trials_with_extreme_times_are_left_out_on_request() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = file(&folder, "t.csv", "subject,c,y,rt\nA,a,1,0.1\nA,b,2,0.2\nB,a,3,0.3\nB,b,4,9\nB,b,5,\n");
-        let how =
-            ReadOptions { time: Some("rt".to_owned()), min_time: Some(0.2), max_time: Some(8.5), ..of("y", &["c"]) };
-        let read = Study::read(std::slice::from_ref(&path), &how).unwrap();
-        assert_eq!(read.measured.counts.categories, ["2", "3", "5"]);
-        assert_eq!((read.source.left_out(Reason::TooFast), read.source.left_out(Reason::TooSlow)), ((1, 1), (1, 1)));
-        let said = errors(&[&path], &ReadOptions { time: None, ..how });
-        assert_eq!(said, ["t.csv:1:1: the column response_time_s is missing; expected one of subject, c, y, rt"]);
     }
 
     /// Columns that are levels, and answers in JSON.
@@ -882,18 +807,6 @@ mod errors {
     }
 
     #[test]
-    fn tables_with_the_same_content_are_named() {
-        let folder = tempfile::tempdir().unwrap();
-        let text = "subject_id,cond,score\n1,0.5,1\n2,1.5,2\n";
-        file(&folder, "d/a.csv", text);
-        file(&folder, "d/b.csv", text);
-        file(&folder, "d/c.csv", text.replace("0.5", "0.6"));
-        let warnings = read(&[&folder.path().join("d")], &of("score", &["cond"])).0.warnings;
-        let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        assert!(said.len() == 1 && said[0].contains("d/b.csv: has the same content as "), "{said:?}");
-    }
-
-    #[test]
     fn definitions_are_never_mixed() {
         let (folder, files) = study(&["S1", "S2"]);
         let other = definition::parse("x", &TEXT.replace("0.8]", "0.7]")).unwrap();
@@ -917,7 +830,7 @@ mod errors {
     fn each_error_in_a_table_has_its_message_and_place() {
         let folder = tempfile::tempdir().unwrap();
         let counts = ReadOptions::default();
-        let cases: [(&str, ReadOptions, &[&str], &[&str]); 4] = [
+        let cases: [(&str, ReadOptions, &[&str], &[&str]); 5] = [
             (
                 "subject_id,width,rating,count\nA,0.1,1,x\nA,0.1,1,-2\nA,0.1,1,1.5\nA,0.1,1,1e30\n,0.1,1,1\nA,0.1,,1\nA,0.1,1\nA,\0,1,1\nA,0.1,1,7",
                 counts.clone(),
@@ -948,6 +861,12 @@ mod errors {
                 &["A 0.1 1 1", "A 0.1 2 1", "A 0.4 3 1"],
             ),
             (
+                "subject_id,width,rating,note\nA,0.1,1,\"two\nlines\"\nA,0.1,2,\"x\nA,0.4,1,\"y\nA,0.4,3,\"z\" z\n",
+                with_factors(&["width"]),
+                &["4:1: a cell goes on after its closing quote, in another line; expected quotes around whole cells"],
+                &["A 0.1 1 1", "A 0.4 3 1"],
+            ),
+            (
                 "subject_id,width,rating,session_id,repetition,session_id,note,note\nA,1,2,1,1,2,x,y\n",
                 ReadOptions { details: true, ..with_factors(&["width"]) },
                 &["1:47: the column session_id appears twice; expected it once"],
@@ -972,5 +891,33 @@ mod errors {
             said[0].ends_with("none of the rows (2) counts: 2 from practice; expected ratings of main trials"),
             "{said:?}"
         );
+    }
+}
+
+#[path = "../../fuzz/targets.rs"]
+mod targets;
+
+#[test]
+fn every_corpus_file_is_accepted_or_rejected() {
+    let archive = File::open(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz/corpus.tar.gz")).unwrap();
+    let mut counts: BTreeMap<String, u32> = BTreeMap::new();
+    for entry in tar::Archive::new(GzDecoder::new(archive)).entries().unwrap() {
+        let mut entry = entry.unwrap();
+        let path = entry.path().unwrap().display().to_string();
+        let ["corpus", folder, file] = path.split('/').collect::<Vec<_>>()[..] else { continue };
+        if file.is_empty() {
+            continue;
+        }
+        let (_, target) = targets::ALL.iter().find(|(name, _)| *name == folder).unwrap();
+        let mut content = Vec::new();
+        entry.read_to_end(&mut content).unwrap();
+        // A panic names only the target, so this names the file.
+        println!("{path}");
+        target(&content);
+        *counts.entry(folder.to_owned()).or_default() += 1;
+    }
+    withstood("files that fuzzers found", counts.values().sum::<u32>() as usize, &[PANICS, HANGS]);
+    for (name, _) in targets::ALL {
+        assert!(counts.get(*name).is_some_and(|count| *count >= 30), "{name}: the corpus has lost files: {counts:?}");
     }
 }

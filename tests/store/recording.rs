@@ -13,7 +13,7 @@ use machband::{
         dataset::SessionPaths,
         definition,
         session::{Changes, Interrupted, SessionStore},
-        sitting::Sitting,
+        sidecar::Sitting,
     },
 };
 

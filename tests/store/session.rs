@@ -477,18 +477,4 @@ mod observer {
             assert!((found - 0.25).abs() < 4.0 * (0.25 * 0.75 / f64::from(draws)).sqrt(), "{found}");
         }
     }
-
-    /// Without an edge, there is no band, regardless of the parameters.
-    #[test]
-    fn stimuli_without_bands_are_rated_0() {
-        for narrow in [0.9, 0.0, -1.0] {
-            let observer = OrderedLogit { lapse: 0.0, narrow, ..OrderedLogit::default() };
-            for nothing in
-                [band(&[("low", 0.5), ("high", 0.5)]), band(&[("low", 0.0), ("high", 0.0)]), band(&[("width", 0.0)])]
-            {
-                assert_eq!(observer.predictor(&nothing, 3.0), f64::NEG_INFINITY, "{nothing:?}, narrow = {narrow}");
-                assert_eq!(frequencies(&observer, &nothing, 3.0, 1000)[0], 1.0);
-            }
-        }
-    }
 }

@@ -3,16 +3,21 @@
 mod calibration;
 mod efficiency;
 mod facts;
-mod package;
 mod peers;
-mod residuals;
 mod sessions;
 mod shaders;
 mod slopes;
 
-use std::path::PathBuf;
+use std::{
+    error::Error,
+    fs::File,
+    io::BufWriter,
+    path::{Path, PathBuf},
+};
 
 use clap::Parser;
+use clap_complete::Shell;
+use machband::{app, cli};
 use tools::blue_noise::{MASK_SEED, to_bytes, void_and_cluster};
 
 /// Print tables for the documentation, and run timings and long sessions.
@@ -78,9 +83,9 @@ enum Tool {
     },
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<(), Box<dyn Error>> {
     match Tool::parse() {
-        Tool::Residuals => residuals::residuals(),
+        Tool::Residuals => shaders::residuals(),
         Tool::Creases => shaders::creases(),
         Tool::Efficiency => {
             efficiency::print();
@@ -91,7 +96,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Tool::Calibration { folder, designs, studies, draws } => calibration::run(&folder, &designs, studies, draws),
         Tool::LongSession { folder } => sessions::long(&folder.unwrap_or_else(std::env::temp_dir)),
         Tool::SampleStudy { results } => sessions::sample(&results),
-        Tool::Package { folder } => package::write(&folder),
+        Tool::Package { folder } => write_package(&folder),
         Tool::BareWindow { frames } => peers::bare_window(frames),
         Tool::BlueNoise { file } => {
             std::fs::write(&file, to_bytes(&void_and_cluster(machband::light::dither::MASK_SIZE, MASK_SEED)))?;
@@ -99,4 +104,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Ok(())
         }
     }
+}
+
+/// Writes `man1/`, `completions/` and `machband.png` into a folder.
+fn write_package(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let (man, completions) = (folder.join("man1"), folder.join("completions"));
+    std::fs::create_dir_all(&man)?;
+    std::fs::create_dir_all(&completions)?;
+    clap_mangen::generate_to(cli::definition(), &man)?;
+    for shell in [Shell::Bash, Shell::Fish, Shell::Zsh] {
+        clap_complete::generate_to(shell, &mut cli::definition(), "machband", &completions)?;
+    }
+    let icon = app::icon();
+    let mut encoder =
+        png::Encoder::new(BufWriter::new(File::create(folder.join("machband.png"))?), icon.width, icon.height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.write_header()?.write_image_data(&icon.rgba)?;
+    Ok(())
 }

@@ -16,7 +16,7 @@ use machband::{
     store::{
         definition, observer,
         session::SessionStore,
-        sitting::{Pictures, SimulatedObserver, Sitting},
+        sidecar::{Pictures, SimulatedObserver, Sitting},
     },
 };
 

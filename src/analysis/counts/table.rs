@@ -237,18 +237,21 @@ impl Counts {
 
     /// Returns the categories that look like mistakes or like codes for a missing answer, with their numbers of ratings.
     ///
-    /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual ones
-    /// from each other at least are, also as a chain; or a single rating that is further from at least three others than
-    /// twice their range. Codes are numbers of digits from 7 to 9 only, at least 9 or negative, that are isolated from the
-    /// other categories, of which there are at least two. A positive code is further above them than they are from each other, and 9 is one only if their neighbors are
-    /// 1 apart (0, 1, 3, 9 is a scale). A negative one is further below them than any two neighbors are apart, and no
-    /// other number is negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as
-    /// 1…7, 0…100 or −9…9, has no such number.
+    /// Mistakes are categories with less than 2 % of the ratings that are further from all others than any two usual
+    /// ones from each other at least are, also as a chain; or a single rating that is further from at least three
+    /// others than twice their range. Codes are infinite, or numbers of digits from 7 to 9 only, at least 9 or
+    /// negative, that are isolated from the other categories, of which there are at least two. A positive code is
+    /// further above them than they are from each other, and 9 is one only if their neighbors are 1 apart (0, 1, 3, 9
+    /// is a scale). A negative one is further below them than any two neighbors are apart, and no other number is
+    /// negative. −1 is also a code if the others are from 0 or more to at least 2. A full scale, such as 1…7, 0…100 or
+    /// −9…9, has no such number.
     pub fn codes(&self) -> Vec<(&str, u64)> {
         let Some(numbers) = levels::numbers_of(&self.categories) else { return Vec::new() };
         let is_code = |number: f64| {
             let digits = number.abs().to_string();
-            number == -1.0 || !(0.0..9.0).contains(&number) && digits.bytes().all(|byte| matches!(byte, b'7'..=b'9'))
+            number == -1.0
+                || number.is_infinite()
+                || !(0.0..9.0).contains(&number) && digits.bytes().all(|byte| matches!(byte, b'7'..=b'9'))
         };
         let mut others: Vec<f64> = numbers.iter().copied().filter(|number| !is_code(*number)).collect();
         others.sort_by(f64::total_cmp);
@@ -256,6 +259,7 @@ impl Counts {
         let widest = others.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         let is_isolated = |number: f64| match number {
             9.0 if widest > 1.0 => false,
+            number if number.is_infinite() => true,
             number if number >= 0.0 => number - most > most - least,
             -1.0 => least >= 0.0 && most >= 2.0 && numbers.iter().all(|other| *other >= -1.0),
             number => least >= 0.0 && least - number > widest,

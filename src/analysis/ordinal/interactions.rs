@@ -41,8 +41,6 @@ const MAX_SIMULATED: usize = 6;
 /// The test of an interaction that is not in the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Interaction {
-    /// Names of the two factors.
-    pub factors: [String; 2],
     /// True if the statistic is that of the scores, and the probability comes from patterns of signs.
     pub by_signs: bool,
     /// The test; its probability is corrected for the number of interactions that are tested.
@@ -69,15 +67,13 @@ fn pairs(full: &Fitted) -> Vec<Pair> {
     let main: Vec<(usize, &Term)> =
         full.spec.terms.iter().enumerate().filter(|(_, term)| term.variables.len() == 1).collect();
     let factor = |term: &Term| find_factor(full.frame.counts, &term.variables[0]).map(|(factor, _)| factor);
-    let name = |term: &Term| factor(term).map_or_else(|_| String::new(), |f| full.frame.counts.factors[f].name.clone());
     let pair = |(i, one): (usize, &Term), (j, other): (usize, &Term)| {
         let term = Term { variables: [&one.variables[..], &other.variables].concat() };
         let is_known = full.spec.terms.iter().any(|known| known.contains(&term));
         let is_tested = !is_known && factor(one).is_ok_and(|own| factor(other).is_ok_and(|other| own != other));
         let columns = |index: usize| full.x.columns.iter().filter(|column| column.term == index).count();
         let test = TermTest::new(&term, None, columns(i) * columns(j));
-        (is_tested && test.df > 0)
-            .then(|| (Interaction { factors: [name(one), name(other)], by_signs: true, test }, [i, j]))
+        (is_tested && test.df > 0).then_some((Interaction { by_signs: true, test }, [i, j]))
     };
     let all =
         main.iter().enumerate().flat_map(|(place, one)| main[place + 1..].iter().map(move |other| (*one, *other)));
@@ -259,7 +255,7 @@ fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Inter
         }
         own
     };
-    let test = |(pair, _): Pair| Interaction { by_signs: false, test: tested(pair.test), ..pair };
+    let test = |(pair, _): Pair| Interaction { by_signs: false, test: tested(pair.test) };
     let mut tested: Vec<Interaction> = pairs.into_par_iter().map(test).collect();
     let corrected = holm(&tested.iter().map(|own| own.test.p).collect::<Vec<_>>());
     tested.iter_mut().zip(corrected).for_each(|(own, p)| own.test.p = p);

@@ -48,12 +48,9 @@ pub enum Withheld {
     /// One of the two models has no maximum, or too many parameters.
     #[error("one of the two models has no maximum or too many parameters")]
     NoRatio,
-    /// A level of a factor that varies only between participants has too few of them.
-    #[error("a level has fewer than three participants")]
+    /// A level of a factor that varies only between participants, or only between items, has too few of them.
+    #[error("a level has fewer than three participants or items")]
     FewPerLevel,
-    /// A level of a factor that varies only between items has too few of them.
-    #[error("a level has fewer than three items")]
-    FewItems,
     /// Participants may differ in the effect, and the model does not let them.
     #[error(
         "the design has too few ratings for a random slope, and differences between participants would look like an effect"
@@ -115,13 +112,10 @@ impl Fitted<'_> {
             return are_few.then_some(Withheld::FewRatings);
         }
         let [people, items] = self.least_at_level(term);
-        if self.is_between(term) && people < LEAST_PER_LEVEL {
-            Some(Withheld::FewPerLevel)
-        } else if self.is_between_items(term) && items < LEAST_PER_LEVEL {
-            Some(Withheld::FewItems)
-        } else {
-            self.lacks_slope(term).then_some(Withheld::NoSlope)
+        if self.is_between(term) && people < LEAST_PER_LEVEL || self.is_between_items(term) && items < LEAST_PER_LEVEL {
+            return Some(Withheld::FewPerLevel);
         }
+        self.lacks_slope(term).then_some(Withheld::NoSlope)
     }
 }
 

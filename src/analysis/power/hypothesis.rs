@@ -46,8 +46,6 @@ pub struct Hypothesis {
     pub test: Test,
     /// The true effect; `None` if the term has no effect, so that finding one is a false alarm.
     pub effect: Option<Effect>,
-    /// Index of the factor of Friedman's test.
-    pub(super) factor: Option<usize>,
     /// The observer's linear predictor for each condition without the effect; only for likelihood-ratio tests.
     pub(super) absent: Option<Vec<f64>>,
 }
@@ -123,13 +121,7 @@ impl<'a> Layout<'a> {
         let factors = self.factors(term)?;
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
         let predictors = (&self.predictors - &part).iter().copied().collect();
-        Ok(Hypothesis {
-            term: term.clone(),
-            test: Test::LikelihoodRatio,
-            effect,
-            factor: None,
-            absent: Some(predictors),
-        })
+        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent: Some(predictors) })
     }
 
     /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
@@ -153,7 +145,6 @@ impl<'a> Layout<'a> {
             term: Term::factor(&description.name),
             test: Test::Friedman,
             effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
-            factor: Some(factor),
             absent: None,
         })
     }

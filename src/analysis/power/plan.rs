@@ -242,8 +242,9 @@ fn outcomes(counts: &Counts, spec: &ModelSpec, hypotheses: &[Hypothesis], nulls:
         test.p
     };
     let withheld = |hypothesis: &Hypothesis| fitted.as_ref()?.withheld(&hypothesis.term);
-    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, hypothesis.factor) {
-        (Test::Friedman, Some(factor)) => {
+    let outcome = |(hypothesis, null): (&Hypothesis, _)| match (hypothesis.test, counts.factor(hypothesis.term.name()))
+    {
+        (Test::Friedman, Some((factor, _))) => {
             (friedman(&SubjectMeans::new(counts, factor), PERMUTATIONS).map(|test| test.p), None)
         }
         _ => (probability(hypothesis, null).filter(|_| withheld(hypothesis).is_none()), withheld(hypothesis)),

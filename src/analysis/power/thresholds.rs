@@ -193,6 +193,9 @@ impl ThresholdPlan {
                 let known = || all().filter_map(|one| one.as_ref());
                 let half =
                     |(_, interval, _): &(f64, Option<Interval>, f64)| interval.map(|one| (one.high - one.low) / 2.0);
+                // The threshold of one person has none.
+                let lacks_interval =
+                    |one: &(f64, Option<Interval>, f64)| one.1.is_none() && *quantity != Quantity::Person;
                 let excludes = |one: &Interval| one.low > 0.0 || one.high < 0.0;
                 let errors: Vec<f64> = known().map(|(value, _, truth)| (value - truth).powi(2)).collect();
                 let mean = errors.iter().sum::<f64>() / errors.len() as f64;
@@ -202,7 +205,7 @@ impl ThresholdPlan {
                     quantity: quantity.clone(),
                     studies: all().count(),
                     found: known().filter(|(_, interval, _)| interval.as_ref().is_some_and(excludes)).count(),
-                    missing: all().filter(|one| one.as_ref().is_none_or(|one| one.1.is_none())).count(),
+                    missing: all().filter(|one| one.as_ref().is_none_or(|one| lacks_interval(one))).count(),
                     half_width: median(known().filter_map(half).collect()),
                     error: (!errors.is_empty()).then_some(mean.sqrt()),
                 }

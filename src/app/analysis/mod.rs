@@ -5,7 +5,6 @@
 //! knows whether their files have changed. [`document`] shows the document of `machband analyze` in the window, with sortable [`tables`](table).
 
 mod document;
-mod export;
 mod open_study;
 mod opened;
 mod page;

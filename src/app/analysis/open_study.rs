@@ -6,14 +6,13 @@ use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
-    export::{Export, Exported},
-    opened::{Files, Opened, Request, problems, show_opened},
+    opened::{Export, Exported, Files, Opened, Request, problems, show_opened},
     query::{Filters, ModelControls},
 };
 use crate::{
     analysis::{Results, analyze_with, counts::Exclusions},
     app::ui::{
-        Step, fields, hint, paragraph, secondary, show_error, theme,
+        Step, hint, paragraph, parameter, secondary, show_error, theme,
         work::{BackgroundTask, Lost, Steps},
     },
     report::{
@@ -60,21 +59,16 @@ pub struct OpenStudy {
 /// How far an analysis is. While it is not done, the results are of what was selected before.
 enum State {
     Done,
-    /// It is running: first the description of the data without a model, then everything. The result is `None` if nothing
-    /// is selected.
-    Running(Stage, BackgroundTask<Option<(Outcome, Document)>>),
+    /// It is running: first a draft, which is the description of the data without a model and is there at once, then
+    /// everything. The result is `None` if nothing is selected.
+    Running {
+        is_draft: bool,
+        task: BackgroundTask<Option<(Outcome, Document)>>,
+    },
     /// The user stopped it.
     Stopped,
     /// Nothing is selected.
     Empty,
-}
-
-/// What is computed of an analysis.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Stage {
-    /// The description, which is there at once.
-    Draft,
-    Whole,
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
@@ -139,14 +133,14 @@ impl OpenStudy {
 
     /// Takes the results of computations that have finished.
     fn take_outcome(&mut self, ctx: &egui::Context) {
-        if let State::Running(stage, task) = &self.state
-            && let (stage, Some(result)) = (*stage, task.poll())
+        if let State::Running { is_draft, task } = &self.state
+            && let (is_draft, Some(result)) = (*is_draft, task.poll())
         {
             self.state = State::Done;
             match result {
-                Ok(Some((_, document))) if stage == Stage::Draft => {
+                Ok(Some((_, document))) if is_draft => {
                     self.draft = Some(DocumentView::new(document, None));
-                    self.start(ctx, Stage::Whole);
+                    self.start(ctx, false);
                 }
                 Ok(Some((outcome, document))) => {
                     let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
@@ -174,18 +168,19 @@ impl OpenStudy {
         if self.last.as_ref() != Some(&request) {
             self.last = Some(request);
             (self.error, self.draft, self.predicting) = (None, None, None);
-            self.start(ctx, Stage::Draft);
+            self.start(ctx, true);
         }
     }
 
-    /// Starts a stage of the last requested analysis. The stages follow each other, so that the first has all the threads.
-    fn start(&mut self, ctx: &egui::Context, stage: Stage) {
+    /// Starts the draft or the whole of the last requested analysis. They follow each other, so that the draft has all the
+    /// threads.
+    fn start(&mut self, ctx: &egui::Context, is_draft: bool) {
         let Some(request) = self.last.clone() else { return };
         let filter = self.filters.sentence(&self.study.measured.counts);
         self.simulated = Arc::default();
         let (study, simulated) = (self.study.clone(), self.simulated.clone());
-        let compute = move || Outcome::new(&study, request, filter, stage, &simulated);
-        self.state = State::Running(stage, BackgroundTask::stoppable(ctx, compute));
+        let compute = move || Outcome::new(&study, request, filter, is_draft, &simulated);
+        self.state = State::Running { is_draft, task: BackgroundTask::stoppable(ctx, compute) };
     }
 
     /// Returns whether the results are of what was selected before.
@@ -195,7 +190,7 @@ impl OpenStudy {
 
     /// Ends what is being computed. It begins again when the study is shown.
     pub fn pause(&mut self) {
-        if matches!(self.state, State::Running(..)) {
+        if matches!(self.state, State::Running { .. }) {
             (self.state, self.last) = (State::Done, None);
         }
         self.predicting = None;
@@ -228,16 +223,16 @@ impl Opened for OpenStudy {
         // How far it is has the right end of the line; the rest may be cut.
         match self.state {
             State::Done => {}
-            State::Running(stage, _) => {
+            State::Running { is_draft, .. } => {
                 self.simulated.show(ui, "Analyzing", "simulated studies");
-                if stage == Stage::Whole && ui.small_button("Stop").clicked() {
+                if !is_draft && ui.small_button("Stop").clicked() {
                     self.state = State::Stopped;
                 }
             }
             State::Stopped => {
                 ui.label(secondary("Stopped."));
                 if ui.small_button("Continue").clicked() {
-                    self.start(ui.ctx(), Stage::Whole);
+                    self.start(ui.ctx(), false);
                 }
             }
             State::Empty => {
@@ -261,7 +256,7 @@ impl Opened for OpenStudy {
             show_error(ui, text);
         }
         if let Some(draft) = &mut self.draft
-            && matches!(self.state, State::Running(..) | State::Stopped)
+            && matches!(self.state, State::Running { .. } | State::Stopped)
         {
             let is_first = self.shown.is_none();
             if DRAFTED.contains(&self.section) {
@@ -320,7 +315,7 @@ impl Opened for OpenStudy {
         // The columns of others are named as they name them.
         let protocol = self.study.source.protocol.as_ref();
         let known = protocol.map_or(&[][..], |protocol| protocol.stimulus.parameters());
-        self.filters.show(ui, counts, |factor| fields::label(known, factor));
+        self.filters.show(ui, counts, |factor| parameter::label(known, factor));
         if ui.add_enabled(self.filters != Filters::default(), egui::Button::new("Select everything")).clicked() {
             self.filters = Filters::default();
         }
@@ -374,7 +369,7 @@ impl Outcome {
         study: &Study,
         request: Analyze,
         filter: String,
-        stage: Stage,
+        is_draft: bool,
         simulated: &Steps,
     ) -> Option<(Self, Document)> {
         let measured = study.measured.narrowed(&Exclusions::from(&request.ratings.how)).ok()?;
@@ -382,7 +377,7 @@ impl Outcome {
             return None;
         }
         let mut options = request.options(&study.source);
-        if stage == Stage::Draft {
+        if is_draft {
             // A model without coefficients is none, and nothing is simulated for it.
             (options.max_coefficients, options.checks) = (0, false);
         }

@@ -142,7 +142,7 @@ impl Analysis {
     fn take_files(&mut self, ctx: &egui::Context) {
         let dropped: Vec<PathBuf> =
             ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
-        let paths = if dropped.is_empty() { self.dialog.take_all() } else { Some(dropped) };
+        let paths = if dropped.is_empty() { self.dialog.take(ctx) } else { Some(dropped) };
         if let Some(paths) = paths {
             self.read_new(ctx, paths);
         }
@@ -251,7 +251,6 @@ impl Analysis {
                 ui.separator();
             }
             let chosen = self.choose(ui, recent);
-            self.dialog.missing_error(ui);
             if keep {
                 self.columns = None;
             }

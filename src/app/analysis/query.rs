@@ -11,7 +11,7 @@ use crate::{
         find_factor, level_number,
         terms::{Terms, Variable},
     },
-    app::ui::{Field, folded, show_error, text::name},
+    app::ui::{Field, folded, text::name},
     report::names,
     work::Analyze,
 };
@@ -182,7 +182,9 @@ impl ModelControls {
     fn terms_field(&mut self, ui: &mut egui::Ui, counts: &Counts, filters: &Filters) {
         let varied = counts.factors.iter().filter(|factor| factor.levels.len() > 1);
         let hint = varied.map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(",");
-        let field = Field::new("Terms").hint(&hint).width(ui.available_width()).text(ui, &mut self.typed);
+        let error = self.parsed(counts, filters).err().unwrap_or_default();
+        let field = Field::new("Terms").hint(&hint).width(ui.available_width()).slot().error(&error);
+        let field = field.text(ui, &mut self.typed);
         let field = field.on_hover_text(
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
@@ -198,7 +200,7 @@ impl ModelControls {
             Ok(terms) if terms == self.request.model.terms => {}
             Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
             Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
-            Err(error) => show_error(ui, error),
+            Err(_) => {}
         }
     }
 

@@ -6,8 +6,7 @@ use eframe::egui::{self, RichText};
 
 use super::{
     document::DocumentView,
-    export::{Export, Exported},
-    opened::{Files, Opened, Request, problems, show_opened},
+    opened::{Export, Exported, Files, Opened, Request, problems, show_opened},
     query,
 };
 use crate::{
@@ -25,8 +24,7 @@ use crate::{
 
 /// The analysis of a task, as it was made on another thread.
 pub struct TaskRead {
-    study: Arc<TaskStudy>,
-    results: Arc<TaskResults>,
+    made: Arc<(TaskStudy, TaskResults)>,
     document: Document,
 }
 
@@ -35,14 +33,13 @@ impl TaskRead {
     pub fn of(study: TaskStudy, asked: &Analyze) -> Self {
         let results = TaskResults::of(&study, asked.resampling.seed);
         let document = document(&study, &results, &figures(&study, &results), None);
-        Self { study: study.into(), results: results.into(), document }
+        Self { made: (study, results).into(), document }
     }
 }
 
 /// The results of a task, as they are shown.
 pub struct OpenTask {
-    study: Arc<TaskStudy>,
-    results: Arc<TaskResults>,
+    made: Arc<(TaskStudy, TaskResults)>,
     files: Arc<Files>,
     /// All participants, and those who are to be left out.
     people: Vec<String>,
@@ -58,21 +55,21 @@ pub struct OpenTask {
 impl OpenTask {
     /// Shows results; `before` are those of the same data with another selection, or as they were before.
     pub fn new(read: TaskRead, files: Arc<Files>, before: Option<Self>) -> Self {
-        let TaskRead { study, results, document } = read;
+        let TaskRead { made, document } = read;
         let asked = &files.asked.ratings;
         let excluded = asked.how.exclude.clone().unwrap_or_default().0;
         // Those who are left out were not read.
-        let mut people = [&study.people[..], &excluded].concat();
+        let mut people = [&made.0.people[..], &excluded].concat();
         people.sort_by(|a, b| natural(a, b));
         let (view, section, export) = match before {
             Some(before) => (Some(before.view), before.section, before.export),
             None => {
-                let paths = study.files.iter().map(|(path, _)| path.clone());
+                let paths = made.0.files.iter().map(|(path, _)| path.clone());
                 (None, "summary", Export::new(&asked.paths, paths))
             }
         };
         let view = DocumentView::new(document, view);
-        Self { study, results, files, people, excluded, view, section, export, is_stale: false, request: None }
+        Self { made, files, people, excluded, view, section, export, is_stale: false, request: None }
     }
 
     /// Draws the page. `is_stale`: the data are being read with another selection; `error`: why they could not be.
@@ -102,10 +99,11 @@ impl Opened for OpenTask {
     }
 
     fn controls(&mut self, ui: &mut egui::Ui) {
-        paragraph(ui, RichText::new(&self.study.asked.title).strong());
-        let people = count(self.study.people.len() as u64, "participant");
-        hint(ui, format!("{people}, {}.", count(self.study.answers(), "answer")));
-        problems(ui, "Errors", &self.study.errors, theme::ink(ui).bad);
+        let study = &self.made.0;
+        paragraph(ui, RichText::new(&study.asked.title).strong());
+        let people = count(study.people.len() as u64, "participant");
+        hint(ui, format!("{people}, {}.", count(study.answers(), "answer")));
+        problems(ui, "Errors", &study.errors, theme::ink(ui).bad);
         if ui.button("Other data…").clicked() {
             self.request = Some(Request::OtherData);
         }
@@ -123,16 +121,16 @@ impl Opened for OpenTask {
     }
 
     fn export(&mut self, ui: &mut egui::Ui) {
-        let Self { study, results, files, people, excluded, is_stale, .. } = self;
+        let Self { made, files, people, excluded, is_stale, .. } = self;
         let left = people.len() - excluded.len();
         let filter =
             if excluded.is_empty() { String::new() } else { format!("{left} of {} participants", people.len()) };
-        let (study, results) = (study.clone(), results.clone());
+        let made = made.clone();
         let exported = Exported {
             request: &files.asked,
             filter,
-            write: Arc::new(move |writer, made, folder| {
-                let contents = task_files(&study, &results, made, folder, false)?;
+            write: Arc::new(move |writer, provenance, folder| {
+                let contents = task_files(&made.0, &made.1, provenance, folder, false)?;
                 Ok(write_files(writer, folder, contents)?.len())
             }),
         };

@@ -1,9 +1,6 @@
 //! Gamma by eye: estimates γ, with its interval, from matches.
 
-use std::{
-    path::Path,
-    time::{SystemTime, UNIX_EPOCH},
-};
+use std::path::Path;
 
 use eframe::egui::{self, Color32};
 
@@ -12,12 +9,16 @@ use super::{
     match_run::MatchRun,
 };
 use crate::{
-    app::ui::{Field, note, paragraph, table, theme},
+    app::{
+        analysis::TableView,
+        session::fresh_seed,
+        ui::{Field, note, paragraph, theme},
+    },
     display::{
         Channel, DisplayProfile, Viewing,
         matching::{ChannelGamma, MatchSettings, Matching, estimate, transfers},
     },
-    experiment::session_seed,
+    report::document::{Shown, TableOf},
     store::matches::{self, MatchFile},
     system::found,
 };
@@ -85,8 +86,7 @@ impl Method for ByEye {
         let (file, done) = if is_known {
             MatchFile::resume(path).map_err(|error| error.to_string())?
         } else {
-            let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
-            (MatchFile::create(path, session_seed(now)).map_err(|error| error.to_string())?, Vec::new())
+            (MatchFile::create(path, fresh_seed()).map_err(|error| error.to_string())?, Vec::new())
         };
         let matching = Matching::new(&self.settings(channels), file.seed(), done)
             .map_err(|error| format!("{}: {error}", path.display()))?;
@@ -113,40 +113,42 @@ fn distance_sentence(viewing: Option<&Viewing>, period_px: u32) -> String {
 pub struct MatchFindings {
     channels: Vec<(Channel, Result<ChannelGamma, String>)>,
     matches: usize,
-}
-
-impl MatchFindings {
-    fn found(&self) -> impl Iterator<Item = &ChannelGamma> {
-        self.channels.iter().filter_map(|(_, found)| found.as_ref().ok())
-    }
+    table: TableView,
 }
 
 impl Findings for MatchFindings {
     fn read(path: &Path) -> Result<Self, String> {
         let matches = matches::open(path).map_err(|errors| errors.to_string())?;
-        Ok(Self { channels: estimate(&matches), matches: matches.len() })
+        let channels = estimate(&matches);
+        let found: Vec<&ChannelGamma> = channels.iter().filter_map(|(_, found)| found.as_ref().ok()).collect();
+        let one = |number: f64| Shown::new(number, format!("{number:.1}"));
+        let table = TableOf::new("Matches", &found)
+            .text("channel", |found| found.channel.name())
+            .number("light of the field (proportion)", |found| Shown::new(found.share, format!("{:.2}", found.share)))
+            .number("matched code", |found| one(found.code))
+            .number("SD", |found| one(found.code_sd))
+            .number("matches", |found| Shown::new(found.matches, found.matches.to_string()));
+        let table = TableView::new(table.into());
+        Ok(Self { channels, matches: matches.len(), table })
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
         for (channel, found) in &self.channels {
             let name = channel.capitalized();
             match found {
-                Ok(ChannelGamma { gamma, interval: [low, high], matches, .. }) => paragraph(
-                    ui,
-                    format!("{name}: gamma {gamma:.2}, 95 % interval {low:.2} to {high:.2}, from {matches} matches."),
-                ),
+                Ok(found) => {
+                    let ChannelGamma { gamma, interval: [low, high], matches, .. } = found;
+                    let told = format!("{name}: gamma {gamma:.2}, 95 % interval {low:.2} to {high:.2}");
+                    paragraph(ui, format!("{told}, from {matches} matches."));
+                    found.warning().iter().for_each(|warning| note(ui, warning));
+                }
                 Err(error) => note(ui, format!("{name}: gamma cannot be estimated: {error}.")),
             }
         }
-        self.found().filter_map(ChannelGamma::warning).for_each(|warning| note(ui, warning));
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
-        let rows = self.found().map(|found| {
-            let [code, sd] = [found.code, found.code_sd].map(|value| format!("{value:.1}"));
-            [found.channel.to_string(), format!("{:.2}", found.share), code, sd, found.matches.to_string()]
-        });
-        table(ui, "matches", ["channel", "light of the field (proportion)", "matched code", "SD", "matches"], rows);
+        self.table.show(ui, 0);
     }
 
     fn profile(&self, known: &DisplayProfile) -> Option<DisplayProfile> {

@@ -148,9 +148,12 @@ impl<M: Method> Calibrate<M> {
                 }
                 Err(message) => show_error(ui, message),
             }
-            let note = self.resume_note();
-            note.iter().for_each(|sentence| hint(ui, *sentence));
-            let text = if note.is_some() { "Resume" } else { M::BEGIN };
+            let file = found(Path::new(self.path.trim()));
+            let is_there = file.is_ok_and(|file| file.is_some_and(|file| file.is_file()));
+            if is_there {
+                hint(ui, "This file exists already. To resume, keep the settings. To start over, enter another file.");
+            }
+            let text = if is_there { "Resume" } else { M::BEGIN };
             begin = neutral_primary(ui, text, estimate.is_ok(), "Full screen. Press Esc to pause.");
             self.error.iter().for_each(|message| show_error(ui, message));
             use_file = self.file_field(ui);
@@ -175,13 +178,6 @@ impl<M: Method> Calibrate<M> {
         let [colors, gray] = self.channels;
         let wanted = |channel: &Channel| if *channel == Channel::Gray { gray } else { colors };
         Channel::ALL.into_iter().filter(wanted).collect()
-    }
-
-    /// Returns a note that the file exists already; `None` for a new file.
-    fn resume_note(&self) -> Option<&'static str> {
-        let is_there = found(Path::new(self.path.trim())).is_ok_and(|found| found.is_some_and(|found| found.is_file()));
-        let note = "This file exists already. To resume, keep the settings. To start over, enter another file.";
-        is_there.then_some(note)
     }
 
     fn file_field(&mut self, ui: &mut Ui) -> bool {
@@ -368,7 +364,8 @@ fn file_name(name: &str) -> String {
     if name.is_empty() { "screen".to_owned() } else { name }
 }
 
-fn full_screen(ctx: &Context, on: bool) {
+/// Makes the window fill the screen, or not.
+pub fn full_screen(ctx: &Context, on: bool) {
     ctx.send_viewport_cmd(ViewportCommand::Fullscreen(on));
     ctx.request_repaint();
 }

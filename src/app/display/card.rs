@@ -1,11 +1,11 @@
 //! Measures the screen with a bank card held against it.
 
-use eframe::egui::{self, Id, Key, ScrollArea, Sense, Slider, SliderClamping, Stroke, Vec2};
+use eframe::egui::{self, Id, Key, ScrollArea, Sense, Stroke, TextEdit, Vec2};
 
 use crate::{
     app::ui::{
-        Step, modal, neutral_primary, secondary, show_error,
-        theme::{COLUMN, focus_ring, ink},
+        Field, Monitor, ScreenFields, Step, modal, neutral_primary, number, secondary, show_error,
+        theme::{COLUMN, ink},
     },
     display::geometry::{CARD_WIDTH_CM, width_cm_from_card},
 };
@@ -13,8 +13,9 @@ use crate::{
 /// Height divided by width of an ISO/IEC 7810 ID-1 card, 53.98 mm by 85.60 mm.
 const CARD_ASPECT: f32 = 53.98 / 85.60;
 
-/// Width reserved for the slider's number, points.
-const NUMBER: f32 = 80.0;
+/// Width of the label of the slider, and of the slider with its number, points.
+const LABEL: f32 = 210.0;
+const SLIDER: f32 = 420.0;
 /// Minimum width of the outline, physical pixels.
 const MIN_PX: f32 = 100.0;
 
@@ -27,18 +28,30 @@ pub struct CardHelper {
 
 impl CardHelper {
     /// Starts with the outline that matches the current width.
-    pub fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
+    fn new(screen_width_cm: f64, screen_width_px: u32) -> Self {
         let px_per_cm = f64::from(screen_width_px) / screen_width_cm.clamp(1.0, 1000.0);
         Self { card_px: (px_per_cm * CARD_WIDTH_CM) as f32, slider: None }
     }
 
-    /// Draws the dialog if it is open; returns the screen's width in cm when the user accepts it.
-    pub fn measured(open: &mut Option<Self>, ctx: &egui::Context, screen_width_px: u32) -> Option<f64> {
-        let step = open.as_mut()?.show(ctx, screen_width_px);
+    /// Draws the field for the width of the screen, and the button that opens the dialog.
+    pub fn field(open: &mut Option<Self>, ui: &mut egui::Ui, label: Id, fields: &mut ScreenFields, monitor: &Monitor) {
+        let assumed = monitor.assumed_width_cm();
+        let edit = TextEdit::singleline(&mut fields.screen_width_cm).desired_width(90.0);
+        ui.add(edit.hint_text(format!("{assumed:.1}"))).labelled_by(label);
+        if ui.button("Measure with a card…").clicked() {
+            *open = Some(Self::new(number(&fields.screen_width_cm).unwrap_or(assumed), monitor.width_px));
+        }
+    }
+
+    /// Draws the dialog if it is open; the width that the user accepts is that of the screen.
+    pub fn measure(open: &mut Option<Self>, ctx: &egui::Context, fields: &mut ScreenFields, monitor: &Monitor) {
+        let Some(step) = open.as_mut().map(|card| card.show(ctx, monitor.width_px)) else { return };
+        if let Step::Next(width) = step {
+            fields.screen_width_cm = width.to_string();
+        }
         if step != Step::Stay {
             *open = None;
         }
-        if let Step::Next(width) = step { Some(width) } else { None }
     }
 
     fn show(&mut self, ctx: &egui::Context, screen_width_px: u32) -> Step<f64> {
@@ -78,12 +91,9 @@ impl CardHelper {
 
     /// Draws the slider. Its range extends to the width of the whole screen, so that a small window does not limit it.
     fn slider(&mut self, ui: &mut egui::Ui, screen_width_px: u32) {
-        let label = ui.label("Width of the outline, pixels");
-        ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).clamp(MIN_PX, 360.0);
         let range = MIN_PX..=(screen_width_px as f32).max(2.0 * MIN_PX);
-        let slider = Slider::new(&mut self.card_px, range).step_by(1.0).max_decimals(0).clamping(SliderClamping::Edits);
-        let slider = ui.add(slider).labelled_by(label.id);
-        focus_ring(ui, &slider);
+        let field = Field::new("Width of the outline, pixels").column(LABEL).width(SLIDER);
+        let slider = field.slider(ui, &mut self.card_px, range, 1.0);
         if self.slider.is_none() {
             slider.request_focus();
             self.slider = Some(slider.id);

@@ -63,7 +63,14 @@ impl CheckPage {
                 let gap = ui.spacing().item_spacing.x;
                 let in_line = ((ui.available_width() + gap) / (side + gap)).floor().max(1.0) as usize;
                 for line in fields.chunks(in_line) {
-                    ui.horizontal(|ui| line.iter().for_each(|field| show_field(ui, *channel, field)));
+                    ui.horizontal(|ui| {
+                        for (text, texture) in line {
+                            ui.vertical(|ui| {
+                                pixels::picture(ui, texture, &format!("{channel}, {text}"));
+                                ui.label(secondary(text));
+                            });
+                        }
+                    });
                 }
                 ui.add_space(8.0);
             }
@@ -96,11 +103,4 @@ impl Tool for CheckPage {
     fn show(&mut self, ui: &mut egui::Ui, _: &Monitor, _: &mut ScreenFields) -> Step<PathBuf> {
         Step::back_if(self.draw(ui))
     }
-}
-
-fn show_field(ui: &mut egui::Ui, channel: Channel, (text, texture): &(String, TextureHandle)) {
-    ui.vertical(|ui| {
-        pixels::picture(ui, texture, &format!("{channel}, {text}"));
-        ui.label(secondary(text));
-    });
 }

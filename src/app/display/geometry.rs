@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use eframe::egui::{self, TextEdit};
+use eframe::egui;
 
-use super::{card::CardHelper, tool::Tool};
+use super::{calibrate::LABELS, card::CardHelper, tool::Tool};
 use crate::{
     app::ui::{Field, Monitor, ScreenFields, Step, note, number, platform::Platform, show_error, tool_page},
     display::{Viewing, geometry::distance_cm},
@@ -25,29 +25,24 @@ impl GeometryPage {
 
     fn fields(&mut self, ui: &mut egui::Ui, monitor: &Monitor, fields: &mut ScreenFields) {
         let reported_cm = *self.reported_cm.get_or_insert_with(|| Platform::of(monitor).width_cm);
-        Field::new("Width of the display area, cm").show(ui, |ui, label| {
-            let assumed = format!("{:.1}", monitor.assumed_width_cm());
-            let edit = TextEdit::singleline(&mut fields.screen_width_cm).desired_width(90.0).hint_text(assumed);
-            ui.add(edit).labelled_by(label);
-            if ui.button("Measure with a card…").clicked() {
-                let known = number(&fields.screen_width_cm).unwrap_or_else(|| monitor.assumed_width_cm());
-                self.card = Some(CardHelper::new(known, monitor.width_px));
-            }
-            if let Some(cm) = reported_cm
-                && ui
-                    .button(format!("The screen reports {cm:.1}"))
-                    .on_hover_text("Some screens report an incorrect width; check it with a card.")
-                    .clicked()
-            {
-                fields.screen_width_cm = format!("{cm:.1}");
-            }
+        let field = |label| Field::new(label).column(LABELS);
+        field("Width of the display area, cm").show(ui, |ui, label| {
+            ui.horizontal_wrapped(|ui| {
+                CardHelper::field(&mut self.card, ui, label, fields, monitor);
+                let Some(reported) = reported_cm.map(|cm| format!("{cm:.1}")) else { return };
+                let button = ui.button(format!("The screen reports {reported}"));
+                let button = button.on_hover_text("Some screens report an incorrect width; check it with a card.");
+                if button.clicked() {
+                    fields.screen_width_cm = reported;
+                }
+            });
         });
         if fields.width_is_assumed() {
             let per_inch = monitor.assumed_per_inch();
             note(ui, format!("This width assumes {per_inch} pixels per inch. Measure it with a card."));
         }
-        Field::new("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
-        Field::new("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
+        field("Viewing distance, cm").width(90.0).text(ui, &mut fields.distance_cm);
+        field("Planned stimulus size, degrees").width(90.0).text(ui, &mut self.window_deg);
     }
 
     fn sentences(&self, ui: &mut egui::Ui, viewing: &Viewing) {
@@ -102,9 +97,7 @@ impl Tool for GeometryPage {
                 Err(error) => show_error(ui, error),
             }
         });
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
-            fields.screen_width_cm = width.to_string();
-        }
+        CardHelper::measure(&mut self.card, ui.ctx(), fields, monitor);
         Step::back_if(back)
     }
 }

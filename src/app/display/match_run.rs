@@ -42,14 +42,14 @@ impl MatchRun {
             Key::Backspace if !repeated => {
                 if let Some(undone) = self.matching.undo() {
                     let number = self.matching.done().len() + 1;
-                    let saved = self.file.undo(number, &undone, since_start);
+                    let saved = self.file.record(number, &undone, since_start, true);
                     self.next(saved, now);
                 }
             }
             _ if now < due_s => {}
             Key::Enter if !repeated => {
                 if let Some(accepted) = self.matching.accept() {
-                    let saved = self.file.accept(self.matching.done().len(), &accepted, since_start);
+                    let saved = self.file.record(self.matching.done().len(), &accepted, since_start, false);
                     self.next(saved, now);
                 }
             }
@@ -78,7 +78,8 @@ impl MatchRun {
         let below = (TEXT_ROOM * ui.ctx().pixels_per_point()).ceil() as u32;
         let side = width.min(height.saturating_sub(2 * below)).max(MIN_PX);
         if self.shown.as_ref().is_none_or(|(made, at, _)| *made != shown || *at != side) {
-            let image = shown.picture(side, side / FIELD_PER_PATCH);
+            let patch = shown.channel.rgb(shown.code);
+            let image = shown.rows.picture(shown.channel, patch, [side; 2], side / FIELD_PER_PATCH);
             self.shown = Some((shown, side, pixels::texture(ui.ctx(), "matching", &image)));
         }
         let Some((_, _, texture)) = &self.shown else { return };

@@ -20,23 +20,10 @@ use crate::{
 
 /// Height of the line at the bottom, where readings are typed, in points.
 const LINE: f32 = 96.0;
-/// Gray around a patch; this code emits about a fifth of full light.
-const AROUND: Color32 = Color32::from_gray(128);
 /// Color of the text on the line: dim, so that it does not affect the photometer.
 const DIM: Color32 = Color32::from_gray(0x70);
 /// A reading below this fraction of the reading at a lower level indicates a typing error rather than noise.
 const MIN_PLAUSIBLE_RATIO: f64 = 0.95;
-
-/// How patches are shown.
-#[derive(Clone, Debug)]
-pub struct PatchView {
-    /// Settling time in seconds; earlier readings are rejected.
-    pub settle_s: f64,
-    /// Heights of the patches in percent of the screen's height, which repeat.
-    pub percents: Vec<u32>,
-    /// Whether the patch is surrounded by gray instead of black.
-    pub gray_around: bool,
-}
 
 /// A run of patches and their readings.
 pub struct PatchRun {
@@ -45,7 +32,12 @@ pub struct PatchRun {
     /// The index of the patch on the screen; the number of patches once all are read.
     at: usize,
     path: PathBuf,
-    view: PatchView,
+    /// Settling time in seconds; earlier readings are rejected.
+    settle_s: f64,
+    /// Heights of the patches in percent of the screen's height, which repeat.
+    percents: Vec<u32>,
+    /// The color around the patch.
+    around: Color32,
     entry: String,
     /// Whether the line should take keyboard focus with its text selected, so that typing replaces it.
     select: bool,
@@ -61,7 +53,13 @@ impl PatchRun {
     ///
     /// # Errors
     /// If the file belongs to other settings or cannot be written.
-    pub fn begin(patches: Vec<Patch>, path: &Path, view: PatchView) -> Result<Self, StoreError> {
+    pub fn begin(
+        patches: Vec<Patch>,
+        path: &Path,
+        settle_s: f64,
+        percents: Vec<u32>,
+        around: Color32,
+    ) -> Result<Self, StoreError> {
         let mut readings = vec![None; patches.len()];
         let is_known = found(path).map_err(|error| StoreError::io(path, "access", error))?.is_some();
         if is_known {
@@ -84,7 +82,9 @@ impl PatchRun {
             at: first_unread(&readings),
             readings,
             path: path.to_owned(),
-            view,
+            settle_s,
+            percents,
+            around,
             entry: String::new(),
             select: true,
             since: None,
@@ -219,16 +219,15 @@ impl Run for PatchRun {
             return Step::Next(());
         }
         let now = ui.input(|input| input.time);
-        let remaining_s = self.view.settle_s - (now - *self.since.get_or_insert(now));
+        let remaining_s = self.settle_s - (now - *self.since.get_or_insert(now));
         if remaining_s > 0.0 {
             ui.ctx().request_repaint();
         }
-        let around = if self.view.gray_around { AROUND } else { Color32::BLACK };
         egui::CentralPanel::default()
-            .frame(egui::Frame::NONE.fill(around))
+            .frame(egui::Frame::NONE.fill(self.around))
             .show(ui, |ui| {
                 let area = ui.max_rect();
-                draw(ui, &self.patches[at], area, self.view.percents[at % self.view.percents.len()]);
+                draw(ui, &self.patches[at], area, self.percents[at % self.percents.len()]);
                 let line = Rect::from_min_max(egui::pos2(area.left(), area.bottom() - LINE), area.max);
                 ui.painter().rect_filled(line, 0.0, Color32::BLACK);
                 let inner = line.shrink2(Vec2::new(16.0, 8.0));

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use eframe::egui;
+use eframe::egui::{self, Color32};
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
-    patch_run::{PatchRun, PatchView},
+    patch_run::PatchRun,
 };
 use crate::{
     app::{
@@ -21,6 +21,8 @@ use crate::{
     store::readings,
 };
 
+/// Gray around a patch; this code emits about a fifth of full light.
+const AROUND: Color32 = Color32::from_gray(128);
 /// Assumed time to read the photometer and type the reading, seconds.
 pub const READING_S: f64 = 5.0;
 /// How long a patch may settle, seconds.
@@ -59,16 +61,11 @@ impl Method for Photometer {
     const TITLE: &'static str = "Photometer";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Levels per channel").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.levels, 5..=33, 1.0);
-        Field::new("Readings per patch").column(LABELS).width(SLIDER).slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
-        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
-            ui,
-            &mut self.settle_s,
-            SETTLING_S,
-            0.5,
-        );
-        let height = Field::new("Patch height, % of the screen").column(LABELS).width(SLIDER);
-        height.slider(ui, &mut self.percent, 10..=80, 1.0);
+        let field = |label| Field::new(label).column(LABELS).width(SLIDER);
+        field("Levels per channel").slider(ui, &mut self.patches.levels, 5..=33, 1.0);
+        field("Readings per patch").slider(ui, &mut self.patches.repeats, 1..=5, 1.0);
+        field("Settling time, seconds").slider(ui, &mut self.settle_s, SETTLING_S, 0.5);
+        field("Patch height, % of the screen").slider(ui, &mut self.percent, 10..=80, 1.0);
         Field::new("").column(LABELS).show(ui, |ui, _| {
             ui.checkbox(&mut self.gray_around, "Gray around the patch instead of black");
         });
@@ -80,8 +77,9 @@ impl Method for Photometer {
     }
 
     fn begin(&self, channels: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: self.settle_s, percents: vec![self.percent], gray_around: self.gray_around };
-        PatchRun::begin(self.patches(channels)?, file, view).map_err(|error| error.to_string())
+        let around = if self.gray_around { AROUND } else { Color32::BLACK };
+        let run = PatchRun::begin(self.patches(channels)?, file, self.settle_s, vec![self.percent], around);
+        run.map_err(|error| error.to_string())
     }
 }
 

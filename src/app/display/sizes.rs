@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use eframe::egui;
+use eframe::egui::{self, Color32};
 
 use super::{
     calibrate::{Findings, LABELS, Method, SLIDER},
-    patch_run::{PatchRun, PatchView},
+    patch_run::PatchRun,
     photometer::{READING_S, SETTLING_S},
 };
 use crate::{
-    app::ui::{Field, hint, note, success, table},
+    app::{
+        analysis::TableView,
+        ui::{Field, hint, note},
+    },
     display::{Channel, Viewing, photometer::Patch},
+    report::document::{Shown, TableOf},
     store::readings,
 };
 
@@ -22,13 +26,7 @@ const NOISE: f64 = 0.02;
 
 /// The settings of the test.
 pub struct SizeTest {
-    settle_s: f64,
-}
-
-impl Default for SizeTest {
-    fn default() -> Self {
-        Self { settle_s: 2.0 }
-    }
+    pub settle_s: f64,
 }
 
 impl Method for SizeTest {
@@ -45,12 +43,8 @@ impl Method for SizeTest {
     const TITLE: &'static str = "Patch size";
 
     fn fields(&mut self, ui: &mut egui::Ui, _: Option<&Viewing>) {
-        Field::new("Settling time, seconds").column(LABELS).width(SLIDER).slider(
-            ui,
-            &mut self.settle_s,
-            SETTLING_S,
-            0.5,
-        );
+        let field = Field::new("Settling time, seconds").column(LABELS).width(SLIDER);
+        field.slider(ui, &mut self.settle_s, SETTLING_S, 0.5);
     }
 
     fn estimate(&self, _: &[Channel]) -> Result<(usize, f64), String> {
@@ -58,14 +52,14 @@ impl Method for SizeTest {
     }
 
     fn begin(&self, _: &[Channel], file: &Path) -> Result<PatchRun, String> {
-        let view = PatchView { settle_s: self.settle_s, percents: PERCENTS.to_vec(), gray_around: false };
         let white = Patch { channel: Channel::Gray, code: u8::MAX, level: 1.0 };
-        PatchRun::begin(vec![white; PERCENTS.len()], file, view).map_err(|error| error.to_string())
+        let run = PatchRun::begin(vec![white; PERCENTS.len()], file, self.settle_s, PERCENTS.to_vec(), Color32::BLACK);
+        run.map_err(|error| error.to_string())
     }
 }
 
 /// The luminance of white at each size.
-pub struct SizeFindings([f64; PERCENTS.len()]);
+pub struct SizeFindings([f64; PERCENTS.len()], TableView);
 
 impl Findings for SizeFindings {
     fn read(path: &Path) -> Result<Self, String> {
@@ -76,31 +70,32 @@ impl Findings for SizeFindings {
             let (path, sizes) = (path.display(), PERCENTS.len());
             format!("{path}: there are {} readings of white; expected {sizes}, one for each size", found.len())
         };
-        cd_m2.try_into().map(Self).map_err(wrong)
+        let cd_m2: [f64; PERCENTS.len()] = cd_m2.try_into().map_err(wrong)?;
+        let rows: Vec<(u32, f64)> = PERCENTS.into_iter().zip(cd_m2).collect();
+        let table = TableOf::new("Luminance of white, by the height of the patch", &rows)
+            .number("% of the screen", |(percent, _)| Shown::new(*percent, percent.to_string()))
+            .number("cd/m²", |(_, cd_m2)| Shown::new(*cd_m2, format!("{cd_m2:.1}")));
+        Ok(Self(cd_m2, TableView::new(table.into())))
     }
 
     fn summary(&mut self, ui: &mut egui::Ui) {
         let [small, .., large] = self.0;
         let most = self.0.into_iter().fold(0.0, f64::max);
         let change = (most - self.0.into_iter().fold(f64::INFINITY, f64::min)) / most.max(f64::MIN_POSITIVE);
-        let percent = 100.0 * change;
+        let digits = usize::from(change <= NOISE);
+        let told = format!("White changes by {:.digits$} % with the size of the patch", 100.0 * change);
         if change <= NOISE {
-            success(
-                ui,
-                format!("White changes by {percent:.1} % with the size of the patch: the size hardly matters."),
-            );
+            hint(ui, format!("{told}: the size hardly matters."));
         } else {
             let text = format!(
-                "White changes by {percent:.0} % with the size of the patch: {small:.1} cd/m² for the smallest, \
-                    {large:.1} cd/m² for the largest. Calibrate with a patch as large as the stimulus, on a similar field."
+                "{told}: {small:.1} cd/m² for the smallest, {large:.1} cd/m² for the largest. Calibrate with a patch as \
+                    large as the stimulus, on a similar field."
             );
             note(ui, text);
         }
     }
 
     fn details(&mut self, ui: &mut egui::Ui) {
-        hint(ui, "Height of the patch in percent of the screen's height, and the luminance of white.");
-        let rows = PERCENTS.iter().zip(self.0);
-        table(ui, "sizes", ["%", "cd/m²"], rows.map(|(percent, cd_m2)| [percent.to_string(), format!("{cd_m2:.1}")]));
+        self.1.show(ui, 0);
     }
 }

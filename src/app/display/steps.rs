@@ -8,7 +8,7 @@ use super::{calibrate::LABELS, tool::Tool};
 use crate::{
     app::{
         analysis::TableView,
-        ui::{Field, Monitor, ScreenFields, Step as PageStep, hint, note, number, pixels, show_error, tool_page},
+        ui::{Field, Monitor, ScreenFields, Step as PageStep, hint, number, pixels, show_error, tool_page},
     },
     display::{
         DisplayProfile,
@@ -16,7 +16,7 @@ use crate::{
         steps::{Step, steps},
     },
     light::{CodeImage, Samples},
-    report::document::{Shown, TextTable},
+    report::document::{Shown, TableOf, TextTable},
 };
 
 /// Suggested lowest intensity, relative to white, if black was not measured.
@@ -61,7 +61,6 @@ impl StepsPage {
         }
         if let Some((_, _, texture, table)) = &mut self.shown {
             pixels::picture(ui, texture, &format!("A wedge of {} uniform bars, dark to light", steps.len()));
-            lost(ui, steps);
             table.show(ui, 0);
         }
     }
@@ -95,21 +94,6 @@ impl Tool for StepsPage {
     }
 }
 
-/// Says how many steps 8 bits cannot show.
-fn lost(ui: &mut egui::Ui, steps: &[Step]) {
-    let lost = steps.iter().filter(|step| step.nearest != step.level).count();
-    let same = steps.windows(2).filter(|pair| pair[0].codes == pair[1].codes).count();
-    if lost + same > 0 {
-        note(
-            ui,
-            format!(
-                "8 bits are too few for these steps. Steps with the same code as the preceding step: {same}. Steps \
-                    whose light is closer to another level: {lost}."
-            ),
-        );
-    }
-}
-
 /// Creates uniform bars of equal width, one per level, with the darkest on the left.
 fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
     let bar = (width as usize / steps.len().max(1)).max(1);
@@ -118,14 +102,15 @@ fn wedge(steps: &[Step], width: u32, height: u32) -> CodeImage {
 }
 
 fn table(steps: &[Step]) -> TextTable {
-    let heads = ["j", "relative to white", "cd/m²", "red", "green", "blue", "nearest j"];
-    let cells = |step: &Step| {
-        let whole = |number: usize| Shown::new(number, number.to_string());
-        let cd_m2 = Shown::new(step.cd_m2, step.cd_m2.map_or_else(|| "–".to_owned(), short));
-        let intensity = Shown::new(step.intensity, format!("{:.5}", step.intensity));
-        let [red, green, blue] = step.codes.map(|code| whole(code.into()));
-        vec![whole(step.level), intensity, cd_m2, red, green, blue, whole(step.nearest)]
-    };
-    let (header, rows) = (heads.map(str::to_owned).into(), steps.iter().map(cells).collect());
-    TextTable { caption: "Steps".to_owned(), header, texts: 0, rows }
+    let whole = |number: usize| Shown::new(number, number.to_string());
+    let code = |channel: usize| move |step: &Step| whole(step.codes[channel].into());
+    TableOf::new("Steps", steps)
+        .number("j", |step| whole(step.level))
+        .number("relative to white", |step| Shown::new(step.intensity, format!("{:.5}", step.intensity)))
+        .number("cd/m²", |step| Shown::new(step.cd_m2, step.cd_m2.map_or_else(|| "–".to_owned(), short)))
+        .number("red", code(0))
+        .number("green", code(1))
+        .number("blue", code(2))
+        .number("nearest j", |step| whole(step.nearest))
+        .into()
 }

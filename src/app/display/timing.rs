@@ -1,21 +1,17 @@
 //! The timing tool: measures how regular frame intervals are while the content changes in every frame, and shows them
 //! in a table and a plot.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::{path::PathBuf, time::Duration};
 
 use eframe::{
-    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2, ViewportCommand},
+    egui::{self, CentralPanel, Color32, Frame, Key, Rect, RichText, TextureHandle, Ui, Vec2},
     emath::GuiRounding as _,
 };
 
-use super::tool::Tool;
+use super::{calibrate::full_screen, tool::Tool};
 use crate::{
     app::ui::{
-        Field, Monitor, Saving, ScreenFields, Step,
+        Field, Monitor, ScreenFields, Step,
         figure::FigureView,
         neutral_primary, page, paragraph, pixels, secondary,
         theme::{DARK_PAGE, ink},
@@ -25,7 +21,6 @@ use crate::{
     light::{Bits, Quantizer, Transfer},
     report::figures,
     stimulus::{MachBand, Stimulus},
-    store::Writer,
 };
 
 /// The choices for the number of frames.
@@ -150,18 +145,6 @@ impl TimingReport {
             ms(0.99)
         )
     }
-
-    /// Returns every interval as CSV: `frame` counts from 1; `dropped` is 0 or 1, or empty if unknown.
-    pub fn csv(&self) -> String {
-        let mut text = "frame,interval_us,dropped\n".to_owned();
-        for (frame, us) in (1..).zip(self.intervals_us()) {
-            let dropped = self.refresh.map(|refresh| refresh.is_dropped(Duration::from_micros(u64::from(*us))));
-            let dropped = dropped.map_or("", |dropped| if dropped { "1" } else { "0" });
-            // Writing to memory does not fail.
-            let _ = writeln!(text, "{frame},{us},{dropped}");
-        }
-        text
-    }
 }
 
 /// A measurement in progress.
@@ -265,14 +248,11 @@ pub struct TimingTool {
     frames: u32,
     run: Option<TimingRun>,
     found: Option<(TimingReport, FigureView)>,
-    out: String,
-    saving: Saving,
 }
 
 impl Default for TimingTool {
     fn default() -> Self {
-        let (out, saving) = ("timing.csv".to_owned(), Saving::default());
-        Self { scene: Scene::Trial, frames: 600, run: None, found: None, out, saving }
+        Self { scene: Scene::Trial, frames: 600, run: None, found: None }
     }
 }
 
@@ -301,13 +281,6 @@ impl TimingTool {
         });
         ui.add_space(8.0);
         figure.show(ui);
-        Field::new("Export to").show(ui, |ui, label| {
-            ui.add(egui::TextEdit::singleline(&mut self.out).desired_width(260.0)).labelled_by(label);
-            let path = Path::new(self.out.trim());
-            let write = |writer: &Writer, _: &str| writer.write(path, report.csv().as_bytes());
-            self.saving.export(ui, "Export", path, &["csv"], write);
-        });
-        self.saving.show(ui);
     }
 }
 
@@ -330,10 +303,8 @@ impl Tool for TimingTool {
             ui.add_space(8.0);
             self.settings(ui);
             if neutral_primary(ui, "Measure", true, "Full screen. Press Esc to stop.") {
-                self.saving = Saving::default();
                 self.run = Some(TimingRun::new(self.scene, self.frames));
-                ui.ctx().send_viewport_cmd(ViewportCommand::Fullscreen(true));
-                ui.ctx().request_repaint();
+                full_screen(ui.ctx(), true);
             }
             ui.add_space(12.0);
             self.show_found(ui);
@@ -342,7 +313,7 @@ impl Tool for TimingTool {
 
     fn pause(&mut self, ctx: &egui::Context) {
         self.run = None;
-        ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        full_screen(ctx, false);
     }
 
     fn ground(&self) -> Option<Color32> {

@@ -105,9 +105,7 @@ impl Display {
         match found {
             Ok(profile) => {
                 hint(ui, format!("{}.", profile.sentence()));
-                // If the profile is assumed, the sentence above already says so.
-                let warning = profile.measured.as_ref().and_then(|_| profile.warning(today()));
-                warning.iter().for_each(|warning| note(ui, warning));
+                profile.warning(today()).iter().for_each(|warning| note(ui, warning));
             }
             Err(errors) => text::errors(ui, errors),
         }
@@ -134,7 +132,7 @@ const TOOLS: &[Entry] = &[
     (
         "Patch size",
         "Find out with a photometer whether the screen dims large bright areas, as OLED screens do.",
-        |profile, _| Box::new(Calibrate::new(SizeTest::default(), profile, [false, true])),
+        |profile, _| Box::new(Calibrate::new(SizeTest { settle_s: 2.0 }, profile, [false, true])),
     ),
     (
         "Gamma by eye",

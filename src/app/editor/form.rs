@@ -8,7 +8,7 @@ use std::{
 use eframe::egui::{Align, ComboBox, Id, Layout, Response, TextEdit, Ui};
 
 use crate::{
-    app::ui::{self, Dialog, Field, fields, theme::Icon},
+    app::ui::{self, Dialog, Field, parameter, theme::Icon},
     experiment::Protocol,
     report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus, picture::Picture},
@@ -133,7 +133,7 @@ impl DefinitionForm {
 
     /// Returns the label of a factor.
     pub fn factor(&self, name: &str) -> String {
-        fields::label(self.parameters(), name)
+        parameter::label(self.parameters(), name)
     }
 
     /// Returns the errors that this frame has not shown next to a field.
@@ -365,5 +365,6 @@ fn plain(error: &FileError) -> String {
         _ => error.message.clone(),
     };
     let least = u32::from(FROM_ONE.contains(&&*error.key));
-    message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more")).replace(" in quotes", "")
+    let message = message.replace(&format!("from 0 to {}", u32::MAX), &format!("of {least} or more"));
+    capitalized(&message.replace(" in quotes", ""))
 }

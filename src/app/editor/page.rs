@@ -4,7 +4,11 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{CentralPanel, Context, Frame, Key, KeyboardShortcut, Modifiers, Panel, ScrollArea, Ui};
 
-use super::{form::DefinitionForm, preview::Preview, sections, thumbnails::Thumbnails};
+use super::{
+    form::DefinitionForm,
+    preview::{Preview, Thumbnails},
+    sections,
+};
 use crate::{
     app::ui::{self, Dialog, Field, FileKind, Step, fonts::TextFonts, theme},
     report::document::numbers::count,
@@ -171,7 +175,10 @@ impl Editor {
             });
         }
         if self.sessions.is_none() {
-            self.folder_field(ui);
+            let field = Field::new("Folder").column(FOLDER).width((ui.available_width() - 200.0).clamp(120.0, 420.0));
+            let browse = (FileKind::Folder, "Choose the folder…");
+            let (field, _) = field.path(ui, &mut self.folder, &mut self.dialog, browse);
+            field.on_hover_text("The folder for the new file.");
             self.form.set_folder(&ui::full(Path::new(self.folder.trim())));
         }
         let path = self.place();
@@ -221,13 +228,6 @@ impl Editor {
         }
         let was_named = of.file_stem().and_then(|stem| stem.to_str()) == self.before.1.as_deref();
         if was_named && !name.is_empty() { of.with_file_name(format!("{name}.toml")) } else { of.to_owned() }
-    }
-
-    fn folder_field(&mut self, ui: &mut Ui) {
-        let field = Field::new("Folder").column(FOLDER).width((ui.available_width() - 200.0).clamp(120.0, 420.0));
-        let browse = (FileKind::Folder, "Choose the folder…");
-        let (field, _) = field.path(ui, &mut self.folder, &mut self.dialog, browse);
-        field.on_hover_text("The folder for the new file.");
     }
 
     fn conditions(&mut self, ui: &mut Ui) {

@@ -1,6 +1,6 @@
-//! What one trial shows, and what a simulated observer answers.
+//! What one trial shows, what a simulated observer answers, and the stimuli of all conditions.
 
-use eframe::egui::{Align2, FontId, Rect, Sense, Ui, Vec2, vec2};
+use eframe::egui::{Align2, FontId, Id, Rect, Sense, TextureHandle, Ui, Vec2, vec2};
 
 use crate::{
     app::ui::{
@@ -11,10 +11,11 @@ use crate::{
         work::Latest,
     },
     experiment::{
-        Course, Identity, Phase, Protocol, Schedule,
+        Condition, Course, Factor, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
+    report::{document::numbers::count, names},
     stimulus::Stimulus,
     work,
 };
@@ -26,10 +27,14 @@ const SIDE: f32 = 140.0;
 const PLOT: Vec2 = vec2(640.0, 180.0);
 /// Room for the captions below the stimuli, points.
 const CAPTION: f32 = 22.0;
-/// How long a definition must be unchanged before an observer is simulated, seconds.
-const SETTLED_S: f64 = 0.7;
 /// Maximum number of trials for which an observer is simulated.
 const MAX_TRIALS: usize = 2000;
+
+/// Maximum number of thumbnails.
+const MAX_THUMBNAILS: usize = 200;
+/// Side of a thumbnail, and of one in a line, points.
+const THUMBNAIL: f32 = 96.0;
+const STRIP: f32 = 48.0;
 
 #[derive(Default)]
 pub struct Preview {
@@ -37,15 +42,7 @@ pub struct Preview {
     of: Option<u64>,
     trial: Option<Presentation>,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
-    pilot: Pilot,
-}
-
-/// The answers of a simulated observer.
-#[derive(Default)]
-struct Pilot {
-    /// The definition, and when it appeared, seconds.
-    of: Option<(Protocol, f64)>,
-    /// The plot of the answers to each definition; `None` if there is nothing to plot.
+    /// The plot of a simulated observer's answers to each definition; `None` if there is nothing to plot.
     plot: Latest<Protocol, Option<OwnPlot>>,
 }
 
@@ -58,7 +55,7 @@ impl Preview {
         }
         self.trial(ui, protocol, revision, when);
         if protocol.adaptive.is_some() && protocol.main_trials() <= MAX_TRIALS {
-            self.pilot.show(ui, protocol, when);
+            self.pilot(ui, protocol, when);
         }
     }
 
@@ -110,28 +107,16 @@ impl Preview {
         };
         ui::hint(ui, format!("{question} {answers}"));
     }
-}
 
-impl Pilot {
-    /// Draws the levels that the observer sees, dimmed while they belong to an older definition.
-    fn show(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
-        let now = ui.input(|input| input.time);
-        if self.of.as_ref().is_none_or(|(of, _)| of != protocol) {
-            self.of = Some((protocol.clone(), now));
-        }
-        let since = self.of.as_ref().map_or(now, |(_, since)| *since);
-        if now - since < SETTLED_S {
-            // A session is not simulated for every key that is typed.
-            ui.ctx().request_repaint_after_secs(SETTLED_S as f32);
-        } else {
-            self.plot.want(ui.ctx(), protocol.clone(), || {
-                let protocol = protocol.clone();
-                move || {
-                    let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
-                    Ok(OwnPlot::new(&protocol, &rows))
-                }
-            });
-        }
+    /// Draws the levels that an observer sees, dimmed while they belong to an older definition.
+    fn pilot(&mut self, ui: &mut Ui, protocol: &Protocol, when: &str) {
+        self.plot.want(ui.ctx(), protocol.clone(), || {
+            let protocol = protocol.clone();
+            move || {
+                let rows = work::simulate::one_session(&protocol).map_err(|error| error.to_string())?;
+                Ok(OwnPlot::new(&protocol, &rows))
+            }
+        });
         ui::section(ui, format!("The levels of a simulated observer{when}"));
         let size = vec2(PLOT.x.min(ui.available_width()), PLOT.y);
         ui.allocate_ui(size, |ui| {
@@ -154,4 +139,117 @@ fn first_trial(protocol: &Protocol) -> Option<Presentation> {
     let schedule = Schedule::new(protocol, &Identity::new("P001", "1").ok()?, 1).ok()?;
     let trial = schedule.trials.iter().position(|trial| trial.phase == Phase::Main)?;
     Some(Course::new(protocol.clone(), schedule).presentation(trial))
+}
+
+#[derive(Default)]
+pub struct Thumbnails {
+    /// The revision of the form.
+    of: Option<u64>,
+    all: Vec<Thumbnail>,
+    conditions: usize,
+    /// The names of the factors, as captions list their levels.
+    factors: String,
+    drawn: Drawn<(Vec<Stimulus>, u32)>,
+}
+
+struct Thumbnail {
+    stimulus: Stimulus,
+    levels: Vec<String>,
+    /// The levels with the names of their factors.
+    description: String,
+    texture: Option<TextureHandle>,
+}
+
+impl Thumbnails {
+    /// Draws the number of conditions, followed by `when`, and their stimuli.
+    pub fn show(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
+        self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
+        let n = self.conditions;
+        ui::section(ui, count(n as u64, "condition") + when);
+        let mut hint = Vec::new();
+        if !self.factors.is_empty() {
+            hint.push(format!("Captions: {}.", self.factors));
+        }
+        if n > self.all.len() {
+            hint.push(format!("{} of them are shown, from all parts of the design.", self.all.len()));
+        }
+        ui::hint(ui, hint.join(" "));
+        let gap = ui.spacing().item_spacing.x;
+        let per_row = ((ui.available_width() + gap) / (THUMBNAIL + gap)).max(1.0) as usize;
+        for row in self.all.chunks(per_row) {
+            ui.horizontal_top(|ui| row.iter().for_each(|thumbnail| thumbnail.show(ui)));
+        }
+    }
+
+    /// Draws one line of stimuli, from all parts of the design.
+    pub fn strip(&mut self, ui: &mut Ui, protocol: &Protocol) {
+        let key = (&protocol.name, &protocol.stimulus, &protocol.factors);
+        let revision = Id::unique(format!("{key:?}")).value();
+        let shown = ((ui.available_width() + GAP) / (STRIP + GAP)).max(1.0) as usize;
+        self.update(ui, protocol, revision, STRIP, shown);
+        ui.horizontal(|ui| self.all.iter().for_each(|thumbnail| thumbnail.picture(ui, STRIP)));
+    }
+
+    /// Lists up to `most` conditions, from all parts of the design, if the revision is another one, and draws their
+    /// pictures with this side, points. Until they are ready, those of the same stimuli stay.
+    fn update(&mut self, ui: &Ui, protocol: &Protocol, revision: u64, side: f32, most: usize) {
+        if self.of.replace(revision) != Some(revision) {
+            self.list(protocol, most);
+        }
+        let px = (side * ui.ctx().pixels_per_point()).round() as u32;
+        let stimuli: Vec<Stimulus> = self.all.iter().map(|thumbnail| thumbnail.stimulus.clone()).collect();
+        let drawn = self.drawn.get(ui.ctx(), (stimuli.clone(), px), px, || stimuli);
+        let drawn = drawn.into_iter().flat_map(|((stimuli, _), textures)| stimuli.iter().zip(textures));
+        self.all.iter_mut().for_each(|thumbnail| thumbnail.texture = None);
+        for (thumbnail, (stimulus, texture)) in self.all.iter_mut().zip(drawn) {
+            thumbnail.texture = Some(texture.clone()).filter(|_| thumbnail.stimulus == *stimulus);
+        }
+    }
+
+    fn list(&mut self, protocol: &Protocol, most: usize) {
+        let conditions = protocol.conditions();
+        self.conditions = conditions.len();
+        let known = Some(protocol.stimulus.parameters());
+        let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
+        self.factors = names.join("; ");
+        let thumbnail = |condition: &Condition| {
+            let level = |(factor, index): (&Factor, &usize)| {
+                names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()
+            };
+            let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
+            let described: Vec<String> =
+                names.iter().zip(&levels).map(|(name, level)| format!("{name} {level}")).collect();
+            Thumbnail { texture: None, description: described.join("; "), levels, stimulus: condition.stimulus.clone() }
+        };
+        let step = conditions.len().div_ceil(most).max(1);
+        self.all = conditions.iter().step_by(step).map(thumbnail).collect();
+    }
+}
+
+impl Thumbnail {
+    fn show(&self, ui: &mut Ui) {
+        ui.vertical(|ui| {
+            ui.set_width(THUMBNAIL);
+            ui.spacing_mut().item_spacing.y = 2.0;
+            self.picture(ui, THUMBNAIL);
+            // One after the other, so that no line begins with a space.
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = theme::SMALL_GAP;
+                for (index, level) in self.levels.iter().enumerate() {
+                    let end = if index + 1 < self.levels.len() { ";" } else { "" };
+                    ui.label(ui::secondary(format!("{level}{end}")));
+                }
+            });
+        });
+    }
+
+    fn picture(&self, ui: &mut Ui, side: f32) {
+        let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+        ui::describe(&response, &self.description);
+        match &self.texture {
+            Some(texture) if ui.is_rect_visible(rect) => pixels::draw_centered(ui, texture, rect),
+            _ => {}
+        }
+        response.on_hover_text(&self.description);
+    }
 }

@@ -275,9 +275,6 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
         .inner
     });
     if typed != before {
-        if is_free(&typed) {
-            return form.rebuild(|draft| draft.rename("participant", name, &typed));
-        }
         form.keep_typed(&name_key, &typed);
     }
     if is_consent {
@@ -306,6 +303,9 @@ fn question(form: &mut DefinitionForm, ui: &mut Ui, names: &[String], place: usi
     }
     if removed {
         form.rebuild(|draft| draft.remove(&key));
+    } else if typed != before && is_free(&typed) {
+        // Only after its other fields are drawn, so that nothing shifts.
+        form.rebuild(|draft| draft.rename("participant", name, &typed));
     }
 }
 
@@ -314,7 +314,7 @@ fn line(form: &mut DefinitionForm, ui: &mut Ui, name: &str, key: &str, typed: Ty
     let before = form.value(key, "");
     let mut text = before.clone();
     let width = (ui.available_width() - LABELS - 40.0).clamp(120.0, 420.0);
-    Field::new("").column(LABELS).named(name).width(width).hint(hint).text(ui, &mut text);
+    Field::new("").column(LABELS).named(name).width(width).hint(hint).slot().text(ui, &mut text);
     if text == before {
     } else if text.trim().is_empty() {
         form.rebuild(|draft| draft.remove(key));

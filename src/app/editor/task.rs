@@ -5,7 +5,7 @@ use eframe::egui::{FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Text
 use super::form::{DefinitionForm, LABELS, add};
 use crate::{
     app::ui::{
-        self, Field, fields,
+        self, Field, parameter,
         theme::{self, Icon},
     },
     experiment::{
@@ -118,7 +118,7 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     ui::section(ui, "Method");
     let title = |name: &str| match name {
         NONE => "The factors alone".to_owned(),
-        name => capitalized(&fields::method(name)),
+        name => capitalized(&parameter::method(name)),
     };
     let default = |form: &DefinitionForm| match form.draft().keys("adaptive").as_slice() {
         [] => NONE,
@@ -240,7 +240,7 @@ fn control(
                 _ => form.free_parameters().map(|parameter| parameter.name).collect(),
             };
             let field = [label, key, none.unwrap_or(&default), about];
-            let title = |name: &str| fields::label(parameters, name);
+            let title = |name: &str| parameter::label(parameters, name);
             match form.choice(ui, field, none.into_iter().chain(names), title).as_deref() {
                 None => {}
                 Some(NONE) => form.rebuild(|draft| draft.remove(owner)),

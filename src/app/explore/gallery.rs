@@ -1,4 +1,5 @@
-//! The gallery: every stimulus of the catalog with its parameters, its luminance profile, and ways to export it.
+//! The gallery: every stimulus of the catalog with its parameters, its luminance profile, what the vision model predicts
+//! for it, and ways to export it. The bands of a ramp are marked along its profile; all else is numbers.
 
 use std::path::Path;
 
@@ -6,18 +7,20 @@ use eframe::egui::{self, Color32, ScrollArea, TextureHandle, Ui};
 use egui_plot::{GridMark, Line, MarkerShape, PlotUi, Points};
 
 use crate::{
-    app::{
-        explore::prediction::{self, Mark, Prediction, ViewingPlace},
-        ui::{
-            self, Bench, Field, History, Saving,
-            pixels::{self, Drawn},
-            theme,
-        },
+    app::ui::{
+        self, Bench, Field, History, Saving,
+        pixels::{self, Drawn},
+        theme,
+        work::Latest,
     },
-    display::DisplayProfile,
+    display::{DisplayProfile, LuminanceRange, Screen, Viewing},
     light::{Bits, Dither, Quantizer},
-    stimulus::{Parameter, ParameterError, ParameterValue, Stimulus, catalog, place, recipe::Recipe},
-    store, work,
+    stimulus::{
+        Parameter, ParameterError, ParameterValue, Stimulus, ViewingConditions, Visible, catalog, place, recipe::Recipe,
+    },
+    store,
+    vision::RampBands,
+    work,
 };
 
 /// Number of samples of the plotted profile.
@@ -41,10 +44,8 @@ const BESIDE: f32 = 200.0;
 const TILE: f32 = 72.0;
 const SMALL_TILE: f32 = 44.0;
 const WIDE: f32 = 640.0;
-/// The strength that gets the longest mark; a just-visible band gets the shortest. Lengths are shares of the plotted
-/// range of light.
-const STRONGEST: f64 = 100.0;
-const MARKS: [f64; 2] = [0.06, 0.22];
+/// Length of the mark of a predicted band, as a share of the plotted range of light.
+const MARK: f64 = 0.12;
 
 /// The page with the stimuli of the catalog.
 pub struct Gallery {
@@ -53,7 +54,6 @@ pub struct Gallery {
     history: History<Choices>,
     /// Whether the size has been chosen, so that the image and its plot fit the window.
     is_fitted: bool,
-    derivatives: bool,
     shown: Option<Shown>,
     out: String,
     saving: Saving,
@@ -82,17 +82,13 @@ type Faults = Vec<(Option<&'static str>, String)>;
 struct Shown {
     recipe: Recipe,
     texture: TextureHandle,
-    curves: Curves,
+    /// Luminance of the strongest channel along a line through the center, in the direction of the orientation: as
+    /// requested, and as emitted.
+    curves: [Trace; 2],
 }
 
 /// Points of a plotted curve.
 type Trace = Vec<[f64; 2]>;
-
-/// Luminance of the strongest channel along a line through the center, in the direction of the orientation.
-struct Curves {
-    requested: Trace,
-    emitted: Trace,
-}
 
 /// Returns the default values of a kind's parameters, as text.
 fn default_values(entry: &catalog::Entry) -> Vec<String> {
@@ -138,35 +134,26 @@ impl Choices {
     }
 }
 
-impl Gallery {
-    /// Creates the gallery for a screen described by `display`, viewed from `distance_cm` centimeters if that is known.
-    pub fn new(display: DisplayProfile, distance_cm: Option<f64>) -> Self {
-        let settings = Choices::new(SIZES[0]);
+impl Default for Gallery {
+    fn default() -> Self {
+        let (settings, display) = (Choices::new(SIZES[0]), DisplayProfile::default());
         Self {
-            prediction: Prediction::new(ViewingPlace::new(&display, distance_cm)),
+            prediction: Prediction::new(ViewingPlace::new(&display, None)),
             history: History::new(settings.clone()),
             settings,
             faults: Faults::new(),
             is_fitted: false,
-            derivatives: false,
             shown: None,
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
             display,
-            distance_cm,
+            distance_cm: None,
             tiles: Drawn::default(),
         }
     }
+}
 
-    /// Uses another screen, or the same screen from another distance.
-    pub fn set_screen(&mut self, display: &DisplayProfile, distance_cm: Option<f64>) {
-        if self.display != *display || self.distance_cm != distance_cm {
-            self.display = display.clone();
-            self.distance_cm = distance_cm;
-            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
-        }
-    }
-
+impl Gallery {
     /// Chooses the largest size with which the image and its plot fit the window, once.
     fn fit(&mut self, ui: &Ui) {
         if self.is_fitted {
@@ -179,8 +166,13 @@ impl Gallery {
         self.history = History::new(self.settings.clone());
     }
 
-    /// Draws the page; returns whether the user left it.
-    pub fn show(&mut self, ui: &mut Ui) -> bool {
+    /// Draws the page for a screen viewed from `distance_cm` centimeters, if that is known; returns whether the user left
+    /// it.
+    pub fn show(&mut self, ui: &mut Ui, display: &DisplayProfile, distance_cm: Option<f64>) -> bool {
+        if self.display != *display || self.distance_cm != distance_cm {
+            (self.display, self.distance_cm) = (display.clone(), distance_cm);
+            self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
+        }
         // Escape first answers the question whether to replace a file.
         let escaped = ui::escaped(ui) && !self.saving.cancel();
         self.fit(ui);
@@ -222,7 +214,7 @@ impl Gallery {
         }
         let quantizer = recipe.quantizer();
         let texture = pixels::texture(ctx, "gallery", &recipe.codes(&quantizer));
-        let curves = Curves::new(&recipe, &quantizer);
+        let curves = curves(&recipe, &quantizer);
         self.saving = Saving::default();
         self.shown = Some(Shown { recipe, texture, curves });
     }
@@ -256,8 +248,6 @@ impl Gallery {
             .column(LABELS)
             .choice(ui, dither, &dithers, Dither::to_string)
             .on_hover_text("How a value between two codes is rounded to one of them.");
-        ui.checkbox(&mut self.derivatives, "First and second derivative")
-            .on_hover_text("Adds plots of the slope and of its change. Mach bands appear where the slope changes.");
     }
 
     fn export(&mut self, ui: &mut Ui) {
@@ -280,7 +270,7 @@ impl Gallery {
             self.saving.export(ui, "Export", path, &["png", "csv"], |writer, ending| {
                 let (recipe, quantizer) = (&shown.recipe, shown.recipe.quantizer());
                 match ending {
-                    "csv" => store::curve::write_profile(writer, path, recipe, &quantizer),
+                    "csv" => writer.write(path, &store::curve::table(recipe, &quantizer).csv()),
                     _ => store::image::write_recipe(writer, path, recipe, &quantizer),
                 }
             });
@@ -366,7 +356,7 @@ impl Gallery {
         if beside < BESIDE {
             numbers(ui, room);
         }
-        let curves = &shown.curves;
+        let [asked, emitted] = &shown.curves;
         let marks = if is_predicted { self.prediction.marks(stimulus, *size) } else { &[] };
         let ink = theme::ink(ui);
         let [after, requested] = ink.sides();
@@ -378,35 +368,22 @@ impl Gallery {
             }
         });
         // The requested light is drawn last: where the curves agree, it covers the other.
-        let lines = [(after, &curves.emitted), (requested, &curves.requested)];
-        let plot = |ui: &mut Ui, what: &str, lines: &[(Color32, &Trace)], marks: &[Mark]| {
-            plot(ui, what, AXIS + side, lines, |plot| {
-                marks.iter().for_each(|mark| draw_mark(plot, mark, &curves.requested, ink.ink));
-            })
-        };
-        let response = plot(ui, "light, 1 = white", &lines, marks);
+        let lines = [(after, emitted), (requested, asked)];
+        let response = plot(ui, AXIS + side, lines, |plot| {
+            marks.iter().for_each(|mark| draw_mark(plot, mark, asked, ink.ink));
+        });
         if stimulus.is_line() {
-            let bands = if is_predicted { prediction::description(marks) } else { "no Mach bands".to_owned() };
+            let bands = if is_predicted { description(marks) } else { "no Mach bands".to_owned() };
             ui::describe(&response, &format!("Plot: light, {bands}"));
-        }
-        if self.derivatives {
-            let slope = slopes(&curves.requested);
-            let curvature = slopes(&slope);
-            for (what, curve) in [("slope, per side", &slope), ("change of slope, per side²", &curvature)] {
-                let response = plot(ui, what, &[(requested, curve)], &[]);
-                ui::describe(&response, &format!("Plot: {what}"));
-            }
         }
     }
 }
 
-/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one. Stronger bands have
-/// longer arrows.
+/// Draws an arrow from the curve at a predicted band, up for a bright band and down for a dark one.
 fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Color32) {
     let light = || curve.iter().map(|point| point[1]);
     let (least, most) = (light().fold(f64::INFINITY, f64::min), light().fold(f64::NEG_INFINITY, f64::max));
-    let share = (mark.strength.ln() / STRONGEST.ln()).clamp(0.0, 1.0);
-    let length = (most - least).max(0.02) * (MARKS[0] + (MARKS[1] - MARKS[0]) * share);
+    let length = (most - least).max(0.02) * MARK;
     let nearest = curve.partition_point(|point| point[0] < mark.place).min(curve.len().saturating_sub(1));
     let Some([_, light]) = curve.get(nearest) else { return };
     let (tip, shape) =
@@ -417,18 +394,12 @@ fn draw_mark(plot: &mut PlotUi<'_>, mark: &Mark, curve: &[[f64; 2]], color: Colo
 }
 
 /// Draws a plot whose data area, right of its axis, is below the image.
-fn plot(
-    ui: &mut Ui,
-    what: &str,
-    width: f32,
-    lines: &[(Color32, &Trace)],
-    over: impl FnOnce(&mut PlotUi<'_>),
-) -> egui::Response {
+fn plot(ui: &mut Ui, width: f32, lines: [(Color32, &Trace); 2], over: impl FnOnce(&mut PlotUi<'_>)) -> egui::Response {
     let lowest = lines.iter().flat_map(|(_, points)| points.iter()).map(|point| point[1]).fold(f64::INFINITY, f64::min);
     // The title of the vertical axis begins left of its place.
     let margin = egui::Margin { left: theme::SMALL_GAP as i8, ..Default::default() };
     let plot = |ui: &mut Ui| {
-        ui::still_plot(ui, what, ["position, in sides of the image", what])
+        ui::still_plot(ui, "light", ["position, in sides of the image", "light, 1 = white"])
             .width(width - theme::SMALL_GAP)
             .height(PLOT)
             .y_axis_min_width(AXIS - theme::SMALL_GAP)
@@ -447,7 +418,7 @@ fn plot(
             .x_axis_formatter(|mark, _| ui::signed(&mark.value.to_string()))
             .show(ui, |plot| {
                 for (color, points) in lines {
-                    plot.line(Line::new("", (*points).clone()).color(*color).width(2.0));
+                    plot.line(Line::new("", points.clone()).color(color).width(2.0));
                 }
                 over(plot);
             })
@@ -456,20 +427,171 @@ fn plot(
     egui::Frame::NONE.inner_margin(margin).show(ui, plot).inner
 }
 
-impl Curves {
-    fn new(recipe: &Recipe, quantizer: &Quantizer) -> Self {
-        let strongest = recipe.stimulus.strongest_channel();
-        let light = recipe.stimulus.profile(SAMPLES);
-        let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
-        let requested: Vec<[f64; 2]> = (0..SAMPLES).map(at).collect();
-        let emitted =
-            store::curve::samples(recipe, quantizer).iter().map(|sample| [sample.x, sample.emitted]).collect();
-        Self { requested, emitted }
+/// Returns the requested and the emitted light.
+fn curves(recipe: &Recipe, quantizer: &Quantizer) -> [Trace; 2] {
+    let strongest = recipe.stimulus.strongest_channel();
+    let light = recipe.stimulus.profile(SAMPLES);
+    let at = |i: u32| [place(i, SAMPLES), f64::from(light[i as usize][strongest])];
+    let samples = store::curve::samples(recipe, quantizer);
+    [(0..SAMPLES).map(at).collect(), samples.iter().map(|sample| [sample.x, sample.emitted]).collect()]
+}
+
+/// The viewing distance and luminance of the stimulus.
+#[derive(Clone, Copy)]
+struct ViewingPlace {
+    viewing: Option<Viewing>,
+    /// With a window of the usual width.
+    usual: ViewingConditions,
+}
+
+impl ViewingPlace {
+    /// Creates the place for a screen described by `display`, viewed from `distance_cm` centimeters.
+    fn new(display: &DisplayProfile, distance_cm: Option<f64>) -> Self {
+        let viewing = || {
+            let ([columns, rows], width) = (display.native_px?, display.screen_width_cm?);
+            Viewing::new(Screen::new(columns, rows, width).ok()?, distance_cm?).ok()
+        };
+        let mut usual = ViewingConditions::new(ViewingConditions::WINDOW_DEG);
+        if let Some(LuminanceRange { black_cd_m2, white_cd_m2 }) = display.luminance {
+            (usual.white_cd_m2, usual.black_cd_m2) = (white_cd_m2 - black_cd_m2, black_cd_m2);
+        }
+        Self { viewing: viewing(), usual }
+    }
+
+    /// Returns the size in degrees of a window of `size` pixels.
+    fn window_deg(&self, size: u32) -> f64 {
+        self.viewing.map_or(self.usual.window_deg, |viewing| f64::from(size) / viewing.px_per_degree())
+    }
+
+    fn sentence(&self, size: u32) -> String {
+        let window = self.window_deg(size);
+        match self.viewing {
+            Some(viewing) => format!("At {} cm, the window is {window:.1}° wide.", viewing.distance_cm),
+            None => format!("The window is assumed to be {window}° wide."),
+        }
+    }
+
+    fn predict(&self, (stimulus, size): &Key) -> Result<Predicted, String> {
+        let window_deg = self.window_deg(*size);
+        let conditions = ViewingConditions { window_deg, ..self.usual };
+        let predict = || {
+            let visible = conditions.visible(&[stimulus], Some(*size))?.remove(0);
+            Ok((visible, conditions.detection(stimulus)?))
+        };
+        let (visible, detection) = predict().map_err(|error: crate::vision::VisionError| error.to_string())?;
+        let marks = if let Visible::Ramp(bands) = &visible { marks(bands, window_deg) } else { Vec::new() };
+        Ok(Predicted { visible, detection, marks })
     }
 }
 
-/// Returns the slope between each pair of neighboring points, placed at their midpoint.
-pub fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
-    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
+/// A stimulus and its side in pixels.
+type Key = (Stimulus, u32);
+
+/// The prediction for a stimulus.
+struct Predicted {
+    visible: Visible,
+    detection: f64,
+    /// The bands of a ramp that people can see.
+    marks: Vec<Mark>,
+}
+
+/// The prediction for the displayed stimulus.
+struct Prediction {
+    place: ViewingPlace,
+    predicted: Latest<Key, Predicted>,
+}
+
+impl Prediction {
+    fn new(place: ViewingPlace) -> Self {
+        Self { place, predicted: Latest::default() }
+    }
+
+    /// Requests the prediction for the displayed stimulus.
+    fn refresh(&mut self, ctx: &egui::Context, stimulus: &Stimulus, size: u32) {
+        let (place, key) = (self.place, (stimulus.clone(), size));
+        if !stimulus.is_line() {
+            self.predicted.want(ctx, key.clone(), || move || place.predict(&key));
+        } else if self.predicted.get(&key).is_none() {
+            let predicted = place.predict(&key);
+            self.predicted.put(key, predicted);
+        }
+    }
+
+    /// Returns the bands along the line.
+    fn marks(&self, stimulus: &Stimulus, size: u32) -> &[Mark] {
+        match self.predicted.get(&(stimulus.clone(), size)) {
+            Some(Ok(predicted)) => &predicted.marks,
+            _ => &[],
+        }
+    }
+
+    /// Draws the numbers.
+    fn show(&mut self, ui: &mut egui::Ui, stimulus: &Stimulus, size: u32) {
+        match self.predicted.get(&(stimulus.clone(), size)) {
+            Some(Ok(Predicted { visible, detection, .. })) => {
+                ui::paragraph(ui, sentence(visible));
+                ui::paragraph(
+                    ui,
+                    format!("The contrast of the whole picture is predicted to be {detection:.1} times the threshold."),
+                );
+                ui::hint(ui, format!("At 1, people just see the difference. {}", self.place.sentence(size)));
+            }
+            Some(Err(error)) => ui::show_error(ui, format!("No prediction: {error}.")),
+            None => _ = ui.label("Predicting…"),
+        }
+    }
+}
+
+/// Says how visible the bands are.
+fn sentence(visible: &Visible) -> String {
+    match visible {
+        Visible::Ramp(RampBands { bright, dark, .. }) => format!(
+            "The bright band, which the question asks about, is predicted {}: {bright:.1} times the threshold. The dark \
+             band is at {dark:.1}.",
+            seen(*bright)
+        ),
+        Visible::Surface(difference) => {
+            format!("It is predicted to differ from the smooth surface by {difference:.1} times the threshold.")
+        }
+        Visible::Unknown => {
+            "The model does not say how visible the bands of this stimulus are: it has no smooth reference.".to_owned()
+        }
+    }
+}
+
+/// Says in words how visible something is that is this many times threshold.
+fn seen(times: f64) -> &'static str {
+    match times {
+        ..0.8 => "not to be visible",
+        0.8..1.25 => "to be just visible",
+        1.25..3.0 => "to be visible",
+        _ => "to be easily visible",
+    }
+}
+
+/// Describes the positions of the bands for screen readers.
+fn description(marks: &[Mark]) -> String {
+    if marks.is_empty() {
+        return "no predicted band".to_owned();
+    }
+    let one = |mark: &Mark| format!("{} at {:+.2}", if mark.is_bright { "bright" } else { "dark" }, mark.place);
+    format!("predicted bands: {}", marks.iter().map(one).collect::<Vec<_>>().join(", "))
+}
+
+/// Strength of a band that is just visible; weaker bands are not shown.
+const JUST_VISIBLE: f64 = 1.0;
+
+/// A visible band along a line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mark {
+    /// Signed distance from the center, in window sides.
+    place: f64,
+    is_bright: bool,
+}
+
+/// Returns the visible bands of a ramp.
+fn marks(RampBands { bright, dark, at_deg, .. }: &RampBands, window_deg: f64) -> Vec<Mark> {
+    let both = [(*bright, at_deg[0], true), (*dark, at_deg[1], false)];
+    let visible = both.into_iter().filter(|(strength, ..)| *strength >= JUST_VISIBLE);
+    visible.map(|(_, at_deg, is_bright)| Mark { place: at_deg / window_deg, is_bright }).collect()
 }

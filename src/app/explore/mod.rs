@@ -1,5 +1,4 @@
-//! Pages for exploring: the gallery of stimuli, shaders side by side, and the predictions of the vision model for both.
+//! Pages for exploring: the gallery of stimuli, and shaders side by side.
 
 pub mod gallery;
-mod prediction;
 pub mod shading;

@@ -16,7 +16,7 @@ use crate::{
     store::{
         check::missing_fonts,
         profile,
-        sitting::{Geometry, PreflightNote, Sitting},
+        sidecar::{Geometry, PreflightNote, Sitting},
     },
 };
 
@@ -160,7 +160,7 @@ fn path_to_the_screen(platform: &Platform) -> Vec<PreflightNote> {
 fn display_profile(display: &DisplayProfile, monitor: &Monitor, platform: &Platform) -> Vec<PreflightNote> {
     let is_measured = display.measured.is_some();
     let mut notes = vec![note("display_profile", is_measured, format!("Display profile: {}.", display.sentence()))];
-    notes.extend(display.warning(today()).filter(|_| is_measured).map(|warning| note("profile_age", false, warning)));
+    notes.extend(display.warning(today()).map(|warning| note("profile_age", false, warning)));
     if let Some([width, height]) = display.native_px {
         let here = platform.own_px.unwrap_or([monitor.width_px, monitor.height_px]);
         let same = format!("The profile is for a screen of {width} × {height} pixels, the same as this one.");

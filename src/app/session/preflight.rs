@@ -16,8 +16,7 @@ use crate::{
     experiment::Answers,
     store::{
         dataset::SessionPaths,
-        sidecar::Sidecar,
-        sitting::{PreflightNote, Sitting},
+        sidecar::{PreflightNote, Sidecar, Sitting},
     },
 };
 

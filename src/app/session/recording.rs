@@ -1,37 +1,36 @@
-//! Writes the files of a session: the rows, the frame intervals, and the sidecar, which contains the images' hashes. While
-//! an answer cannot be saved, it stays in memory and a page says so.
+//! Writes the files of a session: the rows, the frame intervals, and the sidecar, which contains the images' hashes; and
+//! whether the frames of a sitting kept up with the screen.
 
 use std::{
     collections::BTreeMap,
-    path::PathBuf,
     sync::mpsc::{Sender, channel},
     thread::{self, JoinHandle},
     time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
-use eframe::egui;
 use jiff::Timestamp;
 
 use super::{
-    frames::ScreenRefresh,
     instructions::INSTRUCTION_PAGES,
     request::{Prepared, Request},
 };
 use crate::{
-    app::ui::{self, Dialog, Field, FileKind, Monitor, theme},
+    app::ui::Monitor,
+    display::frames::{FrameTimes, KnownRefresh, Refresh},
     experiment::{
-        Answers, Course, Identity, Phase, RowContext, Schedule, Session, SessionOptions, State, TrialRecord,
-        TrialResponse, session_seed,
+        Answers, Course, FrameCount, Identity, Phase, RowContext, Schedule, Session, SessionOptions, State,
+        TrialRecord, TrialResponse, session_seed,
     },
     light::CodeImage,
-    report::terminal::message,
+    report::{document::numbers::count, terminal::message},
     stimulus::Stimulus,
     store::{
-        FileErrors, StoreError, frames, image,
+        FileErrors, StoreError, image,
+        results::frames_line,
         session::{Interrupted, SessionStore},
-        sitting::{InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
+        sidecar::{FrameSummary, InputSummary, Pictures, PreflightNote, Sitting, UsedDisplay},
     },
-    system::{after, before, data_folder, make_private_folder, now},
+    system::{after, before, now},
 };
 
 /// What a timestamp means, for the sidecar.
@@ -128,7 +127,7 @@ impl Recording {
 
     fn store_frames(&mut self, session: &mut Session) {
         let runs = session.take_frame_runs();
-        let lines = runs.iter().filter_map(|run| frames::line(run, session.schedule(), self.sitting));
+        let lines = runs.iter().filter_map(|run| frames_line(run, session.schedule(), self.sitting));
         self.store.append_frames(&lines.collect::<Vec<_>>());
     }
 
@@ -164,7 +163,7 @@ impl Recording {
         // This is the last attempt to save an answer that is only in memory.
         let saved = if session.is_storing() { self.store.retry() } else { Ok(()) };
         self.store_frames(session);
-        self.store.describe_input(self.input());
+        self.store.sitting().input = Some(self.input());
         let hashed = self.hasher.take().map(Hasher::finish).unwrap_or_default();
         self.store.note_pictures(hashed.values().map(|(stimulus, sha256)| (stimulus, sha256.clone())));
         let summary = screen.summary(session.frame_times(), self.store.frames_file());
@@ -219,66 +218,75 @@ fn offset(elapsed_s: f64, first: Option<&TrialRecord>) -> Duration {
 }
 
 /// Returns a seed that differs from session to session.
-fn fresh_seed() -> u64 {
+pub fn fresh_seed() -> u64 {
     let nanoseconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64);
     session_seed(nanoseconds ^ (u64::from(std::process::id()) << 32))
 }
 
-pub struct UnsavedAnswerPage {
-    /// Why the answer is not saved, also after a choice that did not help.
-    pub what: String,
-    /// The folder that is proposed: the user's own, which survives a restart of the machine and which nobody else can
-    /// read. `None` if the user has no home folder.
-    rescue: Option<PathBuf>,
-    folder: String,
-    dialog: Dialog,
+/// The refresh of the screen, updated if the window moves to another screen.
+pub struct ScreenRefresh {
+    /// The preflight's finding, and the name and rate of the monitor at that time, which identify it.
+    first: (Option<String>, Option<f64>, KnownRefresh),
+    now: KnownRefresh,
 }
 
-/// What the user chose to do about it.
-pub enum SaveChoice {
-    /// Try the same folder again.
-    Retry,
-    /// Use another results folder.
-    ContinueIn(PathBuf),
-}
-
-impl UnsavedAnswerPage {
-    /// Creates the page for an error of the store; `what` is its message.
-    pub fn new(what: String) -> Self {
-        let rescue = data_folder().map(|folder| folder.join("rescued"));
-        let folder = rescue.as_ref().map_or_else(String::new, |rescue| rescue.display().to_string());
-        Self { what, rescue, folder, dialog: Dialog::default() }
+impl ScreenRefresh {
+    /// Starts with the preflight's finding about the monitor.
+    pub fn new(monitor: &Monitor, found: KnownRefresh) -> Self {
+        Self { first: (monitor.name.clone(), monitor.refresh_hz, found), now: found }
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) -> Option<SaveChoice> {
-        ui::page(ui, |ui| {
-            let mut choice = None;
-            ui.heading("The last answer could not be saved");
-            ui::show_error(ui, &self.what);
-            ui.label(
-                "Nothing is lost: every answer of this session is still in memory. Please call the experimenter. \
-                The session continues once the answers are saved.",
-            );
-            ui.add_space(12.0);
-            if ui::neutral_primary(ui, "Try again", true, "") {
-                choice = Some(SaveChoice::Retry);
+    /// Updates the refresh for the monitor that shows the window; returns a note if it has changed.
+    pub fn update(&mut self, monitor: &Monitor) -> Option<String> {
+        let before = self.now.0;
+        let (name, hz, found) = &self.first;
+        let same = (name, *hz) == (&monitor.name, monitor.refresh_hz);
+        self.now = if same { *found } else { Refresh::known(monitor.refresh_hz, &[]) };
+        let (refresh, source) = self.now;
+        (refresh != before).then(|| {
+            let hz = refresh.map(|refresh| format!("{:.3} Hz, ", refresh.hz())).unwrap_or_default();
+            format!("the screen's refresh rate changed: {} {hz}{source}", monitor.title())
+        })
+    }
+
+    /// Returns how the session counts frames.
+    pub fn frames(&self) -> FrameCount {
+        self.now.0.map_or(FrameCount::Frames, |refresh| FrameCount::Against(refresh.seconds()))
+    }
+
+    /// Returns the frames of a sitting in one sentence, for the experimenter; `None` if none were counted.
+    pub fn sentence(&self, times: &FrameTimes) -> Option<String> {
+        let ms = |seconds: f64| format!("{:.1} ms", seconds * 1e3);
+        let (median, p99) = (ms(times.quantile(0.5)?), ms(times.quantile(0.99)?));
+        let counted = count(times.intervals_us().len() as u64, "frame");
+        let verdict = match (times.dropped(), self.now.0) {
+            (Some(dropped), Some(refresh)) => {
+                let late = times.late_onsets();
+                let onsets = if late == 1 { "onset" } else { "onsets" };
+                format!("{dropped} dropped at {:.2} Hz, {late} {onsets} late", refresh.hz())
             }
-            ui.add_space(12.0);
-            if let Some(rescue) = &self.rescue {
-                ui.label(format!("The folder {} belongs to you, and nobody else can open it.", rescue.display()));
-            }
-            let field = Field::new("Or save the entire session in another folder:").column(theme::COLUMN).width(380.0);
-            field.path(ui, &mut self.folder, &mut self.dialog, (FileKind::Folder, "Choose a folder…"));
-            let usable = !self.folder.trim().is_empty();
-            if ui.add_enabled(usable, egui::Button::new("Save there and continue")).clicked() {
-                let folder = PathBuf::from(self.folder.trim());
-                if self.rescue.as_ref() == Some(&folder) {
-                    // If this fails, saving there fails too and reports why.
-                    let _ = make_private_folder(&folder);
-                }
-                choice = Some(SaveChoice::ContinueIn(folder));
-            }
-            choice
+            (Some(dropped), None) => format!("{dropped} dropped"),
+            (None, _) => "none could be judged, because the screen's refresh rate is unknown".to_owned(),
+        };
+        Some(format!("{counted}, half of them within {median} and 99 % within {p99}: {verdict}."))
+    }
+
+    /// Returns the summary of a sitting's frames for the sidecar; `None` if none were counted. `file` is the name of
+    /// the file with every interval.
+    pub fn summary(&self, times: &FrameTimes, file: Option<String>) -> Option<FrameSummary> {
+        let round = |seconds: f64| (seconds * 1e6).round() / 1e6;
+        let (refresh, source) = self.now;
+        Some(FrameSummary {
+            intervals: times.intervals_us().len(),
+            median_s: round(times.quantile(0.5)?),
+            p01_s: round(times.quantile(0.01)?),
+            p99_s: round(times.quantile(0.99)?),
+            refresh_s: refresh.map(|refresh| (refresh.seconds() * 1e9).round() / 1e9),
+            refresh_source: source.to_owned(),
+            dropped: times.dropped(),
+            missed_refreshes: times.missed_refreshes(),
+            late_onsets: times.dropped().map(|_| times.late_onsets()),
+            file,
         })
     }
 }

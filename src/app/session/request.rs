@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::{
     display::{DisplayProfile, Viewing, frames::KnownRefresh},
     experiment::{Identity, Protocol, task::Layout},
-    store::{session::Changes, sitting::Geometry},
+    store::{session::Changes, sidecar::Geometry},
 };
 
 /// Height of the slider with its distance from the lower edge of the window, points.

@@ -7,11 +7,9 @@ use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureH
 use super::{
     answers::{draw_scale, draw_slider, scale_height},
     feedback::Feedback,
-    finish::Finish,
-    frames::ScreenRefresh,
+    finish::{Finish, SaveChoice, UnsavedAnswerPage},
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
-    recording::Recording,
-    recording::{SaveChoice, UnsavedAnswerPage},
+    recording::{Recording, ScreenRefresh},
     request::{Prepared, Request, has_slider, room},
 };
 use crate::{
@@ -25,7 +23,7 @@ use crate::{
     },
     light::{Bits, Quantizer},
     stimulus::Stimulus,
-    store::{StoreError, sitting::PreflightNote},
+    store::{StoreError, sidecar::PreflightNote},
 };
 
 /// Number of textures in memory: the stimuli of the current trial and of the next one.
@@ -136,7 +134,9 @@ impl Trials {
             self.recording.store.note(note);
         }
         self.handle_input(ui, now, input);
-        self.pause_if_too_small(ui.ctx(), now);
+        if self.is_trial() && self.too_small(ui.ctx()).is_some() {
+            self.step(Event::Pause, now);
+        }
         self.step(Event::Frame, now);
         if self.phase() == Some(Phase::Main) && !was_main {
             // After practice, only the field and the stimulus are shown, unless the participant requests the scale.
@@ -319,12 +319,6 @@ impl Trials {
         let scale = ctx.pixels_per_point().into();
         let room = room(self.session.protocol(), self.size_px, scale, "window", window_px(ctx).into());
         room.err().map(|error| error + " Make the window larger.")
-    }
-
-    fn pause_if_too_small(&mut self, ctx: &egui::Context, now: Duration) {
-        if self.is_trial() && self.too_small(ctx).is_some() {
-            self.step(Event::Pause, now);
-        }
     }
 
     /// Returns the stimuli of the current trial, in the order of their places or intervals.

@@ -238,7 +238,7 @@ impl Studies {
 fn facts(file: String, protocol: &Protocol) -> String {
     let (conditions, sessions) = (protocol.conditions().len(), protocol.plan.sessions);
     let task = match &protocol.adaptive {
-        Some(adaptive) => format!("{}, {}", protocol.task.name(), ui::fields::method(adaptive.method.name())),
+        Some(adaptive) => format!("{}, {}", protocol.task.name(), ui::parameter::method(adaptive.method.name())),
         None if protocol.task.is_default() => format!("rating, {} categories", protocol.response.categories.len()),
         None => protocol.task.name().to_owned(),
     };

@@ -57,9 +57,9 @@ impl Studies {
                     };
                     let (icon, color, told) = grid::told(session, &self.found.wrong, ink(ui));
                     icon.show(ui, color);
-                    let day =
-                        if session.is_readable { format!(" (last used on {})", session.day()) } else { String::new() };
-                    ui.label(RichText::new(told + &day).small().color(color));
+                    // An unreadable session has no date.
+                    let day = session.started_at.get(..10).map(|day| format!(" (last used on {day})"));
+                    ui.label(RichText::new(told + &day.unwrap_or_default()).small().color(color));
                     if !session.complete && action(ui, Icon::Resume, "Resume").clicked() {
                         next = self.resume(ui, session, now);
                     }

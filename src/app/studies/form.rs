@@ -45,31 +45,14 @@ pub struct SessionForm {
     pub results: String,
 }
 
-/// A field of the form, used to identify errors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SessionField {
-    Experiment,
-    Participant,
-    Session,
-    Distance,
-    ScreenWidth,
-    Profile,
-    Results,
-}
-
-impl SessionField {
-    fn label(self) -> &'static str {
-        match self {
-            Self::Experiment => "Experiment",
-            Self::Participant => "Participant",
-            Self::Session => "Session",
-            Self::Distance => "Viewing distance, cm",
-            Self::ScreenWidth => "Screen width, cm",
-            Self::Profile => "Display profile",
-            Self::Results => "Results folder",
-        }
-    }
-}
+/// The labels of the fields, to which errors belong.
+pub const EXPERIMENT: &str = "Experiment";
+pub const PARTICIPANT: &str = "Participant";
+pub const SESSION: &str = "Session";
+pub const DISTANCE: &str = "Viewing distance, cm";
+pub const SCREEN_WIDTH: &str = "Screen width, cm";
+pub const PROFILE: &str = "Display profile";
+pub const RESULTS: &str = "Results folder";
 
 /// The result of checking a form for a monitor.
 #[derive(Debug)]
@@ -78,7 +61,7 @@ pub struct Checked {
     pub protocol: Option<Protocol>,
     /// The profile, if it is valid; sRGB if no profile is given.
     pub display: Option<DisplayProfile>,
-    errors: BTreeMap<SessionField, String>,
+    errors: BTreeMap<&'static str, String>,
     /// Whether this session is unfinished, so that Start resumes it.
     pub resume: bool,
     /// Side of the stimulus on this screen in physical pixels, and pixels per degree.
@@ -91,18 +74,18 @@ pub struct Checked {
 
 impl Checked {
     /// Creates the control for a field, with its error.
-    pub fn field(&self, ui: &Ui, part: SessionField) -> Field<'_> {
-        Field::new(part.label()).column(labels(ui)).error(self.error(part))
+    pub fn field(&self, ui: &Ui, part: &'static str) -> Field<'_> {
+        Field::new(part).column(labels(ui)).error(self.error(part))
     }
 
     /// Returns the error of a field; empty if there is none.
-    pub fn error(&self, part: SessionField) -> &str {
-        self.errors.get(&part).map_or("", String::as_str)
+    pub fn error(&self, part: &str) -> &str {
+        self.errors.get(part).map_or("", String::as_str)
     }
 
     /// Returns whether a field has an error.
-    pub fn is_wrong(&self, part: SessionField) -> bool {
-        self.errors.contains_key(&part)
+    pub fn is_wrong(&self, part: &str) -> bool {
+        self.errors.contains_key(part)
     }
 }
 
@@ -114,25 +97,25 @@ impl SessionForm {
 
     pub fn check(&self, monitor: &Monitor) -> Checked {
         let mut errors = BTreeMap::new();
-        let protocol = self.protocol().map_err(|error| errors.insert(SessionField::Experiment, error)).ok();
-        let display = self.screen.profile().map_err(|error| errors.insert(SessionField::Profile, error)).ok();
+        let protocol = self.protocol().map_err(|error| errors.insert(EXPERIMENT, error)).ok();
+        let display = self.screen.profile().map_err(|error| errors.insert(PROFILE, error)).ok();
         if let Err(error) = Identity::check_session(&self.cell.session) {
-            errors.insert(SessionField::Session, error);
+            errors.insert(SESSION, error);
         }
         let identity = Identity::new(&self.cell.subject, &self.cell.session).ok();
         let results = self.results();
         if let Some(error) = results_error(&results) {
-            errors.insert(SessionField::Results, error);
+            errors.insert(RESULTS, error);
         }
         let mut resume = false;
         let free = protocol.as_ref().map(|protocol| free_participant(&results, protocol));
         if let Some(Err(error)) = &free {
-            errors.entry(SessionField::Results).or_insert_with(|| error.to_string());
+            errors.entry(RESULTS).or_insert_with(|| error.to_string());
         }
         // Why none could be suggested is said at another field.
         let is_missing = self.cell.subject.is_empty() && !matches!(free, Some(Ok(_)));
         if let Some(error) = Identity::check_subject(&self.cell.subject).err().filter(|_| !is_missing) {
-            errors.insert(SessionField::Participant, error);
+            errors.insert(PARTICIPANT, error);
         }
         if let (Some(protocol), Some(identity)) = (&protocol, &identity) {
             match SessionStore::is_finished(&results, protocol, identity, None, Changes::Refuse) {
@@ -141,14 +124,14 @@ impl SessionForm {
                     let error = format!(
                         "{subject} has already completed session {session}. Enter another session or participant."
                     );
-                    errors.insert(SessionField::Session, error);
+                    errors.insert(SESSION, error);
                 }
                 Ok(false) => resume = true,
                 Err(StoreError::NothingToResume(_)) => {}
-                Err(error) => drop(errors.insert(SessionField::Session, error.to_string())),
+                Err(error) => drop(errors.insert(SESSION, error.to_string())),
             }
             if let Err(error) = Schedule::new(protocol, identity, 1) {
-                errors.insert(SessionField::Experiment, error.to_string());
+                errors.insert(EXPERIMENT, error.to_string());
             }
         }
         let viewing = self.viewing(monitor, &mut errors);
@@ -158,7 +141,7 @@ impl SessionForm {
             let screen = [monitor.width_px, monitor.height_px];
             if let Err(error) = room(protocol, side, monitor.scale, "screen", screen) {
                 let error = error + " Enter a shorter distance, or use a larger screen.";
-                errors.insert(SessionField::Distance, error);
+                errors.insert(DISTANCE, error);
             }
             (side, viewing.px_per_degree())
         });
@@ -194,14 +177,13 @@ impl SessionForm {
     }
 
     /// Returns the viewing geometry, or adds the errors in its fields.
-    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<SessionField, String>) -> Option<Viewing> {
+    fn viewing(&self, monitor: &Monitor, errors: &mut BTreeMap<&'static str, String>) -> Option<Viewing> {
         let cm = |typed: Option<f64>, example| typed.ok_or(format!("Enter a number of centimeters, e.g. {example}."));
         let width = cm(self.screen.width_cm(monitor), "53.1")
             .and_then(|cm| Screen::new(monitor.width_px, monitor.height_px, cm))
-            .map_err(|error| errors.insert(SessionField::ScreenWidth, error));
-        let distance =
-            cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(SessionField::Distance, error));
-        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(SessionField::Distance, error)).ok()
+            .map_err(|error| errors.insert(SCREEN_WIDTH, error));
+        let distance = cm(number(&self.screen.distance_cm), "57").map_err(|error| errors.insert(DISTANCE, error));
+        Viewing::new(width.ok()?, distance.ok()?).map_err(|error| errors.insert(DISTANCE, error)).ok()
     }
 }
 

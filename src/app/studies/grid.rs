@@ -275,14 +275,10 @@ impl<'a> Grid<'a> {
                 let ring = if has_keys { Stroke::new(2.0, ink.ink) } else { Stroke::new(1.0, ink.edge) };
                 painter.rect_stroke(rect, 4.0, ring, StrokeKind::Inside);
             } else if is_next {
-                let corners = [
-                    outline.left_top(),
-                    outline.right_top(),
-                    outline.right_bottom(),
-                    outline.left_bottom(),
-                    outline.left_top(),
-                ];
-                painter.extend(Shape::dashed_line(&corners, Stroke::new(1.0, ink.edge), DASH, DASH));
+                let [top, bottom] = [outline.top(), outline.bottom()]
+                    .map(|y| [outline.left(), outline.right()].map(|x| egui::pos2(x, y)));
+                let around = [top[0], top[1], bottom[1], bottom[0], top[0]];
+                painter.extend(Shape::dashed_line(&around, Stroke::new(1.0, ink.edge), DASH, DASH));
             } else if session.is_none() {
                 painter.rect_stroke(rect, 4.0, Stroke::new(1.0, ink.line), StrokeKind::Inside);
             }

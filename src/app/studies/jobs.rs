@@ -153,7 +153,10 @@ impl Job {
     /// Simulates a study in a folder of its own.
     pub fn pilot(ctx: &Context, request: Simulate, protocol: Protocol) -> Self {
         let folder = Some(request.results.clone());
-        let simulate = move |watcher: &dyn Watcher| Ok(Made::Pilot(simulate(&request, &protocol, watcher)?.folder));
+        let simulate = move |watcher: &dyn Watcher| {
+            simulate(&request, &protocol, watcher)?;
+            Ok(Made::Pilot(request.results.join(&protocol.name)))
+        };
         Self { folder, ..Self::start(ctx, "Simulating", true, simulate) }
     }
 

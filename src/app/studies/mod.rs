@@ -2,15 +2,14 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | [`page`] | the page and its state |
-//! | [`actions`], [`cards`], [`dialogs`] | what can be done with the chosen study; what stands beside it; its questions |
+//! | [`page`] | the page, its state and its dialogs |
+//! | [`actions`], [`cards`] | what can be done with the chosen study; what stands beside it |
 //! | [`list`], [`grid`] | the studies to choose from; the participants and sessions of one |
 //! | [`session`], [`form`] | the dialog that begins a session; its fields and their errors |
 //! | [`request_form`], [`jobs`] | the dialogs of a plan, a pilot and an export; what runs in the background |
 
 mod actions;
 mod cards;
-mod dialogs;
 mod form;
 mod grid;
 mod jobs;

@@ -9,9 +9,9 @@ use std::{
 use eframe::egui::{self, Align, CentralPanel, Frame, Layout, Panel, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
 use super::{
-    form::{Checked, SessionField, SessionForm},
+    form::{self, Checked, SessionForm},
     grid::{Action, Cell, Grid, Sessions},
-    jobs::{Checked as FilesChecked, Job},
+    jobs::{Checked as FilesChecked, Job, Made},
     list::StudyList,
     request_form::RequestForm,
 };
@@ -21,10 +21,11 @@ use crate::{
         editor::Thumbnails,
         session::Request,
         ui::{
-            self, Dialog, Monitor, ScreenFields, Step, quiet,
+            self, Dialog, Field, FileKind, Monitor, ScreenFields, Step, quiet,
             theme::{self, GAP, Icon, LARGE_GAP, MARGIN, NARROW, SECTION, WIDE},
         },
     },
+    report::document::numbers::count,
     store::{
         definition,
         session::overview::SessionState,
@@ -171,9 +172,7 @@ impl Studies {
             });
         });
         let dialog = self.open.take().and_then(|open| self.dialog(ui, open, &mut now));
-        if let Some(width) = CardHelper::measured(&mut self.card, ui.ctx(), monitor.width_px) {
-            self.form.screen.screen_width_cm = width.to_string();
-        }
+        CardHelper::measure(&mut self.card, ui.ctx(), &mut self.form.screen, monitor);
         dialog.or(next).map_or(Step::Stay, Step::Next)
     }
 
@@ -228,7 +227,7 @@ impl Studies {
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
-            let error = checked.error(SessionField::Experiment);
+            let error = checked.error(form::EXPERIMENT);
             error.lines().for_each(|line| ui::show_error(ui, line));
             return next;
         };
@@ -262,5 +261,110 @@ impl Studies {
             self.selected = Some(cell);
         }
         next
+    }
+}
+
+impl Studies {
+    /// Draws the open dialog; returns where it leads.
+    pub(super) fn dialog(&mut self, ui: &mut egui::Ui, open: Open, now: &mut Now<'_>) -> Option<Destination> {
+        let ctx = &ui.ctx().clone();
+        self.open = match open {
+            Open::Session => {
+                self.open = Some(Open::Session);
+                return self.session_dialog(ui, now);
+            }
+            Open::Definition(path) => self.definition_dialog(ctx, path).map(Open::Definition),
+            Open::Request(mut form) => match form.show(ctx) {
+                Step::Stay => Some(Open::Request(form)),
+                Step::Back => None,
+                Step::Next(job) => {
+                    self.job = Some(job);
+                    None
+                }
+            },
+            Open::Planned(planned) => {
+                let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
+                    ui.heading("Plan");
+                    ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
+                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
+                    });
+                    ui.add_space(GAP);
+                    ui.button("Close").clicked()
+                });
+                (!done && !closed).then_some(Open::Planned(planned))
+            }
+            Open::Removal(session) => {
+                let title = Cell::of(&session.identity).title();
+                let text = format!("Nothing was rated in {title}, so no rating is lost.");
+                match ui::ask(ctx, "Remove the empty session?", &text, ["Keep", "Remove"]) {
+                    None => Some(Open::Removal(session)),
+                    Some(false) => None,
+                    Some(true) => {
+                        match session.remove() {
+                            Ok(()) => ui::say(ctx, format!("{title} was removed.")),
+                            Err(error) => ui::complain(ctx, error.to_string()),
+                        }
+                        (self.checked, self.selected) = (None, None);
+                        self.form.cell.subject.clear();
+                        self.sessions.refresh();
+                        None
+                    }
+                }
+            }
+        };
+        None
+    }
+
+    /// Draws the dialog that opens a definition; returns what was typed, unless it is closed.
+    fn definition_dialog(&mut self, ctx: &egui::Context, mut path: String) -> Option<String> {
+        let entered = ui::entered(ctx);
+        let (done, closed) = ui::modal(ctx, "definition", 560.0, |ui, _| {
+            ui.heading("Open a definition");
+            ui::hint(ui, "A file in the format of docs/definitions.md. It can also be dropped on this window.");
+            ui.add_space(GAP);
+            let field = Field::new("Definition").column(96.0).hint("path of a .toml file");
+            let browse = (FileKind::Toml, "Choose a definition…");
+            let (field, browsed) = field.path(ui, &mut path, &mut self.experiment, browse);
+            if std::mem::take(&mut self.opening) {
+                field.request_focus();
+            }
+            ui.add_space(GAP);
+            ui.horizontal(|ui| {
+                let ready = !path.trim().is_empty();
+                let opened = ui::primary(ui, "Open", ready, "") || ready && (entered || browsed);
+                opened.then_some(true).or(ui.button("Cancel").clicked().then_some(false))
+            })
+            .inner
+        });
+        if done == Some(true) {
+            self.choose_experiment(path.trim().to_owned());
+        }
+        (done.is_none() && !closed).then_some(path)
+    }
+
+    /// Takes the result of the job; a simulated study is analyzed.
+    pub(super) fn take_made(&mut self, ctx: &egui::Context) -> Option<Destination> {
+        let job = self.job.as_ref()?;
+        let (made, warnings) = (job.poll()?, job.warnings());
+        (self.job, self.error) = (None, None);
+        warnings.into_iter().for_each(|warning| ui::complain(ctx, warning));
+        match made {
+            Err(error) => ui::complain(ctx, error),
+            Ok(Made::Checked(found)) => {
+                let sessions = count(found.sessions as u64, "session");
+                match found.errors.len() as u64 {
+                    0 => ui::say(ctx, format!("{sessions} checked; no errors")),
+                    n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),
+                }
+                self.found = found;
+            }
+            Ok(Made::Planned(planned)) => self.open = Some(Open::Planned(planned)),
+            Ok(Made::Told(text)) => ui::say(ctx, text),
+            Ok(Made::Pilot(folder)) => {
+                ui::say(ctx, format!("Simulated in {}", folder.display()));
+                return Some(Destination::Analysis(folder));
+            }
+        }
+        None
     }
 }

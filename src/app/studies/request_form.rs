@@ -92,13 +92,15 @@ impl RequestForm {
             let of_none = self.error.iter().filter(|error| error.field.is_none());
             of_none.for_each(|error| ui::show_error(ui, error.to_string()));
             ui.horizontal(|ui| {
-                if primary(ui, self.action, true, "") || entered {
+                let confirmed = primary(ui, self.action, true, "") || entered;
+                let cancelled = ui.button("Cancel").clicked();
+                if confirmed {
                     match self.start(ctx) {
                         Ok(job) => return Step::Next(job),
                         Err(error) => self.error = Some(error),
                     }
                 }
-                Step::back_if(ui.button("Cancel").clicked())
+                Step::back_if(cancelled)
             })
             .inner
         });

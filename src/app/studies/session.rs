@@ -2,10 +2,10 @@
 
 use std::{path::Path, rc::Rc};
 
-use eframe::egui::{self, ScrollArea, TextEdit, Ui, Vec2, ViewportCommand};
+use eframe::egui::{self, ScrollArea, Ui, Vec2, ViewportCommand};
 
 use super::{
-    form::{Checked, SessionField, SessionForm, labels},
+    form::{self, Checked, SessionForm, labels},
     grid::Cell,
     page::{Destination, Now, Studies},
 };
@@ -14,7 +14,7 @@ use crate::{
         display::CardHelper,
         session::Request,
         ui::{
-            self, Field, FileKind, Monitor, ScreenFields, number,
+            self, Field, FileKind, Monitor, ScreenFields,
             theme::{GAP, LARGE_GAP, ink},
             today,
         },
@@ -146,33 +146,31 @@ impl Studies {
 
     fn fields(&mut self, ui: &mut Ui, now: &mut Now<'_>) {
         let checked = &now.checked;
-        if checked.is_wrong(SessionField::Experiment) {
-            checked.field(ui, SessionField::Experiment).show(ui, |_, _| ());
+        if checked.is_wrong(form::EXPERIMENT) {
+            checked.field(ui, form::EXPERIMENT).show(ui, |_, _| ());
         }
         let SessionForm { cell: Cell { subject, session }, screen, .. } = &mut self.form;
-        let first = checked.field(ui, SessionField::Participant).slot().hint("letters and digits").text(ui, subject);
+        let first = checked.field(ui, form::PARTICIPANT).slot().hint("letters and digits").text(ui, subject);
         if std::mem::take(&mut self.opening) {
             first.request_focus();
         }
-        checked.field(ui, SessionField::Session).slot().hint("1, 2, … for the same participant").text(ui, session);
-        checked.field(ui, SessionField::Distance).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
+        checked.field(ui, form::SESSION).slot().hint("1, 2, … for the same participant").text(ui, session);
+        checked.field(ui, form::DISTANCE).slot().hint("from eye to screen").text(ui, &mut screen.distance_cm);
         if let Some(coarse) = &checked.coarse {
             Field::new("").column(labels(ui)).show(ui, |ui, _| ui::note(ui, coarse));
         }
         self.width_field(ui, now);
         let browse = (FileKind::Toml, "Choose a display profile…");
-        let field = checked.field(ui, SessionField::Profile).hint("sRGB");
+        let field = checked.field(ui, form::PROFILE).hint("sRGB");
         field.path(ui, &mut self.form.screen.profile, &mut self.profile, browse);
         if let Some(display) = &checked.display {
-            // If the profile is assumed, its description already says so.
-            let warning = display.warning(today()).filter(|_| display.measured.is_some());
             Field::new("").column(labels(ui)).show(ui, |ui, _| {
                 ui::hint(ui, display.sentence());
-                warning.into_iter().for_each(|warning| ui::note(ui, warning));
+                display.warning(today()).into_iter().for_each(|warning| ui::note(ui, warning));
             });
         }
         let browse = (FileKind::Folder, "Choose the results folder…");
-        let field = checked.field(ui, SessionField::Results);
+        let field = checked.field(ui, form::RESULTS);
         let (field, _) = field.path(ui, &mut self.form.results, &mut self.results, browse);
         field.on_hover_text(self.form.results.as_str());
         self.monitor_field(ui, now);
@@ -180,18 +178,11 @@ impl Studies {
 
     fn width_field(&mut self, ui: &mut Ui, now: &Now<'_>) {
         let Now { checked, monitor, .. } = now;
-        checked.field(ui, SessionField::ScreenWidth).show(ui, |ui, label| {
+        checked.field(ui, form::SCREEN_WIDTH).show(ui, |ui, label| {
             ui.horizontal_wrapped(|ui| {
-                let width = &mut self.form.screen.screen_width_cm;
-                let assumed = format!("{:.1}", monitor.assumed_width_cm());
-                ui.add(TextEdit::singleline(width).desired_width(90.0).hint_text(assumed)).labelled_by(label);
-                if ui.button("Measure with a card…").clicked() {
-                    let width = number(width).unwrap_or_else(|| monitor.assumed_width_cm());
-                    self.card = Some(CardHelper::new(width, monitor.width_px));
-                }
+                CardHelper::field(&mut self.card, ui, label, &mut self.form.screen, monitor);
             });
-            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(SessionField::ScreenWidth))
-            else {
+            let Some((side, per_degree)) = checked.stimulus_px.filter(|_| !checked.is_wrong(form::SCREEN_WIDTH)) else {
                 return;
             };
             let is_assumed = self.form.screen.width_is_assumed();

@@ -7,7 +7,7 @@ use std::{
 
 use eframe::egui::{self, Role, WidgetInfo};
 
-use super::{text, work::BackgroundTask};
+use super::{status::complain, work::BackgroundTask};
 
 /// The kind of file requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,23 +23,21 @@ pub enum FileKind {
 #[derive(Default)]
 pub struct Dialog {
     open: Option<(BackgroundTask<Option<Vec<PathBuf>>>, Instant)>,
-    missing: bool,
 }
 
 impl Dialog {
     /// Draws the button that opens the dialog; screen readers call it `name`. Stores the chosen path in `path`; returns
-    /// whether a path was chosen. If the dialog never opened, an error follows the button.
+    /// whether a path was chosen.
     pub fn browse(&mut self, ui: &mut egui::Ui, kind: FileKind, name: &str, path: &mut String) -> bool {
         let button = ui.button("Browse…");
         button.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if button.clicked() {
             self.open(ui.ctx(), kind);
         }
-        let chosen = self.take();
+        let chosen = self.take(ui.ctx()).and_then(|paths| paths.into_iter().next());
         if let Some(chosen) = &chosen {
             *path = chosen.display().to_string();
         }
-        self.missing_error(ui);
         chosen.is_some()
     }
 
@@ -61,30 +59,16 @@ impl Dialog {
             }
         };
         self.open = Some((BackgroundTask::start(ctx, ask), Instant::now()));
-        self.missing = false;
     }
 
-    /// Shows an error if the last dialog never opened.
-    pub fn missing_error(&self, ui: &mut egui::Ui) {
-        if self.missing {
-            text::show_error(
-                ui,
-                "The system could not open a file dialog. Type the path, or drop a file on this window.",
-            );
-        }
-    }
-
-    /// Takes the chosen path, or the first if there are several.
-    pub fn take(&mut self) -> Option<PathBuf> {
-        self.take_all()?.into_iter().next()
-    }
-
-    /// Takes all chosen paths.
-    pub fn take_all(&mut self) -> Option<Vec<PathBuf>> {
+    /// Takes the chosen paths. If the dialog never opened, the status line says so.
+    pub fn take(&mut self, ctx: &egui::Context) -> Option<Vec<PathBuf>> {
         let (task, opened) = self.open.as_ref()?;
         let paths = task.poll()?.unwrap_or_default();
         // Nobody closes a dialog this fast, so none was opened. The system itself does not report this.
-        self.missing = paths.is_none() && opened.elapsed() < Duration::from_millis(400);
+        if paths.is_none() && opened.elapsed() < Duration::from_millis(400) {
+            complain(ctx, "The system could not open a file dialog. Type the path, or drop a file on this window.");
+        }
         self.open = None;
         paths
     }

@@ -1,12 +1,11 @@
-//! The monitor that shows the window, and what the window system reports about it, in particular whether codes reach the
-//! screen unchanged.
+//! The monitor that shows the window, what the user types about it, and what the window system reports, in particular
+//! whether codes reach the screen unchanged.
 //!
 //! X11 reports most of this through RandR. The preflight asks the person at the screen about everything else.
 
 use std::path::Path;
 
 use eframe::egui;
-use serde::Serialize;
 use x11rb::{
     connection::Connection as _,
     protocol::{
@@ -23,7 +22,7 @@ use crate::{
 };
 
 /// The properties of a screen; `None` for those that the system does not report.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Platform {
     /// `X11`, `Wayland`, or the name of the operating system.
     pub window_system: &'static str,
@@ -76,7 +75,9 @@ impl Platform {
         let resources = x.randr_get_screen_resources_current(root).ok()?.reply().ok()?;
         for output in resources.outputs {
             let info = x.randr_get_output_info(output, resources.config_timestamp).ok()?.reply().ok()?;
-            if info.crtc == x11rb::NONE || !matches_name(&info.name, monitor) {
+            // A monitor without a name matches every output.
+            let is_named = |wanted: &String| wanted.as_bytes() == info.name;
+            if info.crtc == x11rb::NONE || !monitor.name.as_ref().is_none_or(is_named) {
                 continue;
             }
             let mode = |id: u32| resources.modes.iter().find(|mode| mode.id == id);
@@ -98,11 +99,6 @@ impl Platform {
         }
         Some(self)
     }
-}
-
-/// Returns whether an output has the monitor's name; a monitor without a name matches every output.
-fn matches_name(name: &[u8], monitor: &Monitor) -> bool {
-    monitor.name.as_ref().is_none_or(|wanted| wanted.as_bytes() == name)
 }
 
 fn px(mode: &ModeInfo) -> [u32; 2] {

@@ -1,9 +1,7 @@
-//! Static plots, their legends, and tables of numbers.
-
-use std::array;
+//! Static plots and their legends.
 
 use eframe::{
-    egui::{AsIdSalt, Color32, FontId, Grid, RichText, ScrollArea, Sense, Stroke, Ui, Vec2},
+    egui::{AsIdSalt, Color32, FontId, RichText, Sense, Stroke, Ui, Vec2},
     emath::Rangef,
 };
 use egui_plot::{AxisHints, Plot};
@@ -48,30 +46,5 @@ pub fn legend<'a>(ui: &mut Ui, lines: impl IntoIterator<Item = (Color32, &'a str
                 ui.label(secondary(name));
             });
         }
-    });
-}
-
-/// Draws a striped table that scrolls horizontally if it is too wide. Numbers end at the right of their column.
-pub fn table<const N: usize>(ui: &mut Ui, id: &str, heads: [&str; N], rows: impl IntoIterator<Item = [String; N]>) {
-    let rows: Vec<[String; N]> = rows.into_iter().collect();
-    let is_number = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || "+−–—".contains(c));
-    let widths: [usize; N] = array::from_fn(|column| {
-        let mut cells = rows.iter().map(|row| &row[column]);
-        let longest = cells.clone().map(|cell| cell.chars().count()).max().unwrap_or(0);
-        if cells.all(is_number) { longest } else { 0 }
-    });
-    ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
-        Grid::new(id).striped(true).num_columns(N).spacing([18.0, 2.0]).show(ui, |ui| {
-            for head in heads {
-                ui.label(secondary(head));
-            }
-            ui.end_row();
-            for row in rows {
-                for (cell, width) in row.into_iter().zip(widths) {
-                    ui.monospace(format!("{cell:>width$}"));
-                }
-                ui.end_row();
-            }
-        });
     });
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use eframe::egui::{Button, Context, Ui};
 
-use super::{side_bar::say, text};
+use super::{status::say, text};
 use crate::store::{StoreError, Writer};
 
 /// Returns the ending of a path, which chooses the format of the file.

@@ -1,15 +1,11 @@
-//! The places of the program and the bar at the left edge that leads to them; the line at the lower edge with the latest
-//! message and what the page works on.
+//! The places of the program, and the bar at the left edge that leads to them.
 
-use eframe::egui::{
-    self, Align, CentralPanel, Color32, Context, Frame, Id, Key, KeyboardShortcut, Label, Layout, Modifiers, Panel,
-    Rect, RichText, Sense, Ui, Vec2,
-};
+use eframe::egui::{self, Color32, Frame, Key, KeyboardShortcut, Modifiers, Panel, Rect, RichText, Ui, Vec2};
 
 use super::{
     page::filled_with,
     pixels::logo,
-    theme::{CONTROL, GAP, Icon, LARGE_GAP, SECTION, SMALL_GAP, WIDE, ink},
+    theme::{CONTROL, GAP, Icon, SECTION, SMALL_GAP, WIDE, ink},
 };
 
 /// Width of the bar with words, and with only icons, points.
@@ -117,70 +113,4 @@ fn item(ui: &mut Ui, icon: Icon, title: &str, narrow: bool, here: Option<Place>)
         ui.painter().rect_filled(mark, 1.0, if here.shows_stimuli() { ink.neutral } else { ink.accent });
     }
     response
-}
-
-/// Number of messages that a click on the line shows.
-const KEPT: usize = 50;
-
-/// A message of the program.
-#[derive(Clone, Debug)]
-struct Message {
-    text: String,
-    failed: bool,
-}
-
-/// Shows a message: that something was done.
-pub fn say(ctx: &Context, text: impl Into<String>) {
-    add(ctx, text.into(), false);
-}
-
-/// Shows an error that belongs to no field.
-pub fn complain(ctx: &Context, text: impl Into<String>) {
-    add(ctx, text.into(), true);
-}
-
-fn add(ctx: &Context, text: String, failed: bool) {
-    ctx.data_mut(|data| {
-        let messages: &mut Vec<Message> = data.get_temp_mut_or_default(id());
-        messages.insert(0, Message { text, failed });
-        messages.truncate(KEPT);
-    });
-    // The line may have been drawn already.
-    ctx.request_repaint();
-}
-
-fn id() -> Id {
-    Id::unique("status messages")
-}
-
-/// Draws the line. `about` is what the page works on: a folder or a display, with its icon.
-pub fn status_line(ui: &mut Ui, about: Option<(Icon, &str)>) {
-    let frame = Frame::NONE.fill(ink(ui).rail).inner_margin(egui::Margin::symmetric(LARGE_GAP as i8, 0));
-    CentralPanel::default().frame(frame).show(ui, |ui| {
-        let messages: Vec<Message> = ui.data(|data| data.get_temp(id())).unwrap_or_default();
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if let Some((icon, text)) = about {
-                ui.scope(|ui| {
-                    ui.set_max_width(0.6 * ui.available_width());
-                    ui.add(Label::new(RichText::new(text).small().color(ink(ui).dim)).truncate());
-                });
-                icon.show(ui, ink(ui).dim);
-            }
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let Some(Message { text, failed }) = messages.first() else { return };
-                ui.spacing_mut().item_spacing.x = GAP;
-                let (icon, color) = if *failed { (Icon::Warn, ink(ui).bad) } else { (Icon::Check, ink(ui).text) };
-                icon.show(ui, color);
-                let line = text.lines().next().unwrap_or_default();
-                let label = Label::new(RichText::new(line).small().color(color)).truncate().sense(Sense::click());
-                let shown = ui.add(label);
-                egui::Popup::menu(&shown).width(480.0).show(|ui| {
-                    for Message { text, failed } in &messages {
-                        let color = if *failed { ink(ui).bad } else { ink(ui).text };
-                        ui.add(Label::new(RichText::new(text).small().color(color)).wrap());
-                    }
-                });
-            });
-        });
-    });
 }

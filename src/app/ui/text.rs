@@ -32,11 +32,6 @@ pub fn show_error(ui: &mut Ui, text: impl Into<String>) {
     small(ui, text, ink(ui).bad);
 }
 
-/// Draws a success message.
-pub fn success(ui: &mut Ui, text: impl Into<String>) {
-    small(ui, text, ink(ui).good);
-}
-
 fn small(ui: &mut Ui, text: impl Into<String>, color: Color32) {
     paragraph(ui, RichText::new(text).small().color(color));
 }

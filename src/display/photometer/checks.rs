@@ -25,21 +25,8 @@ pub enum ErrorLocation {
     All,
 }
 
-/// Why a profile cannot be made from the readings.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
-pub struct ReadingsError {
-    /// The readings that the error is about.
-    pub location: ErrorLocation,
-    /// The error, and what is expected instead.
-    pub message: String,
-}
-
-impl ReadingsError {
-    fn new(location: ErrorLocation, message: impl Into<String>) -> Self {
-        Self { location, message: message.into() }
-    }
-}
+/// Why a profile cannot be made from the readings: where the error is, and what it is and what is expected instead.
+pub type ReadingsError = (ErrorLocation, String);
 
 impl Readings {
     /// Checks readings, given in the order in which they were taken.
@@ -81,22 +68,22 @@ fn reading_errors(readings: &[Reading]) -> Vec<ReadingsError> {
     for (index, Reading { level, luminance_cd_m2: light, .. }) in readings.iter().enumerate() {
         if !(0.0..=1.0).contains(level) {
             let message = format!("level {level} is outside 0…1; expected the code divided by the largest code");
-            errors.push(ReadingsError::new(ErrorLocation::Level(index), message));
+            errors.push((ErrorLocation::Level(index), message));
         }
         if !(0.0..=brightest).contains(light) {
             let message = format!("luminance {light} is not that of a screen; expected cd/m², 0 to {brightest}");
-            errors.push(ReadingsError::new(ErrorLocation::Luminance(index), message));
+            errors.push((ErrorLocation::Luminance(index), message));
         }
     }
     if readings.is_empty() {
         let message =
             format!("there are no readings; expected red, green and blue, or gray, at {MIN_LEVELS} levels or more");
-        errors.push(ReadingsError::new(ErrorLocation::All, message));
+        errors.push((ErrorLocation::All, message));
     } else if readings.iter().all(|one| one.luminance_cd_m2 < darkest) {
         let message = format!(
             "every reading is below {darkest} cd/m²; expected light: is the photometer on the screen, and is its cap off?"
         );
-        errors.push(ReadingsError::new(ErrorLocation::All, message));
+        errors.push((ErrorLocation::All, message));
     }
     errors
 }
@@ -128,7 +115,7 @@ fn set_errors(readings: &Readings) -> Vec<ReadingsError> {
             ));
         }
     }
-    messages.into_iter().map(|message| ReadingsError::new(ErrorLocation::All, message)).collect()
+    messages.into_iter().map(|message| (ErrorLocation::All, message)).collect()
 }
 
 /// Returns an error for each channel whose light falls, or does not rise at all.
@@ -144,7 +131,7 @@ fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
             let message = format!(
                 "{channel}: level 1 gives {white_cd_m2} cd/m², no more than black ({black_cd_m2} cd/m²); expected light"
             );
-            errors.push(ReadingsError::new(ErrorLocation::All, message));
+            errors.push((ErrorLocation::All, message));
             continue;
         }
         let falls = |pair: &&[LevelMean]| pair[1].luminance_cd_m2 < pair[0].luminance_cd_m2 * (1.0 - share) - still;
@@ -154,7 +141,7 @@ fn curve_errors(readings: &Readings) -> Vec<ReadingsError> {
             let message = format!(
                 "{channel}: not monotone: level {upper} gives {upper_cd_m2} cd/m², less than the {lower_cd_m2} cd/m² of level {lower}; expected more light at every higher level: measure both again"
             );
-            errors.push(ReadingsError::new(ErrorLocation::All, message));
+            errors.push((ErrorLocation::All, message));
         }
     }
     errors
@@ -174,7 +161,7 @@ fn order_errors(readings: &Readings) -> Vec<ReadingsError> {
         "swapped channels: level 1 gives {} cd/m²; expected more light from gray than from green, from green than from red, and from red than from blue, as on every screen",
         each.join(", ")
     );
-    vec![ReadingsError::new(ErrorLocation::All, message)]
+    vec![(ErrorLocation::All, message)]
 }
 
 /// Gray at one level, compared with the sum of its channels.

@@ -17,5 +17,4 @@ mod table;
 pub use calibration::{Calibration, FittedChannel, FittedModel, Validation};
 pub use checks::{ErrorLocation, MIN_LEVELS, ReadingsError, Sum, additivity, drift_percent, largest_percent};
 pub use fit::{Curve, Family};
-pub use readings::{LevelMean, Reading, Readings, is_same_level};
-pub use readings::{Patch, PatchSettings, patches};
+pub use readings::{LevelMean, Patch, PatchSettings, Reading, Readings, is_same_level, patches};

@@ -1,4 +1,4 @@
-//! The patches that a photometer reads, and its readings: one luminance per patch.
+//! The patches, in the order in which they are shown, and their readings: one luminance per patch.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 

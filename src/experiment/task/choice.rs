@@ -61,6 +61,11 @@ impl Kind for Choice {
         }
         errors.check_range("task.duration_s", self.duration_s, 0.001, 60.0, "seconds");
         errors.check_range("task.gap_s", self.gap_s, 0.001, 60.0, "seconds");
+        let times = [("duration_s", self.duration_s, 0.5), ("gap_s", self.gap_s, 0.4)];
+        for (key, ..) in times.iter().filter(|(_, own, default)| self.shown == Shown::Places && own != default) {
+            let message = format!("{key} applies to intervals only; expected [presentation], or shown = \"intervals\"");
+            errors.add(format!("task.{key}"), message);
+        }
         given.check_reference(&self.reference, errors);
     }
 

@@ -78,6 +78,13 @@ impl Kind for Pair {
             let message = "trials applies to adaptive pairs only; expected design.repetitions, which repeats every pair, or adaptive.trials";
             errors.add("task.trials", message);
         }
+        let is_chain = self.pairs == Pairs::Chain;
+        if with_levels && self.pairs != Pairs::All {
+            let message = "pairs applies to pairs of conditions only; expected none, because [adaptive] compares the target with the reference";
+            errors.add("task.pairs", message);
+        } else if self.along.is_some() && !is_chain {
+            errors.add("task.along", "along applies to chains only; expected pairs = \"chain\", or no along");
+        }
         if with_levels {
             given.check_reference(&self.reference, errors);
             return;
@@ -99,7 +106,7 @@ impl Kind for Pair {
             );
         }
         let are_known = !(given.is_listed() && given.factors.is_empty());
-        if self.pairs == Pairs::Chain && self.chained(given.factors).is_none() && are_known {
+        if is_chain && self.chained(given.factors).is_none() && are_known {
             let names: Vec<&str> = given.factors.iter().map(|factor| factor.name.as_str()).collect();
             let message = match &self.along {
                 Some(along) => format!("along {along:?} is not a factor; {}", expected_one_of(along, &names)),

@@ -2,6 +2,7 @@
 
 use super::{
     common::Common,
+    kind::significant,
     options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
@@ -47,8 +48,14 @@ impl Staircase {
             errors.add("adaptive.steps", "steps is empty; expected at least one size");
         }
         let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
-        for (i, step) in self.steps.iter().enumerate().filter(|(_, step)| !(**step > 0.0 && step.is_finite())) {
-            errors.add(format!("adaptive.steps.{i}"), format!("step {step} is not above 0; expected a size in {unit}"));
+        let range = common.scaled(self.high) - common.scaled(self.low);
+        for (i, step) in self.steps.iter().enumerate() {
+            let is = match *step {
+                step if step <= 0.0 => "is not above 0".to_owned(),
+                step if step > range => format!("is more than from low to high, which is {}", significant(range)),
+                _ => continue,
+            };
+            errors.add(format!("adaptive.steps.{i}"), format!("step {step} {is}; expected a size in {unit}"));
         }
     }
 }

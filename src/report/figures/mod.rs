@@ -6,7 +6,6 @@
 mod answers;
 mod axes;
 mod display;
-mod effects;
 mod figure;
 mod labels;
 mod means;
@@ -30,7 +29,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
         |results| answers::proportions(results).into_iter().collect(),
         |results| means::participants(results).into_iter().collect(),
         |results| means::orientation(results).into_iter().collect(),
-        |results| effects::figure(results).into_iter().collect(),
+        |results| means::effects(results).into_iter().collect(),
         |results| answers::times(results).into_iter().collect(),
     ];
     kinds.par_iter().flat_map_iter(|kind| kind(results)).collect()

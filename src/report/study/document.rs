@@ -56,15 +56,9 @@ pub enum StudyError {
         /// The numbers, and how often each occurs.
         codes: Vec<(String, u64)>,
     },
-    /// What is to be excluded does not exist.
-    #[error(transparent)]
-    Exclusion(#[from] ExclusionError),
-    /// A level whose place was named does not exist.
-    #[error(transparent)]
-    Levels(ExclusionError),
-    /// A factor that was named as a direction does not exist.
-    #[error(transparent)]
-    Direction(ExclusionError),
+    /// A name that this option gives does not exist, or no ratings are left.
+    #[error("{1}")]
+    Names(&'static str, ExclusionError),
 }
 
 fn told(codes: &[(String, u64)]) -> String {
@@ -130,11 +124,14 @@ impl Study {
             let codes = codes.into_iter().map(|(code, n)| (code.to_owned(), n)).collect();
             return Err(StudyError::Codes { response: source.shape.response, codes });
         }
-        all.counts.check_levels(&options.levels).map_err(StudyError::Levels)?;
+        all.counts.check_levels(&options.levels).map_err(|error| StudyError::Names("levels", error))?;
         let directions: Vec<_> =
             options.direction.iter().flat_map(|list| &list.0).map(|name| (name.clone(), Vec::new())).collect();
-        all.counts.check_levels(&directions).map_err(StudyError::Direction)?;
-        let measured = all.narrowed(&exclusions)?;
+        all.counts.check_levels(&directions).map_err(|error| StudyError::Names("direction", error))?;
+        let measured = all.narrowed(&exclusions).map_err(|error| match error {
+            ExclusionError::Participant { .. } | ExclusionError::Nothing => StudyError::Names("exclude", error),
+            ExclusionError::Factor { .. } | ExclusionError::Level { .. } => StudyError::Names("only", error),
+        })?;
         if !options.unlimited {
             // A number or an item is not listed level by level.
             let is_unlisted = |name: &String| options.roles.contains(name) && !options.also.contains(name);

@@ -12,7 +12,7 @@ use crate::{
     report::document::{Section, Shown, TableOf, count, fixed, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
-        sitting::{SimulatedObserver, Sitting, UsedDisplay},
+        sidecar::{SimulatedObserver, Sitting, UsedDisplay},
     },
 };
 

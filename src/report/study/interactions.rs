@@ -10,10 +10,10 @@ use super::{
 };
 use crate::{
     analysis::{
-        Comparison, Interaction, Note, Results, TermTest, find_factor,
+        Comparison, Note, Results, TermTest, find_factor,
         results::{FactorResults, factor_results},
         summary::Group,
-        terms::{Term, Variable},
+        terms::Variable,
     },
     report::document::{fixed, list, mean, p_is, with_interval},
     statistics::{holm, mean_and_sd},
@@ -53,25 +53,21 @@ impl Dependence<'_> {
 }
 
 /// Returns all interactions that were tested: those in the model, and those that it leaves out.
-pub(super) fn dependences(results: &Results) -> Vec<Dependence<'_>> {
+pub(super) fn dependences<'a>(results: &'a Results) -> Vec<Dependence<'a>> {
     let Ok(report) = &results.model else { return Vec::new() };
     let find = |name: &&str| results.factors.iter().find(|factor| factor.name == *name);
-    let (counts, terms) = (results.modeled(), &results.spec.terms);
-    let in_model = |term: &Term| {
+    let counts = results.modeled();
+    let tested = |test: &'a TermTest, by_signs: bool, is_modeled: bool| {
         let name = |variable: &Variable| Some(counts.factors[find_factor(counts, variable).ok()?.0].name.as_str());
-        let names: Vec<&str> = term.variables.iter().map(name).collect::<Option<_>>()?;
-        let test = report.terms.iter().find(|test| test.term == *term)?;
+        let names: Vec<&str> = test.term.variables.iter().map(name).collect::<Option<_>>()?;
         let factors = names.iter().filter_map(find).collect();
-        Some(Dependence { factors, names, test, by_signs: false, is_modeled: true })
+        Some(Dependence { factors, names, test, by_signs, is_modeled })
     };
     let shown = !results.is_inferential() || is_clustered(results);
-    let larger = terms.iter().filter(|term| shown && term.variables.len() > 1);
-    let mut all: Vec<Dependence<'_>> = larger.filter_map(in_model).collect();
-    for Interaction { factors, by_signs, test } in &report.interactions {
-        let names: Vec<&str> = factors.iter().map(String::as_str).collect();
-        let factors = names.iter().filter_map(find).collect();
-        all.push(Dependence { factors, names, test, by_signs: *by_signs, is_modeled: false });
-    }
+    let modeled = report.terms.iter().filter(|test| shown && !test.term.is_main());
+    let modeled = modeled.filter_map(|test| tested(test, false, true));
+    let left_out = report.interactions.iter().filter_map(|own| tested(&own.test, own.by_signs, false));
+    let mut all: Vec<Dependence<'a>> = modeled.chain(left_out).collect();
     // What holds for some of the factors on average says nothing where all of them depend on each other.
     let clear: Vec<Vec<&str>> = all.iter().filter(|found| found.is_clear()).map(|found| found.names.clone()).collect();
     let is_part = |names: &[&str]| clear.iter().any(|c| c.len() > names.len() && names.iter().all(|n| c.contains(n)));

@@ -5,10 +5,7 @@ use std::collections::BTreeSet;
 use super::{findings, health, names};
 use crate::{
     analysis::{
-        ModelReport, RandomSlope, Results, TermTest,
-        rank_tests::PMethod,
-        results::FactorResults,
-        terms::{Term, Variable},
+        ModelReport, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable,
     },
     experiment::{Protocol, ResponseScale},
     report::document::{Section, count, fixed, list, p_is, times, unit, with_interval},
@@ -104,10 +101,11 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
         Some(random) => {
             let is_correlated = random.correlations.is_some();
             let kind = if is_correlated { "correlated" } else { "independent" };
+            let is_number = |variable: &Variable| matches!(variable, Variable::Number(_));
             let named =
                 |own: &[&RandomSlope]| own.iter().map(|own| names::slope(results, model, own)).collect::<Vec<_>>();
             let (slopes, others): (Vec<_>, Vec<_>) =
-                random.slopes.iter().partition(|slope| is_correlated || is_number(&slope.term));
+                random.slopes.iter().partition(|slope| is_correlated || slope.term.variables.iter().all(is_number));
             let mut groups = vec!["participants".to_owned()];
             groups.extend(named(&others).iter().map(|name| format!("for each combination of participant and {name}")));
             groups
@@ -145,12 +143,6 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     Some(text)
 }
 
-/// Returns the names of the terms of those tests whose p does not come from simulated studies.
-fn not_simulated(results: &Results, tests: &[TermTest]) -> Vec<String> {
-    let others = tests.iter().filter(|test| test.draws.is_none() && test.p.is_some());
-    others.map(|test| names::term(results, &test.term)).collect()
-}
-
 /// Warns of p values that ignore that ratings are related.
 fn ignoring(results: &Results) -> &'static str {
     match results.ignores_people() {
@@ -174,7 +166,8 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         text += &format!(" Terms were tested with likelihood-ratio tests: {}.{}", tests.join("; "), ignoring(results));
     }
     if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
-        let others = not_simulated(results, &report.terms);
+        let others = report.terms.iter().filter(|test| test.draws.is_none() && test.p.is_some());
+        let others: Vec<String> = others.map(|test| names::term(results, &test.term)).collect();
         let error = report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max);
         let error_is = |error: f64| {
             let most = if error < 1e-4 { "below 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
@@ -246,10 +239,6 @@ fn limits(report: &ModelReport) -> String {
         }
     };
     format!(" Intervals of {of} are profile-likelihood intervals{limits}.")
-}
-
-fn is_number(term: &Term) -> bool {
-    term.variables.iter().all(|variable| matches!(variable, Variable::Number(_)))
 }
 
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {

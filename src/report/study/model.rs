@@ -50,24 +50,27 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         [
             "Does each term matter?",
             &format!(
-                "Each row compares the model with one that lacks the term{}. For a main effect that is part of an interaction, \
-             its mean over the levels of the other factor is tested (sum contrasts). A small p means that \
-             ratings like these would be rare if the term had no effect. The p values are not corrected for the number of \
-             terms. Methods says where they come from.",
-                if model.random.is_some() { " but has the same random effects" } else { "" }
+                "Each row compares the model with one that lacks the term{}.{} A small p means that ratings like these would be \
+                 rare if the term had no effect. The p values are not corrected for the number of terms. Methods says where they \
+                 come from.",
+                if model.random.is_some() { " but has the same random effects" } else { "" },
+                if_interacting(
+                    results,
+                    " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
+                     (sum contrasts)."
+                )
             ),
             "Likelihood-ratio tests against the model without each term",
         ],
         &report.terms.iter().collect::<Vec<_>>(),
         &[("p", |test| test.p)],
     );
-    let is_additive = results.spec.terms.iter().all(Term::is_main);
     tests(
         &mut section,
         results,
         [
             "Do the effects depend on each other?",
-            if is_additive {
+            if is_additive(results) {
                 "The model is additive: each factor has the same effect at every level of the others. Each row tests this \
                  for two factors. The p values are corrected for the number of rows."
             } else {
@@ -183,10 +186,8 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Comparisons of levels");
     section.text(format!(
-        "Differences on the latent scale, in the model; those of factors in an interaction are on average over the other \
-         factors and, in an interaction of two that is not part of a larger one, at each level of the other (simple effects). Their p values and intervals come from the likelihood ratio of each \
-         difference or, for simple effects, from its standard error{}. The intervals of simple effects are symmetric, also among \
-         the coefficients above; others are profile intervals where there is one. Holm’s method corrects p for all comparisons \
+        "Differences on the latent scale, in the model. Their p values and intervals come from the likelihood ratio of each \
+         difference{}; the intervals are those of its profile where there is one.{} Holm’s method corrects p for all comparisons \
          of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
          on the latent scale, where there are no ties; d is the difference divided by the residual standard deviation, that of \
          ratings of the same stimulus by the same participant.",
@@ -194,7 +195,14 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
             ""
-        }
+        },
+        if_interacting(
+            results,
+            " Differences of a factor in an interaction are on average over the other factors and, in an interaction of two that \
+             is not part of a larger one, at each level of the other (simple effects). The p values and \
+             intervals of simple effects come from their standard errors; these intervals are symmetric, also among the \
+             coefficients above."
+        )
     ));
     let link = report.model.link;
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
@@ -229,13 +237,16 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
     }
     section.heading("Estimated marginal means");
     let covariates = if results.covariates.is_empty() { "" } else { ", with covariates at their means" };
-    let whole = match results.spec.terms.iter().all(Term::is_main) {
-        true => "",
-        false => "; that of a factor in an interaction, over those in which all of its levels were rated",
+    let over = match is_additive(results) {
+        true if results.factors.len() == 1 => "",
+        true => ", averaged over the conditions of the other factors",
+        false => {
+            ", averaged over the conditions of the other factors or, for a factor in an interaction, over those in which all of \
+             its levels were rated"
+        }
     };
     section.text(format!(
-        "The rating that the model expects{}, averaged over the conditions of the other factors{covariates}{whole}. Unequal \
-         numbers of ratings do not matter.",
+        "The rating that the model expects{}{over}{covariates}. Unequal numbers of ratings do not matter.",
         match &report.model.random {
             None => "",
             Some(random) if random.items.is_some() => " of a participant and an item with average random effects",
@@ -248,6 +259,15 @@ fn margins(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("Expected rating", |margin| mean(margin.mean))
         .number("95\u{a0}% interval", |margin| range(margin.interval, mean))
         .add_to(section);
+}
+
+fn is_additive(results: &Results) -> bool {
+    results.spec.terms.iter().all(Term::is_main)
+}
+
+/// Returns a text about interactions if the model has some.
+fn if_interacting<'a>(results: &Results, text: &'a str) -> &'a str {
+    if is_additive(results) { "" } else { text }
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {

@@ -9,7 +9,7 @@ use crate::{
         figures::Figure,
         prediction::{Comparison, StudyPrediction},
     },
-    store::{ratings::Source, sitting::SimulatedObserver},
+    store::{ratings::Source, sidecar::SimulatedObserver},
 };
 
 /// Writes the section; `figures` contains the measured and the predicted charts.

@@ -122,8 +122,8 @@ impl TaskStudy {
         let mut sessions = Vec::<Recorded>::new();
         for csv in files {
             match Recorded::open(&csv) {
-                Ok(session) if session.row_errors.is_empty() => sessions.push(session),
-                Ok(session) => errors.extend(session.row_errors),
+                Ok(session) if session.row_errors().is_empty() => sessions.push(session),
+                Ok(session) => errors.extend_from_slice(session.row_errors()),
                 Err(StoreError::FileErrors(found)) => errors.extend(found.0),
                 Err(error) => return Err(FileErrors(error.errors(&csv))),
             }
@@ -142,17 +142,17 @@ impl TaskStudy {
         };
         let mut known = BTreeMap::new();
         for session in &sessions {
+            if session.protocol != first.protocol {
+                let message =
+                    "has another definition than the sessions before it; expected the sessions of one definition";
+                return Err(FileErrors::whole(&session.csv, message));
+            }
             if let Some(other) = known.insert((session.identity.subject(), session.identity.session()), &session.csv) {
                 let message =
                     format!("has the same participant and session as {}; expected each once", other.display());
                 return Err(FileErrors::whole(&session.csv, message));
             }
             warnings.extend(session.changed.iter().cloned().chain(session.interruption()));
-            if session.protocol != first.protocol {
-                let message =
-                    "has another definition than the sessions before it; expected the sessions of one definition";
-                return Err(FileErrors::whole(&session.csv, message));
-            }
             study.add(session, exclude);
         }
         study.warnings = warnings;

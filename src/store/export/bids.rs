@@ -1,27 +1,28 @@
 //! Export of behavioral data in BIDS 1.11: a table and a sidecar for each session, the metadata of each task at the top
-//! level, the pictures in `stimuli`, and the data as recorded in `sourcedata`.
+//! level, the pictures in `stimuli`, re-rendered from the recipes in the sidecars and compared with the hashes there, and the
+//! data as recorded in `sourcedata`.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashMap, HashSet},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
+use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use super::{
-    psych_ds,
-    sessions::Experiment,
-    stimuli::{self, Stimuli},
-};
+use super::sessions::{self, Experiment};
 use crate::{
-    experiment::{Column, IN_BIDS, Protocol, SIMULATED, STIM_FILE, columns},
+    experiment::{Column, IN_BIDS, Protocol, SIMULATED, STIM_FILE, columns, task::Adaptive},
+    stimulus::Stimulus,
     store::{
         FileErrors, StoreError,
-        dataset::{DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED},
+        dataset::{DESCRIPTION, MISSING, PARTICIPANTS, PARTICIPANTS_DESCRIBED, collect},
         file::{make_folder, parse_json, write_file, write_json},
-        participants::{Collected, MISSING, collect},
-        recorded::Recorded,
-        sitting::Sitting,
+        image,
+        manifest::labeled,
+        recorded::{Recorded, Renderer, picture_errors},
+        sidecar::Sitting,
     },
 };
 
@@ -42,14 +43,15 @@ pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<Strin
             return Err(FileErrors::whole(&experiment.sessions[0].csv, message).into());
         }
     }
-    let (stimuli, pictures) = stimuli::write(experiments, &to.join("stimuli"), notes)?;
+    let (stimuli, pictures) = write_stimuli(experiments, &to.join("stimuli"), notes)?;
     write_json(&to.join(DESCRIPTION), &description(experiments, notes)?)?;
     write_file(&to.join("README.md"), readme(experiments).as_bytes())?;
     write_participants(experiments, to, notes)?;
     for experiment in experiments {
-        psych_ds::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
-        let common = experiment.has_one_definition();
+        sessions::copy(experiment, &to.join("sourcedata").join(&experiment.name), notes)?;
         let protocol = &experiment.sessions[0].protocol;
+        // Sessions with one definition have the same columns with the same meaning.
+        let common = experiment.sessions.iter().all(|session| session.protocol == *protocol);
         if common {
             write_json(&to.join(format!("task-{}_beh.json", protocol.file_task())), &of_task(protocol).into())?;
         }
@@ -228,7 +230,12 @@ fn rounded(value: f64, steps: f64) -> Value {
 /// Returns the description of the whole data set, including the entries that people added to the descriptions of the
 /// experiments.
 fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Value, StoreError> {
-    let written = written(experiments)?;
+    let mut written = Vec::<Value>::new();
+    for experiment in experiments {
+        if let Some((path, text)) = sessions::described(DESCRIPTION, experiment)? {
+            written.push(parse_json(&path, &text, "the description of a data set")?);
+        }
+    }
     let titles: Vec<&str> = experiments.iter().map(|one| one.sessions[0].protocol.title.as_str()).collect();
     let mut entries = keys([
         ("Name", Some(titles.join("; ").into())),
@@ -271,17 +278,6 @@ fn description(experiments: &[Experiment], notes: &mut Vec<String>) -> Result<Va
     let program = json!({ "Name": env!("CARGO_PKG_NAME"), "Version": env!("CARGO_PKG_VERSION"), "Description": "machband export --format bids" });
     entries.insert("GeneratedBy".to_owned(), json!([program]));
     Ok(entries.into())
-}
-
-/// Reads the descriptions next to the data, if they exist.
-///
-/// # Errors
-/// A description cannot be read, or it is not JSON.
-fn written(experiments: &[Experiment]) -> Result<Vec<Value>, StoreError> {
-    let descriptions = experiments.iter().map(|one| psych_ds::described(DESCRIPTION, one));
-    let texts = descriptions.collect::<Result<Vec<_>, _>>()?;
-    let parse = |(path, text): (PathBuf, Vec<u8>)| Ok(parse_json(&path, &text, "the description of a data set")?);
-    texts.into_iter().flatten().map(parse).collect()
 }
 
 /// Returns the strings in a schema.org value, which is a string, an object with a name, or a list of these.
@@ -331,8 +327,7 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
         participants.entry(session.identity.subject()).or_default().push(session);
     }
     let datasets: Vec<_> = experiments.iter().map(Experiment::datasets).collect::<Result<_, _>>()?;
-    let Collected { participants: answered, descriptions, notes: differences } =
-        collect(datasets.into_iter().flatten())?;
+    let (answered, descriptions, differences) = collect(datasets.into_iter().flatten())?;
     notes.extend(differences);
     let mut described = json!({
         "participant_id": { "Description": "Participant." },
@@ -345,7 +340,7 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
     });
     // A column that someone added by hand may have one of these names.
     let (own, columns): (Vec<&String>, _) =
-        answered.columns().iter().partition(|column| described.get(column).is_some());
+        answered.columns[1..].iter().partition(|column| described.get(column).is_some());
     notes.extend(own.iter().map(|column| {
         format!("{PARTICIPANTS}: the export's own column {column} takes the place of the one in the data")
     }));
@@ -368,4 +363,97 @@ fn write_participants(experiments: &[Experiment], to: &Path, notes: &mut Vec<Str
     }
     write_file(&to.join(PARTICIPANTS), text.as_bytes())?;
     write_json(&to.join(PARTICIPANTS_DESCRIBED), &described)
+}
+
+/// Number of digits of a hash in a file name.
+const HASH_SHOWN: usize = 8;
+/// Maximum length of the part of a file name that lists the levels.
+const MAX_LABEL: usize = 150;
+
+/// The picture's file name for each data file, sitting (from 1) and stimulus.
+#[derive(Default)]
+struct Stimuli(HashMap<(PathBuf, u32, String), String>);
+
+impl Stimuli {
+    /// Returns the file of the picture that a row describes, relative to the stimuli folder.
+    fn of(&self, session: &Recorded, row: usize) -> Option<&str> {
+        let described = session.stimuli(row).first()?.key();
+        self.0.get(&(session.csv.clone(), session.rows[row].sitting, described)).map(String::as_str)
+    }
+}
+
+/// Writes every picture into `folder`, and returns their file names and their number.
+///
+/// # Errors
+/// Reports every picture that differs from the one that was shown; I/O errors.
+fn write_stimuli(
+    experiments: &[Experiment],
+    folder: &Path,
+    notes: &mut Vec<String>,
+) -> Result<(Stimuli, usize), StoreError> {
+    let sessions = || experiments.iter().flat_map(|experiment| &experiment.sessions);
+    let mut renderer = Renderer::default();
+    FileErrors::none(sessions().flat_map(|session| picture_errors(session, &mut renderer)).collect())?;
+    // Identical pictures share one file.
+    let (mut names, mut files) = (HashMap::<String, String>::new(), BTreeMap::new());
+    let (mut shown, mut proved) = (HashMap::new(), HashSet::new());
+    for session in sessions() {
+        let mut sittings = BTreeMap::<u32, BTreeMap<String, &Stimulus>>::new();
+        for (index, row) in session.rows.iter().enumerate() {
+            // Files of the study's own are not in the data set, so they cannot be exported either.
+            let drawable = session.stimuli(index).into_iter().filter(|stimulus| stimulus.is_drawable());
+            let stimuli = drawable.map(|stimulus| (stimulus.key(), stimulus));
+            sittings.entry(row.sitting).or_default().extend(stimuli);
+        }
+        for (sitting, stimuli) in sittings {
+            let known = session.sidecar.sittings.get((sitting as usize).saturating_sub(1));
+            let Some(pictures) = known.and_then(|sitting| sitting.pictures.as_ref()) else {
+                notes.push(format!(
+                    "{}: does not describe how the pictures of sitting {sitting} were rendered; their stim_file is n/a",
+                    session.sidecar_path.display()
+                ));
+                continue;
+            };
+            let quantizer = Arc::new(pictures.recipe.quantizer());
+            let hashed = pictures.by_key(&session.schedule.conditions);
+            let hashes = renderer.hashes(pictures, &stimuli.values().copied().collect::<Vec<_>>());
+            for ((key, stimulus), hash) in stimuli.into_iter().zip(hashes) {
+                if hashed.contains_key(&key) {
+                    proved.insert(hash.clone());
+                }
+                let name = names.entry(hash).or_insert_with_key(|hash| {
+                    let label = label(&session.protocol, stimulus);
+                    let short = format!("{label}_{}.png", &hash[..HASH_SHOWN]);
+                    let name = if files.contains_key(&short) { format!("{label}_{hash}.png") } else { short };
+                    files.insert(name.clone(), (pictures.recipe_of(stimulus), Arc::clone(&quantizer)));
+                    name
+                });
+                shown.insert((session.csv.clone(), sitting, key), name.clone());
+            }
+        }
+    }
+    let unproved = files.len() - proved.len();
+    if unproved > 0 {
+        notes.push(format!(
+            "stimuli: {unproved} of {} pictures have no recorded hash, because their sitting did not end properly; they are rendered from the sidecar",
+            files.len()
+        ));
+    }
+    if !files.is_empty() {
+        make_folder(folder)?;
+    }
+    files.par_iter().try_for_each(|(name, (recipe, quantizer))| {
+        let path = folder.join(name);
+        write_file(&path, &image::recipe_png(&path, recipe, quantizer)?)
+    })?;
+    Ok((Stimuli(shown), files.len()))
+}
+
+/// Returns a label such as `mach-band_width-0.4_depth-1`. It is meant for people; the hash after it makes the name
+/// unique.
+fn label(protocol: &Protocol, stimulus: &Stimulus) -> String {
+    let adapted = protocol.adaptive.iter().flat_map(Adaptive::parameters);
+    let names = protocol.factors.iter().map(|factor| factor.name.as_str()).chain(adapted);
+    let level = |name| (name, stimulus.get(name).map_or_else(String::new, |level| level.to_string()));
+    labeled(stimulus.kind().to_owned(), names.map(level), MAX_LABEL)
 }

@@ -2,9 +2,7 @@
 //! all-or-nothing, and the same sessions always give the same bytes.
 
 mod bids;
-mod psych_ds;
 mod sessions;
-mod stimuli;
 mod write;
 
 pub use write::{Choice, Exported, Format, export};

@@ -1,27 +1,36 @@
-//! Reads and checks the sessions to export.
+//! Reads and checks the sessions to export, and copies them as Psych-DS. A results folder is already such a data set; the copy
+//! contains only complete rows and describes every column.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fs::File,
     path::{Path, PathBuf},
 };
 
 use rayon::prelude::*;
+use serde_json::{Map, Value};
 
 use crate::{
     experiment::{columns, name_error},
     store::{
         FileError, FileErrors, StoreError,
-        dataset::{self, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX},
-        frames,
+        dataset::{
+            self, DESCRIPTION, FRAMES_SUFFIX, MAX_DESCRIPTION, PARTICIPANTS, PARTICIPANTS_DESCRIBED, SIDECAR_SUFFIX,
+            beside, collect, describe,
+        },
+        error::io,
+        file::{RECORDING, make_folder, parse_json, read_existing, write_file, write_json},
+        open::{Complete, open_regular},
         recorded::Recorded,
-        session::{lock, seal},
+        results,
+        session::seal,
     },
     text::is_formula,
 };
 
 /// Files that describe a data set as a whole. Nothing else is copied, so other files next to the data stay private.
 pub(super) const DESCRIBING: [&str; 9] = [
-    dataset::DESCRIPTION,
+    DESCRIPTION,
     "README.md",
     "CHANGES.md",
     ".psychds-ignore",
@@ -41,11 +50,6 @@ pub(super) struct Experiment {
 }
 
 impl Experiment {
-    /// True if all sessions share one definition, and thus have the same columns with the same meaning.
-    pub fn has_one_definition(&self) -> bool {
-        self.sessions.iter().all(|session| session.protocol == self.sessions[0].protocol)
-    }
-
     /// Returns the data sets of the sessions, each with the IDs of its participants.
     ///
     /// # Errors
@@ -70,7 +74,7 @@ pub(super) fn refuse_links(from: &Path, files: &[PathBuf]) -> Result<(), FileErr
     let mut paths = BTreeSet::new();
     for csv in files {
         paths.extend(csv.ancestors().take_while(|path| *path != from).map(Path::to_owned));
-        paths.extend([SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| dataset::beside(csv, suffix)));
+        paths.extend([SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix)));
         let names = DESCRIBING.into_iter().chain([PARTICIPANTS, PARTICIPANTS_DESCRIBED]);
         let dataset = dataset::of(csv).map_err(|error| FileErrors(error.errors(csv)))?;
         paths.extend(dataset.into_iter().flat_map(|dataset| names.clone().map(move |name| dataset.join(name))));
@@ -93,7 +97,7 @@ pub(super) fn read(
         let mut leave_out = |why: &str| notes.push(format!("{}: {why}; the session is left out", csv.display()));
         match opened {
             Ok((_, Recorded { running: Some(why), .. })) => leave_out(&why),
-            Err(StoreError::InUse(_)) => leave_out(lock::RECORDING),
+            Err(StoreError::InUse(_)) => leave_out(RECORDING),
             Ok((errors, session)) => {
                 wrong.extend(errors);
                 sessions.push(session);
@@ -110,7 +114,7 @@ pub(super) fn read(
 fn errors(session: &Recorded) -> Vec<FileError> {
     // The experiment's name becomes a folder name, and a sidecar may contain any text.
     let name = name_error(&session.protocol.name).map(|message| FileError::whole(&session.sidecar_path, message));
-    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors.iter().cloned()).collect();
+    let mut errors: Vec<FileError> = name.into_iter().chain(session.row_errors().iter().cloned()).collect();
     let columns = columns(&session.protocol);
     for (row, line) in session.rows.iter().zip(2..) {
         for (cell, column) in row.cells().iter().zip(&columns).filter(|(cell, _)| is_formula(cell)) {
@@ -176,4 +180,101 @@ pub(super) fn by_experiment(sessions: Vec<Recorded>) -> Result<Vec<Experiment>, 
         experiments.entry(session.protocol.name.clone()).or_default().push(session);
     }
     Ok(experiments.into_iter().map(|(name, sessions)| Experiment { name, sessions }).collect())
+}
+
+/// Writes a data set for each experiment into a subfolder of `to`.
+pub(super) fn write(experiments: &[Experiment], to: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
+    for experiment in experiments {
+        let folder = to.join(&experiment.name);
+        copy(experiment, &folder, notes)?;
+        for session in &experiment.sessions {
+            // The seals are kept, because they cover only complete rows.
+            if session.partial_line.is_some() {
+                let to = folder.join("data").join(session.csv.file_name().unwrap_or_default());
+                let (rows, _) = results::whole(&session.csv, session.data.clone(), &columns(&session.protocol))?;
+                write_file(&to, &rows)?;
+            }
+            let undescribed = describe(&folder, &session.protocol)?;
+            notes.extend(undescribed.map(|note| format!("{}: {note}", experiment.name)));
+        }
+    }
+    Ok(())
+}
+
+/// Copies an experiment's sessions unchanged, together with the files that describe their data set and the rows of their
+/// participants.
+///
+/// # Errors
+/// The data sets are described by different files; a file changed since it was read; I/O errors.
+pub(super) fn copy(experiment: &Experiment, folder: &Path, notes: &mut Vec<String>) -> Result<(), StoreError> {
+    let data = folder.join("data");
+    make_folder(&data)?;
+    for name in DESCRIBING {
+        if let Some((_, content)) = described(name, experiment)? {
+            write_file(&folder.join(name), &content)?;
+        }
+    }
+    let (participants, descriptions, found) = collect(experiment.datasets()?)?;
+    notes.extend(found);
+    if !participants.rows.is_empty() {
+        write_file(&folder.join(PARTICIPANTS), participants.text().as_bytes())?;
+        write_json(&folder.join(PARTICIPANTS_DESCRIBED), &descriptions.into())?;
+    }
+    for session in &experiment.sessions {
+        let csv = data.join(session.csv.file_name().unwrap_or_default());
+        write_file(&csv, &session.data)?;
+        write_file(&csv.with_extension("json"), &session.sidecar_text)?;
+        if let Some(path) = &session.frames {
+            copy_frames(path, &beside(&csv, FRAMES_SUFFIX), session)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns a file that describes the data sets of an experiment, with its content; `None` if they have no such file.
+///
+/// # Errors
+/// Two data sets have different files, or only one has the file, because each may belong to another author with another
+/// license; I/O errors.
+pub(super) fn described(name: &str, experiment: &Experiment) -> Result<Option<(PathBuf, Vec<u8>)>, StoreError> {
+    let (mut known, mut without): (Option<(PathBuf, Vec<u8>)>, _) = (None, None);
+    for dataset in experiment.datasets()?.keys() {
+        let path = dataset.join(name);
+        let Some(content) = read_existing(&path, MAX_DESCRIPTION)? else {
+            without = Some(path);
+            continue;
+        };
+        if name == DESCRIPTION {
+            parse_json::<Map<String, Value>>(&path, &content, "the description of a data set")?;
+        }
+        match &known {
+            None => known = Some((path, content)),
+            Some((first, other)) if *other != content => return Err(different(&path, "differs from", first).into()),
+            Some(_) => {}
+        }
+    }
+    match known.as_ref().zip(without) {
+        Some(((first, _), path)) => Err(different(&path, "is missing, but there is", first).into()),
+        None => Ok(known),
+    }
+}
+
+fn different(path: &Path, how: &str, other: &Path) -> FileErrors {
+    let expected = "and an export has only one such file; expected the same content, or one export for each folder";
+    FileErrors::whole(path, format!("{how} {}, {expected}", other.display()))
+}
+
+/// Copies only the content of a frames file, so that the new file is writable even if the data set is write-protected.
+///
+/// # Errors
+/// The file changed since the session was read; I/O errors.
+fn copy_frames(from: &Path, to: &Path, session: &Recorded) -> Result<(), StoreError> {
+    let mut source = open_regular(from).and_then(Complete::of).map_err(io(from, "read"))?;
+    let mut copied = File::create_new(to).map_err(io(to, "write"))?;
+    std::io::copy(&mut source, &mut copied).map_err(io(from, "copy"))?;
+    if session.frames_sha256.is_some() && seal::sha256(to)? != session.frames_sha256 {
+        let message = "was changed during the export; expected a session that is not being recorded";
+        return Err(FileErrors::whole(from, message).into());
+    }
+    Ok(())
 }

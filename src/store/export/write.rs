@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{bids, psych_ds, sessions};
+use super::{bids, sessions};
 use crate::{
     store::{
         FileErrors, StoreError, dataset,
@@ -79,7 +79,7 @@ pub fn export(from: &Path, to: &Path, format: Format, choice: Choice) -> Result<
             exported.pictures = bids::write(&experiments, folder, &mut exported.notes)?;
             Ok(())
         }
-        Format::PsychDs => psych_ds::write(&experiments, folder, &mut exported.notes),
+        Format::PsychDs => sessions::write(&experiments, folder, &mut exported.notes),
     })?;
     let mut seen = HashSet::new();
     exported.notes.retain(|note| seen.insert(note.clone()));
@@ -131,5 +131,11 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
     let exported = export();
     // Anything that remains is not part of the export, and its name says that it is temporary.
     let _ = remove_tree(&temporary);
-    exported
+    exported.map_err(|error| match error {
+        StoreError::Io { path, action, source } => {
+            let path = path.strip_prefix(&temporary).map(|inside| parent.join(inside)).unwrap_or(path.clone());
+            StoreError::Io { path, action, source }
+        }
+        error => error,
+    })
 }

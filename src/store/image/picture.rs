@@ -5,7 +5,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use nalgebra::{Matrix3, Vector3};
 use png::{ColorType, Decoder, Info};
 
 use super::read::{content, decode};
@@ -72,18 +71,8 @@ impl Picture {
     }
 }
 
-/// The chromatic adaptation from D65 to D50 (Bradford).
-const BRADFORD: Matrix3<f64> = Matrix3::new(
-    1.047_929_8,
-    0.022_946_8,
-    -0.050_192_2,
-    0.029_627_8,
-    0.990_434_5,
-    -0.017_073_8,
-    -0.009_243_1,
-    0.015_055_2,
-    0.751_874_3,
-);
+/// The luminance under D65 of the XYZ that a profile has under D50: a row of the inverse of Bradford's adaptation.
+const LUMINANCE_FROM_D50: [f64; 3] = [-0.028_369_697_284_554_4, 1.009_995_320_871_526_9, 0.021_041_443_482_574_77];
 
 /// Reads an opaque PNG (gray, color or palette) of at most `pixels` pixels. Unless `transfers` says what its codes mean,
 /// the file does: its iCCP, sRGB or gAMA chunk, in this order (PNG, 3rd edition); with gAMA or alone, cHRM says how bright
@@ -268,8 +257,8 @@ fn of_profile(profile: &[u8], is_gray: bool) -> Result<(Transfers, [f64; 3]), St
     }
     // Colorants are adapted to D50 from the white of the screen, which is taken to be D65: some programs write a matrix of
     // another meaning where a profile would state its own adaptation.
-    let own = BRADFORD.try_inverse().ok_or_else(|| fail("that cannot be adapted"))?;
-    let luminance = |of: moxcms::Xyzd| (own * Vector3::new(of.x, of.y, of.z)).y;
+    let luminance =
+        |of: moxcms::Xyzd| [of.x, of.y, of.z].iter().zip(LUMINANCE_FROM_D50).map(|(a, b)| a * b).sum::<f64>();
     let weights = [read.red_colorant, read.green_colorant, read.blue_colorant].map(luminance);
     let white: f64 = weights.iter().sum();
     if !(weights.iter().all(|weight| *weight >= -ENDS) && white > 0.0) {

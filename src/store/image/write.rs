@@ -6,7 +6,7 @@ use crate::{
     light::{
         CodeImage, Quantizer, Samples, Transfer, Transfers,
         halftone::{Halftone, MAX_PX, Screen},
-        palette::{IndexedImage, Reduction, reduce},
+        palette::{Reduction, reduce},
     },
     stimulus::recipe::Recipe,
     store::{FileErrors, StoreError, Writer, error::io, file::sha256},
@@ -24,6 +24,8 @@ pub(super) const SHADED_KEYWORD: &str = "machband-shading";
 const SRGB_CHROMATICITIES: [[u32; 2]; 4] = [[31_270, 32_900], [64_000, 33_000], [30_000, 60_000], [15_000, 6_000]];
 /// Number of entries in each tone curve of an embedded profile.
 const CURVE_POINTS: u16 = 4096;
+/// Where a profile has the date of its creation: year, month, day, hours, minutes and seconds, two bytes each.
+const PROFILE_DATE: std::ops::Range<usize> = 24..36;
 
 /// Renders a recipe and writes it as a PNG.
 ///
@@ -42,8 +44,7 @@ pub(in crate::store) fn recipe_png(path: &Path, recipe: &Recipe, quantizer: &Qua
     png.map_err(|error| failed(path, error))
 }
 
-/// Renders a recipe, reduces it to a palette and writes an indexed PNG. Returns the image with its error in linear
-/// light.
+/// Renders a recipe, reduces it to a palette and writes an indexed PNG.
 ///
 /// # Errors
 /// The recipe has 16 bits, which a palette cannot have; the same errors as [`Writer::write`].
@@ -53,14 +54,13 @@ pub fn write_reduced(
     recipe: &Recipe,
     quantizer: &Quantizer,
     reduction: Reduction,
-) -> Result<IndexedImage, StoreError> {
+) -> Result<(), StoreError> {
     let image = reduce(&recipe.codes(quantizer), &recipe.transfers, reduction).map_err(|error| failed(path, error))?;
     let mut info = png::Info::with_size(image.width, image.height);
     info.color_type = png::ColorType::Indexed;
     info.palette = Some(Cow::Owned(image.palette.concat()));
     let texts = [(KEYWORD, describe(recipe)), (PALETTE_KEYWORD, reduction.to_string())];
-    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))?;
-    Ok(image)
+    save(writer, path, with_meaning(info, &recipe.transfers, false, &texts, &image.indices))
 }
 
 /// Renders a recipe as a halftone for a device with few codes, one cell of dots per pixel, and writes it.
@@ -211,9 +211,6 @@ fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
     let [red, green, blue] = transfers.channels();
     let mut profile =
         if gray { moxcms::ColorProfile::new_gray_with_gamma(1.0) } else { moxcms::ColorProfile::new_srgb() };
-    // A fixed date, so that the same input always gives the same bytes.
-    profile.creation_date_time =
-        moxcms::ColorDateTime { year: 2026, month: 1, day_of_the_month: 1, hours: 0, minutes: 0, seconds: 0 };
     profile.cicp = None;
     if gray {
         profile.gray_trc = curve(red);
@@ -222,5 +219,8 @@ fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
         profile.green_trc = curve(green);
         profile.blue_trc = curve(blue);
     }
-    profile.encode().ok()
+    let mut bytes = profile.encode().ok()?;
+    // The crate writes the present time. A fixed date, so that the same input always gives the same bytes.
+    bytes.get_mut(PROFILE_DATE)?.copy_from_slice(&[0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0]);
+    Some(bytes)
 }

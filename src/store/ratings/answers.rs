@@ -5,10 +5,9 @@ use std::path::Path;
 use super::{
     files::Header,
     reader::{alike, how_read},
-    rows::{RowError, Rows, Status},
+    rows::{RowError, Rows, Status, is_mark, is_missing, with_point},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
-    values::{is_mark, is_missing, with_point},
 };
 use crate::{
     experiment::SIMULATED,
@@ -88,7 +87,7 @@ fn answers(mut input: Input, columns: &AnswerColumns) -> Result<AnswersRead, Sto
     input.columns = used.places();
     let mut rows = Rows::read(&input).map_err(|error| FileErrors(vec![error]))?;
     let (mut found, mut errors) = (Vec::new(), std::mem::take(&mut rows.errors));
-    for row in rows.all().filter(|row| rows.status[*row] != Status::Wrong) {
+    for row in (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong) {
         match used.row(|cell| rows.columns[cell].get(row), input.header.separator) {
             Ok(answer) => found.push(answer),
             Err((cell, expected)) => rows.report(&mut errors, RowError::new(row, cell, expected), &input, &[]),

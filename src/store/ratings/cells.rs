@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 
 use super::{
-    rows::{RowError, Rows, Status, What, column_of},
+    rows::{self, RowError, Rows, Status, What, column_of},
     selection::{Columns as Used, Input, Selection},
     source::{FileRead, Reason},
-    values,
 };
 use crate::{
     experiment::RatingRow,
@@ -28,15 +27,15 @@ pub(super) struct Known<'a> {
 impl<'a> Known<'a> {
     pub fn new(selection: &Selection, tables: &[Rows], missing: &'a [String], unfinished: Vec<bool>) -> Self {
         let are_numbers =
-            |column: &dyn Fn(&Used) -> usize| values::are_numbers(&column_of(&selection.inputs, tables, column));
+            |column: &dyn Fn(&Used) -> usize| rows::are_numbers(&column_of(&selection.inputs, tables, column));
         let first = &selection.inputs[0].columns;
         Self {
             factors: (0..first.factors.len()).map(|i| are_numbers(&|columns| columns.factors[i])).collect(),
             responses: (0..first.responses.len())
                 .map(|i| {
                     let column = column_of(&selection.inputs, tables, |columns| columns.responses[i]);
-                    let are_mostly = || selection.shape.categories.is_none() && values::are_mostly_numbers(&column);
-                    selection.own_scale.is_none() && (values::are_numbers(&column) || are_mostly())
+                    let are_mostly = || selection.shape.categories.is_none() && rows::are_mostly_numbers(&column);
+                    selection.own_scale.is_none() && (rows::are_numbers(&column) || are_mostly())
                 })
                 .collect(),
             missing,
@@ -79,25 +78,25 @@ impl<'a> Cells<'a> {
         // A session records every answer; an option may still take some as missing.
         let may_lack = !is_own || !known.missing.is_empty();
         let responses = columns.responses.iter().zip(&known.responses).map(|(&column, &among_numbers)| {
-            texts(column).map(|text| match values::is_rating(text, selection.own_scale, among_numbers) {
-                _ if may_lack && values::is_no_response(text, known.missing, among_numbers) => Err(true),
-                true if !among_numbers || values::number(text).is_some() => Ok(text),
+            texts(column).map(|text| match rows::is_rating(text, selection.own_scale, among_numbers) {
+                _ if may_lack && rows::is_no_response(text, known.missing, among_numbers) => Err(true),
+                true if !among_numbers || rows::number(text).is_some() => Ok(text),
                 _ => Err(false),
             })
         });
         let factors = columns.factors.iter().zip(&selection.levels).zip(&known.factors);
         let factors = factors.map(|((&column, defined), &among_numbers)| {
             let defined = if is_own { &defined[..] } else { &[] };
-            texts(column).map(|text| values::level(text, defined, among_numbers))
+            texts(column).map(|text| rows::level(text, defined, among_numbers))
         });
         let repetition = columns.session.and(columns.repetition);
         Self {
             responses: responses.collect(),
             factors: factors.collect(),
-            counts: columns.count.map(|column| (column, texts(column).map(values::count))),
-            repetitions: repetition.map(|column| (column, texts(column).map(values::repetition))),
-            orders: columns.order.map(|column| (column, texts(column).map(values::position))),
-            marks: columns.simulated.map(|column| texts(column).map(values::is_mark)),
+            counts: columns.count.map(|column| (column, texts(column).map(rows::count))),
+            repetitions: repetition.map(|column| (column, texts(column).map(rows::repetition))),
+            orders: columns.order.map(|column| (column, texts(column).map(rows::position))),
+            marks: columns.simulated.map(|column| texts(column).map(rows::is_mark)),
             selection,
             known,
             input,
@@ -122,7 +121,7 @@ impl<'a> Cells<'a> {
         {
             return Ok(Err(Reason::Unfinished));
         }
-        if !is_own && values::is_missing(subject, false) {
+        if !is_own && rows::is_missing(subject, false) {
             return Ok(Err(Reason::NoParticipant));
         } else if subject.is_empty() {
             return Err(RowError::new(row, columns.subject, "a participant"));
@@ -217,7 +216,7 @@ pub(super) fn add_rows(
     let mut read = FileRead { path: input.path.clone(), layout: input.layout, ..FileRead::default() };
     let each = input.columns.responses.len();
     read.rows = (rows.status.len() * each) as u64;
-    for (row, which) in rows.all().flat_map(|row| (0..each).map(move |which| (row, which))) {
+    for (row, which) in (0..rows.status.len()).flat_map(|row| (0..each).map(move |which| (row, which))) {
         let place = match rows.status[row] {
             Status::Counts(_) => match add_rating(row, which, &mut errors) {
                 Ok(Ok(count)) => {

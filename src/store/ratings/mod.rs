@@ -7,15 +7,13 @@
 
 pub mod answers;
 mod cells;
-mod converted;
 mod files;
 mod reader;
 mod rows;
 mod selection;
 mod source;
-mod values;
 
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
+pub(super) use rows::with_point;
 pub use source::{FileRead, Layout, Levels, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};
-pub(super) use values::with_point;

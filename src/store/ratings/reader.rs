@@ -11,16 +11,15 @@ use rayon::{iter::Either, prelude::*};
 use super::{
     cells::{Known, add_rows},
     files::{self, Header},
-    rows::{MAX_ROWS, RowError, Rows, Status, column_of},
+    rows::{self, MAX_ROWS, RowError, Rows, Status, column_of},
     selection::{Input, RecordColumns, Selection, layout},
     source::{Definitions, FileRead, Layout, ReadOptions, Reason, SessionRead, Shape, Source},
-    values,
 };
 use crate::{
     experiment::{Phase, Protocol, RatingRow},
     store::{
-        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, recorded::interrupted,
-        table::Content,
+        Columns, FileError, FileErrors, StoreError, columns::Texts, dataset, error::io, file, open::read_regular,
+        recorded::interrupted,
     },
     text::names::natural,
 };
@@ -164,7 +163,7 @@ pub(super) fn alike(file: &str, factor: Option<&str>, column: &[&Texts]) -> Opti
         Some(name) => ("levels", format!(" of {name}"), "levels", "form of each level"),
     };
     let all = column.iter().flat_map(|file| &file.texts).map(AsRef::as_ref);
-    let alike = values::alike(all.filter(|text| !values::is_missing(text, true)));
+    let alike = rows::alike(all.filter(|text| !rows::is_missing(text, true)));
     let groups: Vec<String> = alike.iter().take(6).map(|group| group.join(", ")).collect();
     let others = if alike.len() > groups.len() { " and others" } else { "" };
     let message = format!(
@@ -223,7 +222,7 @@ fn unnamed(selection: &Selection, tables: &[Rows]) -> Vec<FileError> {
             "phase among the factors, with only its other levels, such as phase=main",
         ),
         (
-            |text| values::number(text).is_some_and(|attempt| attempt > 1.0),
+            |text| rows::number(text).is_some_and(|attempt| attempt > 1.0),
             "are later attempts according to the column attempt",
             "one row for each trial, or the columns subject_id, session_id, phase, trial and attempt, by which only the last \
              attempt counts",
@@ -369,9 +368,9 @@ fn read_attempts<'a>(
     let texts = |column: usize| &rows.columns[column];
     let experiment = own.experiment.zip(selection.experiment.as_deref());
     let phases = texts(own.phase).map(|text| text.parse::<Phase>().ok());
-    let numbers = |column: usize| (column, texts(column).map(values::ordinal));
+    let numbers = |column: usize| (column, texts(column).map(rows::ordinal));
     let (trials, attempts) = (numbers(own.trial).1, own.attempt.map(numbers));
-    let rated = texts(input.columns.responses[0]).map(|text| values::is_rating(text, selection.own_scale, false));
+    let rated = texts(input.columns.responses[0]).map(|text| rows::is_rating(text, selection.own_scale, false));
     let dropped = own.dropped.map(|column| texts(column).map(|text| (!text.is_empty()).then_some(text != "0")));
     let one = |row: usize| {
         let wrong = |column: usize, expected: &'static str| RowError::new(row, column, expected);
@@ -395,7 +394,57 @@ fn read_attempts<'a>(
         let is_main = phase == Phase::Main;
         Ok((subject, session, Attempt { session: 0, is_main, trial, attempt, file: 0, row: 0, rated, dropped }))
     };
-    rows.all().filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
+    (0..rows.status.len()).filter(|row| rows.status[*row] != Status::Wrong).for_each(|row| take(row, one(row)));
+}
+
+/// A row of a result file: an attempt at a trial. The order is that of the session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Attempt {
+    /// Index of the session.
+    session: u32,
+    is_main: bool,
+    trial: u32,
+    attempt: u32,
+    /// Index of the file.
+    file: u32,
+    /// Index of the row in the file.
+    row: u32,
+    rated: bool,
+    /// Whether frames were dropped; `None` if this was not measured.
+    dropped: Option<bool>,
+}
+
+/// Sets how these rows are used, and counts the trials of the sessions.
+fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
+    for measured in attempts.iter().filter(|attempt| attempt.is_main && attempt.dropped.is_some()) {
+        sessions[measured.session as usize].dropped = Some(0);
+    }
+    attempts.sort_unstable();
+    let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
+    let mut furthest = (u32::MAX, 0);
+    for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
+        let last = same_trial.last().map(|row| row.attempt);
+        let Attempt { session, is_main, trial, .. } = same_trial[0];
+        if is_main {
+            let before = if furthest.0 == session { furthest.1 } else { 0 };
+            sessions[session as usize].skipped += u64::from(trial - before - 1);
+            furthest = (session, trial);
+        }
+        for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
+            let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
+            let mut set = |row: &Attempt, status| files[row.file as usize].status[row.row as usize] = status;
+            same[1..].iter().for_each(|row| set(row, Status::Repeated(first.file)));
+            if !first.is_main {
+                set(&first, Status::Practice);
+            } else if Some(first.attempt) < last {
+                set(&first, Status::Superseded);
+            } else {
+                set(&first, Status::Counts(first.session));
+                session.rated += u64::from(first.rated);
+                session.dropped = session.dropped.map(|n| n + u64::from(first.dropped == Some(true)));
+            }
+        }
+    }
 }
 
 /// Returns the SHA-256 of a file, unless it is large.
@@ -403,7 +452,7 @@ fn hash(input: &Input) -> Result<Option<String>, StoreError> {
     if input.header.size > MAX_HASHED || input.header.columns.is_some() {
         return Ok(None);
     }
-    let bytes = Content::File(&input.path).bytes().map_err(io(&input.path, "read"))?;
+    let bytes = read_regular(&input.path, MAX_HASHED).map_err(io(&input.path, "read"))?;
     Ok(Some(file::sha256(&bytes)))
 }
 
@@ -437,58 +486,4 @@ fn in_order(mut errors: Vec<FileError>, files: &[PathBuf]) -> FileErrors {
         files.iter().enumerate().map(|(i, path)| (path.with_extension(""), i)).collect();
     errors.sort_by_key(|error| index.get(&Path::new(&error.file).with_extension("")).map_or(0, |i| i + 1));
     FileErrors(errors)
-}
-
-/// A row of a result file: an attempt at a trial. The order is that of the session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Attempt {
-    /// Index of the session.
-    pub session: u32,
-    pub is_main: bool,
-    pub trial: u32,
-    pub attempt: u32,
-    /// Index of the file.
-    pub file: u32,
-    /// Index of the row in the file.
-    pub row: u32,
-    pub rated: bool,
-    /// Whether frames were dropped; `None` if this was not measured.
-    pub dropped: Option<bool>,
-}
-
-/// Sets how these rows are used, and counts the trials of the sessions.
-fn decide(mut attempts: Vec<Attempt>, sessions: &mut [SessionRead], files: &mut [Rows]) {
-    for measured in attempts.iter().filter(|attempt| attempt.is_main && attempt.dropped.is_some()) {
-        sessions[measured.session as usize].dropped = Some(0);
-    }
-    attempts.sort_unstable();
-    let trial = |row: &Attempt| (row.session, row.is_main, row.trial);
-    let mut furthest = (u32::MAX, 0);
-    for same_trial in attempts.chunk_by(|a, b| trial(a) == trial(b)) {
-        let last = same_trial.last().map(|row| row.attempt);
-        let Attempt { session, is_main, trial, .. } = same_trial[0];
-        if is_main {
-            let before = if furthest.0 == session { furthest.1 } else { 0 };
-            sessions[session as usize].skipped += u64::from(trial - before - 1);
-            furthest = (session, trial);
-        }
-        for same in same_trial.chunk_by(|a, b| a.attempt == b.attempt) {
-            let (first, session) = (same[0], &mut sessions[same[0].session as usize]);
-            same[1..].iter().for_each(|row| set(files, row, Status::Repeated(first.file)));
-            let mut set = |row: &Attempt, status| set(files, row, status);
-            if !first.is_main {
-                set(&first, Status::Practice);
-            } else if Some(first.attempt) < last {
-                set(&first, Status::Superseded);
-            } else {
-                set(&first, Status::Counts(first.session));
-                session.rated += u64::from(first.rated);
-                session.dropped = session.dropped.map(|n| n + u64::from(first.dropped == Some(true)));
-            }
-        }
-    }
-}
-
-fn set(files: &mut [Rows], row: &Attempt, status: Status) {
-    files[row.file as usize].status[row.row as usize] = status;
 }

@@ -1,7 +1,7 @@
 //! Determines what each file is, which files belong together, and which of their columns are read.
 
 use std::{
-    collections::{BTreeSet, HashSet},
+    collections::{BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -13,7 +13,7 @@ use super::{
     source::{Definitions, Layout, ReadOptions, Shape},
 };
 use crate::{
-    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, columns_by_header},
+    experiment::{Factor, MAX_RATING, Protocol, SIMULATED, STIM_FILE, STIMULUS, columns_by_header},
     stimulus::is_direction,
     store::{FileError, StoreError, file::exists, session::seal, sidecar::Sidecar},
     text::names::{expected_one_of, some_of},
@@ -21,11 +21,9 @@ use crate::{
 
 /// Columns that a result file must have in addition to the participant's column.
 const KEYS: [&str; 4] = ["session_id", "phase", "trial", "attempt"];
-/// Columns of a result file that describe the stimulus.
-const STIMULUS: [&str; 7] = ["stimulus", "width", "depth", "orientation_deg", "low", "high", "color"];
 
 /// A file to read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Input {
     pub path: PathBuf,
     /// The path as shown in messages.
@@ -163,11 +161,6 @@ impl Columns {
         }
         all
     }
-
-    /// True if a column has IDs, which are not numbers.
-    pub fn is_id(&self, column: usize) -> bool {
-        [Some(self.subject), self.session, self.record.map(|own| own.session)].contains(&Some(column))
-    }
 }
 
 /// Drops the parts of a sidecar that an analysis does not use, because there may be thousands of sidecars.
@@ -220,18 +213,7 @@ impl Input {
 
     /// Describes a table without a sidecar.
     pub fn plain(path: PathBuf, header: Header, layout: Layout) -> Self {
-        Self {
-            name: path.display().to_string(),
-            path,
-            layout,
-            header,
-            columns: Columns::default(),
-            has_sidecar: false,
-            sidecar: None,
-            protocol: None,
-            changed: Vec::new(),
-            kind: String::new(),
-        }
+        Self { name: path.display().to_string(), path, layout, header, ..Self::default() }
     }
 
     /// Returns the name of the column with the participant ID.
@@ -398,21 +380,15 @@ fn without_factors(file: &Input, options: &ReadOptions) -> FileError {
 /// Assigns each session that has lost its sidecar to the definition with its experiment's name, if there is exactly
 /// one.
 fn join_lost_sidecars(files: &mut [Input]) {
-    let mut definitions: Vec<(Arc<Protocol>, String)> = Vec::new();
-    for file in files.iter() {
-        if let Some(protocol) = &file.protocol
-            && !definitions.iter().any(|(_, kind)| *kind == file.kind)
-        {
-            definitions.push((protocol.clone(), file.kind.clone()));
-        }
-    }
+    let known = |file: &Input| Some((file.kind.clone(), file.protocol.clone()?));
+    let definitions: HashMap<String, Arc<Protocol>> = files.iter().filter_map(known).collect();
     for file in files.iter_mut().filter(|file| file.is_results() && file.sidecar.is_none()) {
         let fits = |protocol: &Protocol| {
             Some(protocol.name.as_str()) == file.experiment()
                 && protocol.factors.iter().all(|factor| file.header.position(&factor.name).is_some())
         };
-        let fitting: Vec<_> = definitions.iter().filter(|(protocol, _)| fits(protocol)).collect();
-        if let [(_, kind)] = fitting[..] {
+        let mut fitting = definitions.iter().filter(|(_, protocol)| fits(protocol));
+        if let (Some((kind, _)), None) = (fitting.next(), fitting.next()) {
             file.kind.clone_from(kind);
         }
     }
@@ -442,18 +418,13 @@ fn chosen(files: &[Input], options: &ReadOptions) -> Vec<String> {
 
 /// Returns which factors are directions: stimulus parameters that are, and those that the options name.
 fn directions(factors: &[String], protocol: Option<&Protocol>, options: &ReadOptions) -> Vec<String> {
-    let of_stimulus = |name: &String| match protocol {
-        Some(protocol) => {
-            let mut parameters = protocol.stimulus.parameters().iter();
-            parameters.any(|parameter| parameter.name == *name && parameter.is_direction)
-        }
+    let parameters = protocol.map(|protocol| protocol.stimulus.parameters());
+    let of_stimulus = |name: &String| match parameters {
+        Some(all) => all.iter().any(|parameter| parameter.name == *name && parameter.is_direction),
         None => is_direction(name),
     };
-    factors
-        .iter()
-        .filter(|name| options.direction.iter().any(|list| list.0.contains(name)) || of_stimulus(name))
-        .cloned()
-        .collect()
+    let is_named = |name: &String| options.direction.iter().any(|list| list.0.contains(name));
+    factors.iter().filter(|name| is_named(name) || of_stimulus(name)).cloned().collect()
 }
 
 fn shape(

@@ -15,7 +15,7 @@ use crate::{
     store::{
         FileError, FileErrors, definition,
         sidecar::Sidecar,
-        table::{List, list, split_list},
+        table::{List, list},
     },
     text::{
         names::named,
@@ -344,7 +344,7 @@ fn levels(text: &str) -> Result<Levels, String> {
             (factor.trim().to_owned(), levels)
         }
     };
-    match split_list(levels)? {
+    match levels.parse::<List>()?.0 {
         levels if levels.is_empty() || factor.is_empty() => Err(EXPECTED.to_owned()),
         levels => Ok((factor, levels)),
     }

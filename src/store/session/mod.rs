@@ -1,19 +1,13 @@
 //! Writes, reads and verifies a session on disk: its data set, its rows, and the sidecar and frames file next to them.
 
-mod chain;
 pub mod dataset;
-pub mod frames;
-pub(super) mod lock;
 pub mod overview;
-pub mod participants;
 pub mod recorded;
 mod repair;
 pub mod results;
 pub mod seal;
 pub mod sidecar;
-pub mod sitting;
 mod store;
-pub mod verify;
 
 pub use repair::{Repaired, repair};
 pub use store::{Changes, Interrupted, SessionStore};

@@ -9,12 +9,12 @@ use std::{
 
 use super::{
     dataset::{SessionPaths, identity},
-    lock, results,
+    results,
     sidecar::Sidecar,
 };
 use crate::{
     experiment::{Identity, Protocol, columns},
-    store::{FileErrors, StoreError, definition, error::io, ratings::Listed},
+    store::{FileErrors, StoreError, error::io, file::held, ratings::Listed},
     system::{found, unless_missing},
 };
 
@@ -46,17 +46,12 @@ pub struct SessionState {
 }
 
 impl SessionState {
-    /// Returns the day of the last sitting in UTC, as `2026-01-31`.
-    pub fn day(&self) -> &str {
-        self.started_at.get(..10).unwrap_or_default()
-    }
-
     /// Reads the definition and the viewing distance in cm of the last sitting, to resume the session.
     ///
     /// # Errors
     /// The sidecar cannot be read.
     pub fn to_resume(&self) -> Result<(Protocol, Option<f64>), StoreError> {
-        let (path, sidecar, protocol) = described(&self.csv)?;
+        let (path, sidecar, protocol) = Sidecar::of(&self.csv)?;
         let viewing = sidecar.sittings.last().and_then(|sitting| sitting.viewing.as_ref());
         let distance_cm = viewing.map(|viewing| viewing.distance_cm);
         if protocol.conditions().iter().any(|condition| !condition.stimulus.is_drawable()) {
@@ -72,8 +67,8 @@ impl SessionState {
     /// # Errors
     /// There are or were rows, the session is being recorded, or a file cannot be read or removed. Then nothing is lost.
     pub fn remove(&self) -> Result<(), StoreError> {
-        let (_, sidecar, protocol) = described(&self.csv)?;
-        if lock::held(&self.csv)?.is_some() {
+        let (_, sidecar, protocol) = Sidecar::of(&self.csv)?;
+        if held(&self.csv)?.is_some() {
             return Err(StoreError::InUse(self.csv.clone()));
         }
         if sidecar.is_complete() || !results::read(&self.csv, &columns(&protocol))?.is_empty() {
@@ -119,12 +114,12 @@ impl SessionState {
 
     fn read(csv: PathBuf) -> Result<Self, StoreError> {
         let identity = identity(&csv)?;
-        let (_, sidecar, protocol) = described(&csv)?;
+        let (_, sidecar, protocol) = Sidecar::of(&csv)?;
         let planned = protocol.main_trials() + protocol.design.practice as usize;
         // A complete session was rated to the end, so its rows need not be read unless the file has another size since.
         let complete = sidecar.is_complete();
         let size = found(&csv).map_err(io(&csv, "read"))?.map_or(0, |metadata| metadata.len());
-        let is_whole = sidecar.last_seal().is_some_and(|seal| size == seal.data_bytes);
+        let is_whole = sidecar.seals().next_back().is_some_and(|seal| size == seal.data_bytes);
         let rated = if complete && is_whole {
             planned
         } else {
@@ -153,13 +148,6 @@ impl SessionState {
             is_readable: true,
         })
     }
-}
-
-/// Returns the sidecar of a session, with its path, and the definition in it.
-fn described(csv: &Path) -> Result<(PathBuf, Sidecar, Protocol), StoreError> {
-    let (path, sidecar) = Sidecar::of(csv)?;
-    let protocol = definition::from_json(&path.display().to_string(), &sidecar.definition)?;
-    Ok((path, sidecar, protocol))
 }
 
 /// The sessions in a results folder.

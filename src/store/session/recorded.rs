@@ -1,20 +1,23 @@
-//! Read-only access to recorded sessions, for code that reads whole data sets. Nothing is changed or locked.
+//! Reads and verifies recorded sessions. Nothing is changed or locked.
 
 use std::{
-    collections::{BTreeSet, HashMap, HashSet},
+    collections::{BTreeMap, BTreeSet, HashMap, HashSet},
     path::{Path, PathBuf},
 };
 
 use super::{
-    dataset::{beside, identity},
-    frames, lock, results,
-    seal::{Difference, Hashes},
-    sidecar::{Sidecar, missing},
+    dataset::{FRAMES_SUFFIX, beside, identity},
+    results,
+    seal::{ACCEPTED, Difference, Hashes, gaps},
+    sidecar::{Pictures, Sidecar, missing},
 };
 use crate::{
-    experiment::{Course, Identity, Phase, Protocol, Replay, Replayed, Schedule, TrialRecord, columns},
+    experiment::{Course, GENERATOR, Identity, Phase, Protocol, Replay, Replayed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
-    store::{FileError, FileErrors, StoreError, definition, file::exists},
+    store::{
+        FileError, FileErrors, StoreError, definition,
+        file::{exists, held},
+    },
 };
 
 /// A session with all its data and metadata, as it was at one moment.
@@ -43,12 +46,8 @@ pub struct Recorded {
     pub sidecar: Sidecar,
     /// The rows, in the order of the file.
     pub rows: Vec<TrialRecord>,
-    /// What each row records, or why no session could have recorded it there.
-    replayed: Vec<Result<Replayed, String>>,
-    /// The rows that no session could have recorded in their place.
-    pub row_errors: Vec<FileError>,
-    /// The number of trials that are still to be answered.
-    left: usize,
+    /// The rows, as they were recomputed.
+    replays: Replays,
     /// An incomplete last line, if the session was interrupted and not resumed.
     pub partial_line: Option<String>,
     /// The files that differ from what the session wrote, according to its seals and the hash of its definition.
@@ -68,14 +67,14 @@ impl Recorded {
         let sidecar_path = csv.with_extension("json");
         let mut before = Sidecar::text(&sidecar_path)?;
         for _ in 0..ATTEMPTS {
-            let running = lock::held(csv)?;
+            let running = held(csv)?;
             let read = Self::read(csv, before.clone().ok_or_else(|| missing(&sidecar_path)), running.clone());
             // A sitting that begins or ends in the meantime writes the sidecar again.
             let after = Sidecar::text(&sidecar_path)?;
             if before == after {
                 // A session that is just being created has no sidecar yet.
                 return match read {
-                    Err(_) if running.is_some() || lock::held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
+                    Err(_) if running.is_some() || held(csv)?.is_some() => Err(StoreError::InUse(csv.to_owned())),
                     read => read,
                 };
             }
@@ -97,21 +96,17 @@ impl Recorded {
         let (whole, partial_line) = results::whole(csv, data.clone(), &columns)?;
         let mut changed: Vec<FileError> = hashes.differences(csv, &sidecar).iter().map(Difference::error).collect();
         changed.extend(sidecar.definition_error(&sidecar_path, &definition::hash(&protocol)));
-        let frames = beside(csv, frames::SUFFIX);
+        let frames = beside(csv, FRAMES_SUFFIX);
         // Rows that cannot be read say nothing about whether the file is the one that was sealed.
         let rows = results::parse(&csv.display().to_string(), &whole, &columns)
             .map_err(|FileErrors(errors)| FileErrors([errors, changed.clone()].concat()))?;
         let course = Course::new(protocol.clone(), schedule.clone());
-        let replays = replay(csv, course, (&identity, &sidecar), &rows);
-        let left = replays.left();
-        let Replays { replayed, errors: row_errors, .. } = replays;
+        let (replays, _) = replay(csv, course, (&identity, &sidecar), &rows);
         Ok(Self {
             changed,
             frames_sha256: hashes.of_frames().map(str::to_owned),
             rows,
-            replayed,
-            row_errors,
-            left,
+            replays,
             data,
             sidecar_text,
             running,
@@ -142,9 +137,14 @@ impl Recorded {
         Some(FileError::whole(&self.csv, interrupted(line)))
     }
 
+    /// Returns an error for each row that no session could have recorded in its place.
+    pub fn row_errors(&self) -> &[FileError] {
+        &self.replays.errors
+    }
+
     /// Returns what a row records; `None` if the row is not planned.
     pub fn replayed(&self, row: usize) -> Option<&Replayed> {
-        self.replayed[row].as_ref().ok()
+        self.replays.replayed[row].as_ref().ok()
     }
 
     /// Returns what a row's trial showed, the stimulus that the row describes first; nothing if the row is not planned.
@@ -161,14 +161,14 @@ impl Recorded {
         // A rating shows its condition, so most rows need not be looked at.
         let is_rating = self.protocol.task.is_default();
         let is_new = |row: &&Replayed| !is_rating || conditions.insert(self.schedule.trials[row.trial].condition);
-        let all = self.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
+        let all = self.replays.replayed.iter().flatten().filter(is_new).flat_map(|row| &row.shown.stimuli);
         all.filter(|stimulus| known.insert(stimulus.key())).collect()
     }
 
     /// Returns the number of answered trials and the number of planned trials.
     pub fn rated(&self) -> (usize, usize) {
-        let rated = self.replayed.iter().flatten().map(|row| row.trial).collect::<HashSet<_>>().len();
-        (rated, rated + self.left)
+        let rated = self.replays.done().len();
+        (rated, rated + self.replays.left)
     }
 
     /// True if every planned trial is rated and the last row is complete.
@@ -185,13 +185,14 @@ pub(in crate::store) fn interrupted(line: usize) -> String {
 }
 
 /// The rows of a session, as they were recomputed.
+#[derive(Clone, Debug)]
 pub(super) struct Replays {
-    /// The session after the rows.
-    pub course: Course,
     /// What each row records, or why no session could have recorded it there.
     pub replayed: Vec<Result<Replayed, String>>,
     /// The rows that the definition and the seed do not plan, or that are not in an order in which a session records them.
     pub errors: Vec<FileError>,
+    /// The number of trials that are still to be answered.
+    pub left: usize,
 }
 
 impl Replays {
@@ -199,22 +200,15 @@ impl Replays {
     pub fn done(&self) -> BTreeSet<usize> {
         self.replayed.iter().flatten().map(|row| row.trial).collect()
     }
-
-    /// Returns the number of trials that are still to be answered.
-    pub fn left(&self) -> usize {
-        let done = self.done();
-        let is_left = |trial: &usize| !done.contains(trial) && !self.course.is_over(*trial);
-        (0..self.course.schedule().trials.len()).filter(is_left).count()
-    }
 }
 
-/// Recomputes the rows of a session that begins with `course`.
+/// Recomputes the rows of a session that begins with `course`, and returns the session after them.
 pub(super) fn replay(
     csv: &Path,
     course: Course,
     (identity, sidecar): (&Identity, &Sidecar),
     rows: &[TrialRecord],
-) -> Replays {
+) -> (Replays, Course) {
     let is_repaired = sidecar.is_repaired();
     let mut replay = Replay::new(identity, course, is_repaired);
     let mut order = Order::new(is_repaired, sidecar.sittings.len());
@@ -228,7 +222,11 @@ pub(super) fn replay(
         errors.extend(wrong.into_iter().map(|message| FileError::at(csv, (line, 1), message)));
         replayed.push(found);
     }
-    Replays { course: replay.course, replayed, errors }
+    let mut replays = Replays { replayed, errors, left: 0 };
+    let (done, course) = (replays.done(), replay.course);
+    let is_left = |trial: &usize| !done.contains(trial) && !course.is_over(*trial);
+    replays.left = (0..course.schedule().trials.len()).filter(is_left).count();
+    (replays, course)
 }
 
 /// Times may differ by this much, because they are rounded and come from different clocks.
@@ -317,4 +315,178 @@ fn session_of(row: &TrialRecord) -> (&str, &str) {
 
 fn place_of(row: &TrialRecord) -> Place {
     (row.phase == Phase::Main, row.trial)
+}
+
+/// The findings about one session.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verified {
+    /// Number of rows in the file.
+    pub rows: usize,
+    /// Number of rated trials, and number of planned trials.
+    pub rated: (usize, usize),
+    /// Number of re-rendered pictures. All are identical to those shown unless `errors` says otherwise.
+    pub pictures: usize,
+    /// True if the session was sealed when it ended, so that later changes to its files can be detected.
+    pub sealed: bool,
+    /// True if a change to its files was accepted when it was resumed.
+    pub accepted: bool,
+    /// Everything that is wrong with the session.
+    pub errors: Vec<FileError>,
+    /// Other information.
+    pub notes: Vec<String>,
+}
+
+/// Maximum side length of a picture that is rendered again. No screen is larger.
+const MAX_SIDE: u32 = 8192;
+/// Maximum number of pixels rendered for one session. A hundred pictures for a 4K screen have half a billion, and a
+/// session may be resumed on another screen.
+const MAX_RENDERED: u64 = 2_000_000_000;
+/// Number of pixels rendered at the same time, unless a single picture has more. Each pixel needs about 16 bytes.
+const AT_A_TIME: u64 = 16_000_000;
+
+/// Renders each picture once, regardless of how many sessions showed it.
+#[derive(Debug, Default)]
+pub struct Renderer {
+    /// Hash of the picture for each recipe, as JSON.
+    known: HashMap<String, String>,
+}
+
+impl Renderer {
+    /// Returns the hashes of several pictures of one sitting.
+    pub(crate) fn hashes(&mut self, pictures: &Pictures, stimuli: &[&Stimulus]) -> Vec<String> {
+        let key = |stimulus: &&Stimulus| serde_json::to_string(&pictures.recipe_of(stimulus)).unwrap_or_default();
+        let keys: Vec<String> = stimuli.iter().map(key).collect();
+        let wanted = keys.iter().zip(stimuli).filter(|(key, _)| !self.known.contains_key(*key));
+        let (keys_of, wanted): (Vec<&String>, Vec<&Stimulus>) = wanted.collect::<BTreeMap<_, _>>().into_iter().unzip();
+        let at_a_time = (AT_A_TIME / u64::from(pictures.recipe.size).pow(2).max(1)).max(1) as usize;
+        for (keys, stimuli) in keys_of.chunks(at_a_time).zip(wanted.chunks(at_a_time)) {
+            self.known.extend(keys.iter().copied().cloned().zip(pictures.hashes(stimuli)));
+        }
+        keys.iter().map(|key| self.known[key].clone()).collect()
+    }
+}
+
+/// Verifies one session, given the path of its data file: its rows follow from the definition and the seed, its re-rendered
+/// pictures have the recorded hashes, and nothing was changed after the session ended.
+pub fn verify(csv: &Path, renderer: &mut Renderer) -> Verified {
+    let mut found = Verified::default();
+    match Recorded::open(csv) {
+        Ok(recorded) => {
+            found.rows = recorded.rows.len();
+            found.rated = recorded.rated();
+            if recorded.sidecar.generator != GENERATOR {
+                let message = format!(
+                    "the generator is {:?}; expected {GENERATOR:?}, which orders the trials",
+                    recorded.sidecar.generator
+                );
+                found.errors.push(FileError::whole(&recorded.sidecar_path, message));
+            }
+            found.errors.extend(recorded.row_errors().iter().cloned());
+            check_end(&recorded, &mut found);
+            found.sealed = recorded.sidecar.is_sealed();
+            // What is sealed is not being recorded, even if another program has it open.
+            if !found.sealed && (recorded.running.is_some() || recorded.changed.is_empty()) {
+                let why = || "not sealed: the session did not end".to_owned();
+                found.notes.push(recorded.running.clone().unwrap_or_else(why));
+            }
+            found.errors.extend(recorded.changed.iter().cloned());
+            match gaps(csv, &recorded.sidecar) {
+                Ok(gaps) => found.notes.extend(gaps),
+                Err(error) => found.errors.extend(error.errors(csv)),
+            }
+            check_pictures(&recorded, renderer, &mut found);
+            found.accepted = recorded.sidecar.incidents(ACCEPTED).next().is_some();
+            for (number, sitting) in (1..).zip(&recorded.sidecar.sittings) {
+                found.notes.extend(sitting.incidents.iter().map(|incident| format!("sitting {number}: {incident}")));
+            }
+        }
+        Err(error) => found.errors = error.errors(csv),
+    }
+    found
+}
+
+/// Checks that no rows are missing at the end of the file.
+fn check_end(recorded: &Recorded, found: &mut Verified) {
+    let ((rated, planned), is_complete) = (found.rated, recorded.sidecar.is_complete());
+    if is_complete && rated < planned {
+        let message = format!(
+            "{rated} of {planned} trials are answered; expected all, because the sidecar says that the session is complete"
+        );
+        found.errors.push(FileError::whole(&recorded.csv, message));
+    }
+    match recorded.incomplete_line() {
+        Some((line, what)) if is_complete => {
+            let message = format!("{what}; expected the complete rows of a complete session");
+            found.errors.push(FileError::at(&recorded.csv, (line, 1), message));
+        }
+        Some((line, _)) => found.notes.push(interrupted(line)),
+        None if !is_complete && rated < planned => found.notes.push("not complete; it can be resumed".to_owned()),
+        None => {}
+    }
+}
+
+fn check_pictures(recorded: &Recorded, renderer: &mut Renderer, found: &mut Verified) {
+    found.errors.extend(picture_errors(recorded, renderer));
+    let pictures = recorded.sidecar.sittings.iter().filter_map(|sitting| sitting.pictures.as_ref());
+    let pictures: Vec<_> = pictures.collect();
+    found.pictures = pictures.iter().map(|pictures| pictures.sha256.len() + pictures.others.len()).sum();
+    if recorded.schedule.conditions.iter().any(|condition| !condition.stimulus.is_drawable()) {
+        found.notes.push(format!(
+            "{} pictures are files of their own and were not rendered again; the sidecar has the hashes of the files",
+            std::mem::take(&mut found.pictures)
+        ));
+    }
+    let shown = recorded.shown();
+    let hashed: HashSet<String> =
+        pictures.iter().flat_map(|of| of.by_key(&recorded.schedule.conditions).into_keys()).collect();
+    let unproved = shown.iter().filter(|stimulus| !hashed.contains(&stimulus.key())).count();
+    if unproved > 0 {
+        found.notes.push(format!(
+            "{unproved} of {} pictures have no hash because their sitting did not end properly",
+            shown.len()
+        ));
+    }
+}
+
+/// Re-renders the pictures of each sitting, and reports those that differ from what was shown.
+pub(crate) fn picture_errors(recorded: &Recorded, renderer: &mut Renderer) -> Vec<FileError> {
+    let (path, conditions) = (&recorded.sidecar_path, &recorded.schedule.conditions);
+    let mut errors = Vec::new();
+    let mut rendered = 0;
+    for (sitting, pictures) in (1..).zip(recorded.sidecar.sittings.iter().map(|sitting| &sitting.pictures)) {
+        let Some(pictures) = pictures else { continue };
+        let known: Vec<_> = pictures.sha256.iter().filter(|hash| (1..=conditions.len()).contains(hash.0)).collect();
+        let side = pictures.recipe.size;
+        rendered += (known.len() + pictures.others.len()) as u64 * u64::from(side).pow(2);
+        if side > MAX_SIDE || rendered > MAX_RENDERED {
+            let message = format!(
+                "the {} pictures of sitting {sitting} have {side} × {side} pixels and were not rendered; expected at most {MAX_SIDE} per side, and {MAX_RENDERED} pixels for the session",
+                known.len()
+            );
+            errors.push(FileError::whole(path, message));
+            break;
+        }
+        let numbered =
+            known.iter().map(|(n, sha256)| (format!("condition {n}"), &conditions[**n - 1].stimulus, *sha256));
+        let others = (1..).zip(&pictures.others);
+        let others = others.map(|(n, other)| (format!("picture {n} of the others"), &other.stimulus, &other.sha256));
+        let all: Vec<_> = numbered.chain(others).filter(|(_, stimulus, _)| stimulus.is_drawable()).collect();
+        let stimuli: Vec<&Stimulus> = all.iter().map(|(_, stimulus, _)| *stimulus).collect();
+        for ((name, _, expected), hash) in all.iter().zip(renderer.hashes(pictures, &stimuli)) {
+            if **expected != hash {
+                let message = format!(
+                    "{name} of sitting {sitting} renders to sha256 {hash}; expected {expected}, the hash of what was shown"
+                );
+                errors.push(FileError::whole(path, message));
+            }
+        }
+        if known.len() < pictures.sha256.len() {
+            let message = format!(
+                "sitting {sitting} has hashes for conditions that the definition lacks; expected conditions 1…{}",
+                conditions.len()
+            );
+            errors.push(FileError::whole(path, message));
+        }
+    }
+    errors
 }

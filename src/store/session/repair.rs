@@ -8,23 +8,22 @@ use std::{
 
 use super::{
     dataset::{self, DAMAGED, identity, refuse_link},
-    lock::LockFile,
     recorded::Order,
     results,
-    sidecar::{REPAIRED, Sidecar, missing},
+    sidecar::{REPAIRED, Sidecar},
 };
 use crate::{
     experiment::{Column, Course, Identity, Protocol, Replay, Schedule, TrialRecord, columns},
     store::{
-        FileErrors, StoreError, definition,
+        FileErrors, StoreError,
         error::io,
-        file::{put, sha256, sync_folder, write_whole},
+        file::{LockFile, put, sha256, sync_folder, write_whole},
         open::read_regular,
     },
 };
 
 /// The result of a repair.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Repaired {
     /// Numbers of the damaged lines, counted from 1.
     pub lines: Vec<usize>,
@@ -46,23 +45,25 @@ pub struct Repaired {
 /// belongs to another session; more than half of the lines would be moved; planned rows are not in the order of recording; a
 /// link; I/O errors. The data file is not changed before the other file is on disk.
 pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
-    let (identity, sidecar_path) = (identity(csv)?, csv.with_extension("json"));
-    let dataset = dataset::of(csv)?;
-    [csv, &sidecar_path].into_iter().chain(dataset.as_deref()).chain(csv.parent()).try_for_each(refuse_link)?;
-    let mut sidecar = Sidecar::read(&sidecar_path)?.ok_or_else(|| missing(&sidecar_path))?;
-    let protocol = definition::from_json(&sidecar_path.display().to_string(), &sidecar.definition)?;
+    let (identity, dataset) = (identity(csv)?, dataset::of(csv)?);
+    [csv, &csv.with_extension("json")]
+        .into_iter()
+        .chain(dataset.as_deref())
+        .chain(csv.parent())
+        .try_for_each(refuse_link)?;
+    let (sidecar_path, mut sidecar, protocol) = Sidecar::of(csv)?;
     let columns = columns(&protocol);
     // This locks the file.
     let open = results::open(csv, &columns)?;
-    let (_lock, _) = LockFile::create(csv, open.is_locked())?;
+    let _lock = LockFile::create(csv, open.is_locked())?;
     let before = results::content(csv)?;
-    let Sorted { header_restored, lines, damaged, kept, has_gaps } =
-        sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
-    let has_gaps = has_gaps && lines.is_empty() && !sidecar.is_repaired();
-    if kept == before && !has_gaps {
-        return Ok(Repaired { lines, moved_to: None, header_restored: false, has_gaps });
+    let (mut repaired, damaged, kept) = sort(&before, (&protocol, &identity, &sidecar), &columns, csv)?;
+    repaired.has_gaps &= repaired.lines.is_empty() && !sidecar.is_repaired();
+    if kept == before && !repaired.has_gaps {
+        return Ok(repaired);
     }
-    let moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
+    repaired.moved_to = (!damaged.is_empty()).then(|| write_new(csv, &damaged)).transpose()?;
+    let Repaired { lines, moved_to, header_restored, has_gaps } = &repaired;
     let name = moved_to.as_ref().and_then(|path| path.file_name()).unwrap_or_default().to_string_lossy();
     let [was, is] = [&before, &kept].map(|content| sha256(content));
     let moved = moved_to.as_ref().map(|_| format!("damaged lines were moved to {name}: {}", lines.len()));
@@ -75,27 +76,16 @@ pub fn repair(csv: &Path) -> Result<Repaired, StoreError> {
     if kept != before {
         write_whole(csv, &kept, true)?;
     }
-    Ok(Repaired { lines, moved_to, header_restored, has_gaps })
+    Ok(repaired)
 }
 
-/// The lines of a data file.
-struct Sorted {
-    header_restored: bool,
-    /// Numbers of the damaged lines.
-    lines: Vec<usize>,
-    damaged: Vec<u8>,
-    /// The header and the other lines.
-    kept: Vec<u8>,
-    /// True if rows are missing between those that are kept.
-    has_gaps: bool,
-}
-
+/// Tells damaged lines from others. Returns what is to repair, the damaged lines, and the header with the other ones.
 fn sort(
     content: &[u8],
     (protocol, identity, sidecar): (&Protocol, &Identity, &Sidecar),
     columns: &[Column],
     csv: &Path,
-) -> Result<Sorted, FileErrors> {
+) -> Result<(Repaired, Vec<u8>, Vec<u8>), FileErrors> {
     let mismatch = |what: String| FileErrors::whole(csv, what);
     let seed = sidecar.seed;
     let schedule = Schedule::new(protocol, identity, seed).map_err(|error| mismatch(error.to_string()))?;
@@ -115,9 +105,8 @@ fn sort(
     let rows: Vec<Option<TrialRecord>> = lines.iter().map(|line| row(&header, line, columns)).collect();
     let [mut replay, mut whole] = [true, false].map(|has_gaps| Replay::new(identity, course.clone(), has_gaps));
     let (mut order, mut known, mut faults) = (Order::new(true, sidecar.sittings.len()), HashSet::new(), Vec::new());
-    let mut sorted =
-        Sorted { header_restored, lines: Vec::new(), damaged: Vec::new(), kept: header.clone(), has_gaps: false };
-    let mut planned = 0;
+    let mut found = Repaired { header_restored, ..Repaired::default() };
+    let (mut damaged, mut kept, mut planned) = (Vec::new(), header.clone(), 0);
     for ((line, row), number) in lines.iter().zip(&rows).zip(first..) {
         let row = row.as_ref().filter(|row| replay.row(row).is_ok());
         planned += usize::from(row.is_some());
@@ -125,11 +114,11 @@ fn sort(
         if let Some(row) = row.filter(|_| errors.is_empty()) {
             order.add(row);
             known.insert(&row.row_id);
-            sorted.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
-            sorted.kept.extend_from_slice(line);
+            found.has_gaps |= whole.row(row).map_or(true, |planned| planned.gap.is_some());
+            kept.extend_from_slice(line);
         } else {
-            sorted.lines.push(number);
-            sorted.damaged.extend_from_slice(line);
+            found.lines.push(number);
+            damaged.extend_from_slice(line);
             faults.extend(row.zip(errors.into_iter().next()));
         }
     }
@@ -150,12 +139,12 @@ fn sort(
     }
     // The beginning of a row that an interrupted write left does not count.
     let open = lines.last().filter(|last| !last.ends_with(b"\n")).map_or(0, |_| 1);
-    let (moved, all) = (sorted.lines.len().saturating_sub(open), lines.len() - open);
+    let (moved, all) = (found.lines.len().saturating_sub(open), lines.len() - open);
     if 2 * moved > all {
         let cause = cause(content, columns);
         return Err(mismatch(format!("{moved} of {all} lines are damaged{cause}; expected at most half of them")));
     }
-    Ok(sorted)
+    Ok((found, damaged, kept))
 }
 
 /// Returns the likely cause if most lines cannot be read: a program that saved the file in its own format.

@@ -1,13 +1,14 @@
-//! The result file of a session: a CSV file with one row per trial. Each row is on disk before the next trial is shown.
+//! The result file of a session: a CSV file with one row per trial. Each row is on disk before the next trial is shown. And its
+//! frames file.
 
 use std::path::Path;
 
 use crate::{
-    experiment::{Column, TrialRecord},
+    experiment::{Column, FrameRun, Schedule, Trial, TrialRecord},
     store::{
         FileErrors, StoreError,
         error::io,
-        file::{AppendFile, complete_lines_or_header, split_partial_line},
+        file::{AppendFile, complete_lines_or_header, exists, split_partial_line},
         open::read_regular,
         table::{self, exactly},
     },
@@ -15,16 +16,6 @@ use crate::{
 
 /// Maximum size in bytes of a session's file. The longest session has 100,000 trials; a row has about 300 bytes.
 pub(in crate::store) const MAX_FILE: u64 = 256 << 20;
-
-/// Creates the file of a new session with its header. An existing file is never touched.
-///
-/// # Errors
-/// [`StoreError::Exists`], or an I/O error.
-pub(super) fn create(path: &Path, columns: &[Column]) -> Result<AppendFile, StoreError> {
-    let mut file = AppendFile::new(path, true, header(columns));
-    file.flush()?;
-    Ok(file)
-}
 
 /// Opens and locks the file of an interrupted session. The file is not changed until the next write, which removes an
 /// incomplete last line.
@@ -81,4 +72,94 @@ pub fn parse(file: &str, content: &[u8], columns: &[Column]) -> Result<Vec<Trial
         |header| exactly(header, columns.iter().map(|column| column.name.as_str())),
         |cells, _| TrialRecord::from_cells(cells, columns),
     )
+}
+
+/// The header row of a frames file.
+pub const FRAMES_HEADER: &str = "sitting,phase,trial,attempt,state,refresh_us,intervals_us";
+/// Maximum size of a frames file that a session continues, in bytes. Frames of 8 hours at 480 Hz have half of it.
+const MAX_FRAMES: u64 = 2 << 30;
+
+/// Returns the line of a run of frames in a sitting, whose number is 1, plus 1 for each time the session was resumed; `None` if
+/// the schedule has no such trial.
+pub fn frames_line(run: &FrameRun, schedule: &Schedule, sitting: u32) -> Option<String> {
+    let Trial { phase, number, .. } = schedule.trials.get(run.trial)?;
+    let refresh = run.refresh.map_or_else(String::new, |refresh| format!("{:.3}", refresh.seconds() * 1e6));
+    let intervals: Vec<String> = run.intervals_us.iter().map(u32::to_string).collect();
+    let (attempt, state) = (run.attempt, run.shown.name());
+    Some(format!("{sitting},{phase},{number},{attempt},{state},{refresh},{}\n", intervals.join(" ")))
+}
+
+/// The frames file of a running session: a CSV file next to the data that contains every frame interval, with one row for each
+/// run of consecutive frames with the same content. Frames describe a session but are not its data, so the session continues if
+/// this file cannot be written. It is created with the first row, so a session without a screen has none.
+#[derive(Debug)]
+pub struct FrameFile(pub(in crate::store) AppendFile);
+
+impl FrameFile {
+    /// Prepares the file of a new session.
+    pub fn new(path: &Path) -> Self {
+        Self(AppendFile::new(path, false, frames_header()))
+    }
+
+    /// Opens the file of a resumed session, and keeps its content except for an incomplete last line.
+    ///
+    /// # Errors
+    /// The file exists but cannot be read or is not a frames file, so it must not be written to.
+    pub fn resume(path: &Path) -> Result<Self, StoreError> {
+        if !exists(path)? {
+            return Ok(Self::new(path));
+        }
+        let file = AppendFile::open(path, false, frames_header(), MAX_FRAMES)?;
+        if !file.content().starts_with(&frames_header()) {
+            let message = format!("is not a frames file; expected the header {FRAMES_HEADER}");
+            return Err(FileErrors::whole(path, message).into());
+        }
+        Ok(Self(file))
+    }
+
+    /// True if the file has no rows.
+    pub fn is_empty(&self) -> bool {
+        self.0.content() == frames_header()
+    }
+
+    /// Appends lines. They are kept in memory from now on, and they are in the file when this returns without an error.
+    /// After an error, the next call tries again. A power failure may lose the last rows, because the session does not wait for
+    /// the disk.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn append(&mut self, lines: &[String]) -> Result<(), StoreError> {
+        if self.is_empty() && lines.is_empty() {
+            return Ok(());
+        }
+        self.0.append(lines.concat().as_bytes())
+    }
+
+    /// Writes everything that is not in the file yet, and waits until it is on disk, so that the file can be sealed.
+    ///
+    /// # Errors
+    /// I/O errors.
+    pub fn sync(&mut self) -> Result<(), StoreError> {
+        if self.is_empty() {
+            return Ok(());
+        }
+        self.append(&[])?;
+        self.0.sync()
+    }
+
+    /// Writes everything into a new file and continues there. The old file is not changed.
+    ///
+    /// # Errors
+    /// The new location cannot be written or already has such a file. In that case, the old one stays in use.
+    pub fn continue_in(&mut self, path: &Path) -> Result<(), StoreError> {
+        if self.is_empty() {
+            *self = Self::new(path);
+            return Ok(());
+        }
+        self.0.continue_in(path)
+    }
+}
+
+fn frames_header() -> Vec<u8> {
+    format!("{FRAMES_HEADER}\n").into_bytes()
 }

@@ -1,5 +1,5 @@
-//! Compares the files of a session with the hashes that were recorded each time a sitting ended. This is the only place
-//! that does so.
+//! Compares the files of a session with the hashes that were recorded each time a sitting ended, and with the chain of the
+//! sessions in a folder. This is the only place that does so.
 
 use std::{
     collections::BTreeMap,
@@ -11,15 +11,17 @@ use std::{
 use sha2::{Digest as _, Sha256};
 
 use super::{
-    dataset::{SIDECAR_SUFFIX, beside},
-    frames,
-    sidecar::Sidecar,
+    dataset::{DATA_FILE, FRAMES_SUFFIX, SIDECAR_SUFFIX, beside},
+    sidecar::{Previous, Sidecar},
 };
-use crate::store::{
-    FileError, StoreError,
-    error::NotData,
-    file::hexadecimal,
-    open::{Complete, open_regular},
+use crate::{
+    store::{
+        FileError, StoreError,
+        error::{NotData, io},
+        file::{exists, hexadecimal},
+        open::{Complete, open_regular},
+    },
+    system::{entries, found},
 };
 
 /// How the incident begins that a user accepted a change of a file.
@@ -106,7 +108,7 @@ impl Hashes {
             Some(data) => Prefixes::of(csv, Ok(data), lengths)?,
             None => Prefixes::of(csv, open(csv), lengths)?,
         };
-        let frames = beside(csv, frames::SUFFIX);
+        let frames = beside(csv, FRAMES_SUFFIX);
         let lengths = sidecar.seals().filter_map(|seal| seal.frames_bytes).collect();
         let has_frames = sidecar.seals().any(|seal| seal.frames_sha256.is_some());
         let frames = (has_frames || is_without_frames(sidecar))
@@ -124,7 +126,7 @@ impl Hashes {
     /// frames file. The seal of the last sitting covers the whole files, and the seals of earlier sittings cover their
     /// beginnings. Every sitting that ended must have a seal.
     pub fn differences(&self, csv: &Path, sidecar: &Sidecar) -> Vec<Difference> {
-        let [sidecar_path, frames] = [SIDECAR_SUFFIX, frames::SUFFIX].map(|suffix| beside(csv, suffix));
+        let [sidecar_path, frames] = [SIDECAR_SUFFIX, FRAMES_SUFFIX].map(|suffix| beside(csv, suffix));
         let last = sidecar.sittings.len().saturating_sub(1);
         let mut found = Vec::new();
         for (sitting, entry) in sidecar.sittings.iter().enumerate() {
@@ -160,7 +162,7 @@ impl Hashes {
 /// True if no frames file belongs to a session: every sitting is sealed without one, and no incident tells of one.
 fn is_without_frames(sidecar: &Sidecar) -> bool {
     let tells = |incident: &String| {
-        incident.starts_with("the frames ") || incident.starts_with(ACCEPTED) && incident.contains(frames::SUFFIX)
+        incident.starts_with("the frames ") || incident.starts_with(ACCEPTED) && incident.contains(FRAMES_SUFFIX)
     };
     sidecar.sittings.iter().all(|sitting| {
         let is_sealed = sitting.seal.as_ref().is_some_and(|seal| seal.frames_sha256.is_none());
@@ -230,4 +232,60 @@ impl Prefixes {
             Some(bytes) => self.of.get(&bytes).cloned().ok_or(format!("has fewer than {bytes} bytes")),
         }
     }
+}
+
+// Each sitting names the session that ended before it, which reveals that a session was deleted as a whole, as no seal can.
+// This chain compares the rows of the last seal, because that seal stays in the sidecar when the session is resumed or
+// repaired, although its files change. Two sessions that end at the same time may name the same one; there is still no gap.
+
+/// Returns the session that ended last in the folder of the data file `csv`, other than its own; `None` if there is none.
+///
+/// # Errors
+/// The folder or a sidecar in it cannot be read.
+pub(super) fn previous(csv: &Path) -> Result<Option<Previous>, StoreError> {
+    let own = csv.with_extension("json");
+    let folder = csv.parent().unwrap_or(csv);
+    let mut others = Vec::new();
+    for path in entries(folder).map_err(io(folder, "read"))? {
+        if path != own && path.to_string_lossy().ends_with(SIDECAR_SUFFIX) {
+            let written = found(&path).and_then(|metadata| metadata.map(|found| found.modified()).transpose());
+            others.extend(written.map_err(io(&path, "access"))?.map(|at| (at, path)));
+        }
+    }
+    others.sort();
+    for (_, path) in others.into_iter().rev() {
+        let sidecar = Sidecar::read(&path)?;
+        let stem = path.file_name().and_then(|name| name.to_str()?.strip_suffix(SIDECAR_SUFFIX));
+        if let (Some(seal), Some(stem)) = (sidecar.as_ref().and_then(|sidecar| sidecar.seals().next_back()), stem) {
+            let data_sha256 = seal.data_sha256.clone();
+            return Ok(Some(Previous { data_file: format!("{stem}{DATA_FILE}"), data_sha256 }));
+        }
+    }
+    Ok(None)
+}
+
+/// Returns a note for each session that is named as the previous one of a sitting and is not as it was then.
+///
+/// # Errors
+/// Its files cannot be read.
+pub(super) fn gaps(csv: &Path, sidecar: &Sidecar) -> Result<Vec<String>, StoreError> {
+    let mut notes = Vec::new();
+    for Previous { data_file, data_sha256 } in sidecar.sittings.iter().filter_map(|sitting| sitting.previous.as_ref()) {
+        let Some(name) = Path::new(data_file).file_name() else { continue };
+        let other = csv.with_file_name(name);
+        let what = if exists(&other)? {
+            match Sidecar::read(&other.with_extension("json")) {
+                Ok(Some(found)) if !found.seals().any(|seal| seal.data_sha256 == *data_sha256) => {
+                    "was replaced, or a change of it was accepted"
+                }
+                // `verify` reports other faults with that session.
+                Ok(_) | Err(StoreError::FileErrors(_)) => continue,
+                Err(error) => return Err(error),
+            }
+        } else {
+            "is no longer here"
+        };
+        notes.push(format!("{data_file}, which ended before this session, {what}"));
+    }
+    Ok(notes)
 }

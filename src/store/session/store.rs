@@ -3,23 +3,18 @@
 use std::{path::Path, sync::Arc};
 
 use super::{
-    chain,
-    dataset::{PARTICIPANTS, SessionPaths},
-    frames::FrameFile,
-    lock::LockFile,
-    participants,
+    dataset::{PARTICIPANTS, SessionPaths, enter},
     recorded::{Replays, replay},
-    results,
-    seal::{Difference, Hashes},
-    sidecar::Sidecar,
-    sitting::{FrameSummary, InputSummary, Seal, Sitting},
+    results::{self, FrameFile},
+    seal::{Difference, Hashes, previous},
+    sidecar::{FrameSummary, Seal, Sidecar, Sitting, missing},
 };
 use crate::{
     experiment::{Answers, Course, Identity, Protocol, Replay, Resumed, Schedule, TrialRecord, columns},
     stimulus::Stimulus,
     store::{
         FileErrors, StoreError, definition,
-        file::{AppendFile, exists, sha256},
+        file::{AppendFile, LockFile, exists, sha256},
         table,
     },
 };
@@ -94,11 +89,12 @@ impl SessionStore {
             }
         }
         let undescribed = paths.prepare(protocol)?;
-        let rows = results::create(&paths.csv, &columns(protocol))?;
+        let mut rows = AppendFile::new(&paths.csv, true, results::header(&columns(protocol)));
+        rows.flush()?;
         let mut sidecar = Sidecar::new(protocol, seed, sitting);
         sidecar.sittings[0].incidents.extend(undescribed);
-        let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|(lock, incident)| {
-            sidecar.sittings[0].incidents.extend(incident);
+        let locked = LockFile::create(&paths.csv, rows.is_locked()).and_then(|lock| {
+            sidecar.sittings[0].incidents.extend(lock.as_ref().map(|_| LockFile::INCIDENT.to_owned()));
             sidecar.write(&paths.sidecar)?;
             Ok(lock)
         });
@@ -136,9 +132,8 @@ impl SessionStore {
     ) -> Result<(Self, Interrupted), StoreError> {
         let found = Found::read(results, protocol, identity, seed, changes)?;
         let is_finished = found.is_finished();
-        let Found { paths, rows, sidecar, differences, replays, recovered } = found;
+        let Found { paths, rows, sidecar, differences, course, replays, recovered } = found;
         let resumed = Resumed { done: replays.done(), ..Resumed::default() };
-        let course = replays.course;
         let partial_line = rows.partial_line().map(str::to_owned);
         let sitting_number = sidecar.sittings.len() as u32 + 1;
         let frames = FrameFile::resume(&paths.frames);
@@ -148,14 +143,13 @@ impl SessionStore {
         store.paths.remove_temporary(true);
         // From here on, the files are changed, unless the session is complete.
         if !is_finished {
-            let (lock, incident) = LockFile::create(&store.paths.csv, store.rows.is_locked())?;
-            store.lock = lock;
+            store.lock = LockFile::create(&store.paths.csv, store.rows.is_locked())?;
             if let Some(first) = differences.iter().map(|difference| difference.sitting).min() {
                 let now = store.seal_of_files();
                 store.sidecar.reseal(first, &now);
             }
             store.sidecar.sittings.push(sitting);
-            incident.into_iter().for_each(|incident| store.note(incident));
+            store.note_lock();
             differences.iter().for_each(|difference| store.note(difference.accepted()));
             if let Some(partial_line) = &partial_line {
                 store.note(format!(
@@ -210,7 +204,7 @@ impl SessionStore {
     fn enter_participant(&mut self) {
         let Some(answers) = &self.sidecar.participant else { return };
         let (dataset, subject) = (&self.paths.dataset, self.identity.subject());
-        if let Err(error) = participants::enter(dataset, subject, &self.protocol.participant, answers) {
+        if let Err(error) = enter(dataset, subject, &self.protocol.participant, answers) {
             self.note(format!("the participant could not be entered into {PARTICIPANTS}: {error}"));
         }
     }
@@ -302,11 +296,15 @@ impl SessionStore {
     fn lock_again(&mut self) {
         self.lock = None;
         match LockFile::create(&self.paths.csv, self.rows.is_locked()) {
-            Ok((lock, incident)) => {
-                self.lock = lock;
-                incident.into_iter().for_each(|incident| self.note(incident));
-            }
+            Ok(lock) => self.lock = lock,
             Err(error) => self.note(error.to_string()),
+        }
+        self.note_lock();
+    }
+
+    fn note_lock(&mut self) {
+        if self.lock.is_some() {
+            self.note(LockFile::INCIDENT.to_owned());
         }
     }
 
@@ -316,7 +314,7 @@ impl SessionStore {
     }
 
     /// Returns the sitting that is running; every sidecar lists one.
-    fn sitting(&mut self) -> &mut Sitting {
+    pub fn sitting(&mut self) -> &mut Sitting {
         let last = self.sidecar.sittings.len() - 1;
         &mut self.sidecar.sittings[last]
     }
@@ -334,17 +332,12 @@ impl SessionStore {
         }
     }
 
-    /// Notes how ratings were timestamped, to be saved with the sidecar.
-    pub fn describe_input(&mut self, input: InputSummary) {
-        self.sitting().input = Some(input);
-    }
-
     /// Ends the sitting, seals the session and writes the sidecar.
     ///
     /// # Errors
     /// I/O errors. Even then, the rows are safe.
     pub fn finish(&mut self, complete: bool, ended_at: String, frames: Option<FrameSummary>) -> Result<(), StoreError> {
-        let previous = chain::previous(&self.paths.csv).unwrap_or_else(|error| {
+        let previous = previous(&self.paths.csv).unwrap_or_else(|error| {
             self.note(format!("the session that ended before this one is not known: {error}"));
             None
         });
@@ -384,6 +377,7 @@ struct Found {
     sidecar: Sidecar,
     /// The differences between the files and their seals, which the user accepted.
     differences: Vec<Difference>,
+    course: Course,
     replays: Replays,
     recovered: Vec<TrialRecord>,
 }
@@ -431,10 +425,7 @@ impl Found {
                 let incidents = vec!["the sidecar of the first sitting was missing on resume".to_owned()];
                 Sidecar::new(protocol, seed.unwrap_or_default(), Sitting { incidents, ..Sitting::default() })
             }
-            None => {
-                let what = "does not exist; expected the sidecar, which says how the rows were recorded";
-                return Err(FileErrors::whole(&paths.sidecar, what).into());
-            }
+            None => return Err(missing(&paths.sidecar).into()),
         };
         let differences = Hashes::read(&paths.csv, &sidecar, None)?.differences(&paths.csv, &sidecar);
         if changes == Changes::Refuse && !differences.is_empty() {
@@ -445,18 +436,18 @@ impl Found {
         let schedule = Schedule::new(protocol, identity, sidecar.seed).map_err(|error| mismatch(error.to_string()))?;
         let course = Course::new(protocol.clone(), schedule);
         let mut anywhere = Replay::new(identity, course.clone(), true);
-        let replays = replay(&paths.csv, course, (identity, &sidecar), &recovered);
+        let (replays, course) = replay(&paths.csv, course, (identity, &sidecar), &recovered);
         if let Some(first) = replays.errors.first().filter(|_| recovered.iter().all(|row| anywhere.row(row).is_err())) {
             // The rows of another session cannot be repaired.
             return Err(mismatch(first.message.clone()).into());
         }
         FileErrors::none(replays.errors.clone()).map_err(repairable)?;
-        Ok(Self { paths, rows, sidecar, differences, replays, recovered })
+        Ok(Self { paths, rows, sidecar, differences, course, replays, recovered })
     }
 
     /// True if every trial is rated and the sidecar says so too, so that there is nothing to do.
     fn is_finished(&self) -> bool {
-        self.replays.left() == 0
+        self.replays.left == 0
             && self.rows.partial_line().is_none()
             && self.sidecar.is_complete()
             && self.differences.is_empty()

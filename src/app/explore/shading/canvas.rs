@@ -160,7 +160,10 @@ fn drag(response: &Response, rect: Rect, compared: &mut Comparison, settings: &m
             settings.line[1] = place;
         }
         _ if response.drag_delta() == Vec2::ZERO => {}
-        _ if is_light => compared.move_light(right, -down),
+        _ if is_light => {
+            let [from_right, from_up] = compared.light_deg();
+            compared.set_light_deg([from_right + right, from_up - down]);
+        }
         _ => compared.turn(right, down),
     }
 }
@@ -266,30 +269,19 @@ fn share(rect: Rect, at: Pos2) -> Pos2 {
 const SCALE: Vec2 = Vec2::new(120.0, 12.0);
 const STEPS: usize = 40;
 
-/// Draws the key to the differences between codes.
-pub fn key_to_difference(ui: &mut egui::Ui) {
-    let most = 255_u8.div_ceil(FACTOR);
-    key(ui, "the same code", gray, &format!("{most} codes apart or more"));
-}
-
-/// Draws the key to the visible difference from the smooth surface. `full_scale` is the difference with the last color,
-/// once it is known.
-pub fn key_to_visible(ui: &mut egui::Ui, full_scale: Option<f64>) {
-    let most = full_scale.map_or_else(String::new, |most| format!("{most:.1} "));
-    key(ui, "as the smooth surface", heat, &format!("{most}times the threshold"));
-}
-
-fn heat(share: f64) -> Color32 {
+/// Returns a color of the visible difference from the smooth surface.
+pub fn heat(share: f64) -> Color32 {
     let [r, g, b] = crease::color(share).map(|encoded| (encoded * 255.0).round() as u8);
     Color32::from_rgb(r, g, b)
 }
 
-fn gray(share: f64) -> Color32 {
+/// Returns a color of the difference between codes.
+pub fn gray(share: f64) -> Color32 {
     Color32::from_gray((share * 255.0).round() as u8)
 }
 
 /// Draws a scale of colors between the names of its ends.
-fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
+pub fn key(ui: &mut egui::Ui, least: &str, color: impl Fn(f64) -> Color32, most: &str) {
     ui.label(secondary(least));
     let (rect, response) = ui.allocate_exact_size(SCALE, Sense::hover());
     describe(&response, &format!("Key: from {least} to {most}"));

@@ -1,5 +1,4 @@
-//! A comparison of two shaders on the same lit surface, and presets: the initial comparison and the figures of
-//! the paper.
+//! A comparison of two shaders on the same lit surface.
 
 use std::path::Path;
 
@@ -7,7 +6,7 @@ use glam::{DMat3, DVec3, EulerRot};
 use serde_json::{Value, json};
 
 use crate::{
-    light::{Depth, Transfer},
+    light::Depth,
     shading::{
         Correction, Mesh, Normals, Scene, Shade, Shader,
         shapes::{self, Shape},
@@ -37,7 +36,6 @@ pub struct Comparison {
     pub scene: Scene,
     /// The left and the right shader.
     pub sides: [Shade; 2],
-    pub transfer: Transfer,
 }
 
 impl Default for Comparison {
@@ -47,18 +45,11 @@ impl Default for Comparison {
             mesh: MeshChoice::Named(Shape::Torus, 200),
             scene: Scene::default(),
             sides: [Shader::Gouraud, Shader::C1Phong].map(Shade::new),
-            transfer: Transfer::Srgb,
         }
     }
 }
 
 impl Comparison {
-    /// Returns this comparison for another transfer function, which belongs to the display and to no preset.
-    #[must_use]
-    pub fn on_display(self, transfer: &Transfer) -> Self {
-        Self { transfer: transfer.clone(), ..self }
-    }
-
     /// Rotates the mesh by `right` degrees to the right and `down` degrees downward, from the viewer's perspective.
     pub fn turn(&mut self, right: f64, down: f64) {
         let before = self.scene.view(1, 1).rotation;
@@ -80,12 +71,6 @@ impl Comparison {
         self.scene.light = DVec3::new(right.sin() * up.cos(), up.sin(), right.cos() * up.cos());
     }
 
-    /// Moves the light by this many degrees.
-    pub fn move_light(&mut self, right: f64, up: f64) {
-        let [from_right, from_up] = self.light_deg();
-        self.set_light_deg([from_right + right, from_up + up]);
-    }
-
     /// Returns all parameters, so that anyone can reproduce the image.
     pub fn describe(&self) -> Value {
         let mut all = describe_scene(&self.scene);
@@ -97,7 +82,6 @@ impl Comparison {
         };
         all["left"] = json!(self.sides[0]);
         all["right"] = json!(self.sides[1]);
-        all["transfer"] = json!(self.transfer.to_string());
         all
     }
 }
@@ -162,45 +146,4 @@ pub fn depth_title(depth: Depth) -> String {
 /// Rounds to at most three decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
-}
-
-/// Returns the presets: the initial comparison and the figures of the paper, each with Gouraud's shader on the left. The
-/// views and lights of the paper's figures are unknown, so all have the initial ones.
-pub fn presets() -> Vec<(&'static str, Comparison)> {
-    let fixed = |n, boundary| Shade { depth: Depth::Finite(n), boundary, ..Shade::new(Shader::Fixed) };
-    let vertex = |n, b| Shade { vertex: Correction::Printed, ..fixed(n, b) };
-    let reweighted = |n, b| Shade { reweight: Correction::Printed, ..fixed(n, b) };
-    let cube = MeshChoice::Named(Shape::Cube, 8);
-    let [coarse, fine] = [313, 771].map(|vertices| MeshChoice::Named(Shape::Blob, vertices));
-    let first = Comparison::default();
-    let presets = [
-        ("Gouraud and C1 normals", first.mesh.clone(), first.sides[1]),
-        ("Gouraud and Patch", first.mesh, Shade::new(Shader::Patch)),
-        ("Figure 8 (a): flat", cube.clone(), Shade::new(Shader::Flat)),
-        ("Figure 8 (b): Gouraud", cube.clone(), Shade::new(Shader::Gouraud)),
-        ("Figure 8 (c): Phong", cube.clone(), Shade::new(Shader::Phong)),
-        ("Figure 8 (d): fixed (3, 0.05)", cube.clone(), fixed(3, 0.05)),
-        ("Figure 8 (e): fixed (3, 0.2)", cube.clone(), fixed(3, 0.2)),
-        ("Figure 8 (f): fixed (3, 0.33)", cube.clone(), fixed(3, 0.33)),
-        ("Figure 8 (g): fixed (5, 0.05)", cube.clone(), fixed(5, 0.05)),
-        ("Figure 8 (h): fixed (5, 0.2)", cube.clone(), fixed(5, 0.2)),
-        ("Figure 8 (i): fixed (5, 0.33)", cube.clone(), fixed(5, 0.33)),
-        ("Figure 9 (a): vertex (3, 0.05)", cube.clone(), vertex(3, 0.05)),
-        ("Figure 9 (b): vertex (3, 0.2)", cube.clone(), vertex(3, 0.2)),
-        ("Figure 9 (c): vertex (3, 0.33)", cube.clone(), vertex(3, 0.33)),
-        ("Figure 10 (a): reweighted (3, 0.05)", cube.clone(), reweighted(3, 0.05)),
-        ("Figure 10 (b): reweighted (3, 0.2)", cube.clone(), reweighted(3, 0.2)),
-        ("Figure 10 (c): reweighted (3, 0.33)", cube, reweighted(3, 0.33)),
-        ("Figure 11 (a): 622, fixed (1, 0.05)", coarse.clone(), fixed(1, 0.05)),
-        ("Figure 11 (b): 622, fixed (3, 0.2)", coarse.clone(), fixed(3, 0.2)),
-        ("Figure 11 (c): 622, vertex (3, 0.2)", coarse.clone(), vertex(3, 0.2)),
-        ("Figure 11 (d): 622, reweighted (3, 0.33)", coarse, reweighted(3, 0.33)),
-        ("Figure 12 (a): 1538, fixed (1, 0.05)", fine.clone(), fixed(1, 0.05)),
-        ("Figure 12 (b): 1538, fixed (3, 0.2)", fine.clone(), fixed(3, 0.2)),
-        ("Figure 12 (c): 1538, vertex (3, 0.2)", fine.clone(), vertex(3, 0.2)),
-        ("Figure 12 (d): 1538, reweighted (3, 0.33)", fine, reweighted(3, 0.33)),
-    ];
-    let comparison =
-        |mesh, shade| Comparison { mesh, sides: [Shade::new(Shader::Gouraud), shade], ..Comparison::default() };
-    presets.into_iter().map(|(name, mesh, shade)| (name, comparison(mesh, shade))).collect()
 }

@@ -5,15 +5,13 @@ use std::ops::RangeInclusive;
 use eframe::egui::{self, Label, RichText, Slider};
 use glam::DVec3;
 
-use super::comparison::{Comparison, MeshChoice, depth_title, presets, shader_title};
+use super::comparison::{Comparison, MeshChoice, depth_title, shader_title};
 use crate::{
     app::ui::{
-        Field,
-        fields::swatch_edge,
-        secondary, text,
+        Field, secondary, text,
         theme::{focus_ring, ink},
     },
-    light::{Depth, Transfer},
+    light::Depth,
     shading::{Correction, Highlight, Scene, Shade, Shader, shapes::Shape},
 };
 
@@ -23,26 +21,13 @@ const LABEL: f32 = 84.0;
 const MAX_VERTICES: f64 = 20_000.0;
 /// Distance of the eye in a perspective view, radii.
 const PERSPECTIVE: f64 = 3.0;
+/// The colors of the surface.
+const COLORS: [(DVec3, &str); 2] = [(DVec3::ONE, "white"), (DVec3::new(1.0, 1.0, 0.0), "yellow")];
 /// The range of a control for a share of the light.
 const SHARE: RangeInclusive<f64> = 0.0..=1.0;
 
 fn field<'a>(label: &'a str, name: &'a str) -> Field<'a> {
     Field::new(label).column(LABEL).named(name)
-}
-
-/// Draws the list of presets.
-pub fn preset(ui: &mut egui::Ui, compared: &mut Comparison) {
-    let presets: Vec<(&str, Comparison)> =
-        presets().into_iter().map(|(name, preset)| (name, preset.on_display(&compared.transfer))).collect();
-    let before = presets.iter().position(|(_, preset)| preset == compared);
-    let mut chosen = before;
-    let all: Vec<Option<usize>> = (0..presets.len()).map(Some).collect();
-    let name = |chosen: &Option<usize>| chosen.map_or("Custom", |i| presets[i].0).to_owned();
-    let list = Field::new("Preset").column(LABEL).choice(ui, &mut chosen, &all, name);
-    list.on_hover_text("Sets the mesh, both shaders, the view, the light and the material.");
-    if let Some(i) = chosen.filter(|_| chosen != before) {
-        compared.clone_from(&presets[i].1);
-    }
 }
 
 /// Draws the controls of one side's renderer.
@@ -119,22 +104,8 @@ pub fn light(ui: &mut egui::Ui, compared: &mut Comparison) {
 
 /// Draws the controls of how the surface reflects light.
 pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
-    field("Color", "Color of the surface").show(ui, |ui, _| {
-        ui.horizontal(|ui| {
-            let mut color = scene.color.as_vec3().to_array();
-            let response = ui.color_edit_button_rgb(&mut color);
-            text::name(ui, &response, "Color of the surface");
-            swatch_edge(ui, &response);
-            if response.changed() {
-                scene.color = DVec3::from_array(color.map(f64::from));
-            }
-            for (name, color) in [("white", DVec3::ONE), ("yellow", DVec3::new(1.0, 1.0, 0.0))] {
-                if ui.button(name).clicked() {
-                    scene.color = color;
-                }
-            }
-        });
-    });
+    let color = |color: &DVec3| COLORS.iter().find(|(one, _)| one == color).map_or("", |(_, name)| name).to_owned();
+    field("Color", "Color of the surface").choice(ui, &mut scene.color, &COLORS.map(|(color, _)| color), color);
     field("Ambient", "Ambient light").slider(ui, &mut scene.ambient, SHARE, 0.01);
     field("Diffuse", "Diffuse light").slider(ui, &mut scene.diffuse, SHARE, 0.01);
     field("Specular", "Specular light").slider(ui, &mut scene.specular, SHARE, 0.01);
@@ -148,15 +119,4 @@ pub fn material(ui: &mut egui::Ui, scene: &mut Scene) {
     if ui.checkbox(&mut perspective, "Perspective").changed() {
         scene.distance = if perspective { PERSPECTIVE } else { f64::INFINITY };
     }
-}
-
-/// Draws the choice of the display's transfer function.
-pub fn transfer(ui: &mut egui::Ui, compared: &mut Comparison) {
-    let transfers = [Transfer::Srgb, Transfer::Gamma(2.2), Transfer::Gamma(1.8), Transfer::Linear];
-    let title = |transfer: &Transfer| match transfer {
-        Transfer::Srgb => "sRGB".to_owned(),
-        Transfer::Linear => "linear".to_owned(),
-        other => other.to_string().replace("gamma:", "gamma "),
-    };
-    field("Display", "Display transfer function").choice(ui, &mut compared.transfer, &transfers, title);
 }

@@ -2,18 +2,15 @@
 //!
 //! | file | contents |
 //! |---|---|
-//! | `comparison` | the comparison; presets |
-//! | `pictures` | drawing, only if something has changed |
-//! | `measures` | visible differences of both sides; light along a line |
+//! | `comparison` | the comparison |
+//! | `pictures` | drawing, only if something has changed; visible differences of both sides; light along a line |
 //! | `canvas` | the image and dragging on it; keys to its colors |
-//! | `controls`, `export` | the panel of controls |
-//! | `page` | the complete page |
+//! | `controls` | the panel of controls |
+//! | `page` | the complete page, and its export |
 
 mod canvas;
 mod comparison;
 mod controls;
-mod export;
-mod measures;
 mod page;
 mod pictures;
 

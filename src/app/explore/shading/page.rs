@@ -1,24 +1,28 @@
 //! The page: lays out the controls and the view, and updates them.
 
-use std::sync::Arc;
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
+use serde_json::{Value, json};
 
 use super::{
     canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    export::{self, Export},
-    measures::{Measured, Measurement, SHORTER_SIDE_DEG, Scan},
-    pictures::{Difference, Picture, Pictures, divided},
+    pictures::{Difference, Measured, Measurement, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided},
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, escaped, folded, hint, say, secondary, text,
+        Bench, Dialog, Field, FileKind, History, Saving, escaped, folded, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
+    display::DisplayProfile,
     light::CodeImage,
     shading::Surface,
+    store::{self, StoreError},
 };
 
 /// Height of the plots below the picture, points.
@@ -38,6 +42,7 @@ const LEAD: f32 = 46.0;
 #[derive(Default)]
 pub struct ShadingPage {
     compared: Comparison,
+    display: DisplayProfile,
     /// The earlier comparisons.
     history: History<Comparison>,
     settings: ViewSettings,
@@ -48,7 +53,9 @@ pub struct ShadingPage {
     scan: Option<Scan>,
     difference: Option<Difference>,
     file: FileField,
-    export: Export,
+    /// The name of the exported file that the user typed; `None` for the suggested one.
+    typed: Option<String>,
+    saving: Saving,
     dragging: bool,
     /// Whether the raw numbers are shown.
     details: bool,
@@ -64,7 +71,8 @@ struct FileField {
 
 impl ShadingPage {
     /// Draws the page; returns whether the user left it.
-    pub fn show(&mut self, ui: &mut egui::Ui) -> bool {
+    pub fn show(&mut self, ui: &mut egui::Ui, display: &DisplayProfile) -> bool {
+        self.display.clone_from(display);
         let escaped = escaped(ui);
         let width = (ui.available_width() * 0.36).clamp(272.0, 340.0);
         let (controls, export, view) = (Self::controls, Self::export, Self::sized_view);
@@ -93,7 +101,6 @@ impl ShadingPage {
                 the triangles are Mach bands: the visual system produces them where the slope of the luminance changes \
                 abruptly.",
         );
-        controls::preset(ui, &mut self.compared);
         let mesh = self.compared.mesh.clone();
         self.history.show(ui, &mut self.compared, Comparison::default());
         if self.compared.mesh != mesh {
@@ -111,7 +118,6 @@ impl ShadingPage {
         ui.separator();
         controls::light(ui, &mut self.compared);
         controls::material(ui, &mut self.compared.scene);
-        controls::transfer(ui, &mut self.compared);
     }
 
     fn file_field(&mut self, ui: &mut egui::Ui) {
@@ -240,8 +246,15 @@ impl ShadingPage {
             ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
             match self.settings.layer {
                 Layer::Split => text::two_lines(ui, drag, ink(ui).dim, 2),
-                Layer::Difference => canvas::key_to_difference(ui),
-                Layer::Visible => canvas::key_to_visible(ui, self.measured().ok().map(|measured| measured.full_scale)),
+                Layer::Difference => {
+                    let most = format!("{} codes apart or more", u8::MAX.div_ceil(FACTOR));
+                    canvas::key(ui, "the same code", canvas::gray, &most);
+                }
+                Layer::Visible => {
+                    let most =
+                        self.measured().map_or_else(|_| String::new(), |known| format!("{:.1} ", known.full_scale));
+                    canvas::key(ui, "as the smooth surface", canvas::heat, &format!("{most}times the threshold"));
+                }
             }
         });
     }
@@ -277,7 +290,8 @@ impl ShadingPage {
             self.load(ctx, self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
-        let pictures = Pictures::updated(ctx, self.pictures.take(), surface, &self.compared, size);
+        let pictures =
+            Pictures::updated(ctx, self.pictures.take(), surface, (&self.compared, &self.display.transfers), size);
         if !self.dragging {
             self.visible.want(ctx, &pictures);
         }
@@ -374,18 +388,56 @@ impl ShadingPage {
         Some(divided([&left, &right], self.settings.column(left.width)))
     }
 
+    /// Draws the controls that save the view as PNG.
     fn export(&mut self, ui: &mut egui::Ui) {
-        let mut export = std::mem::take(&mut self.export);
-        if let Some(pictures) = &self.pictures {
-            let compared = &pictures.compared;
-            export.show(ui, compared, || {
-                let image = self.pixels()?;
-                let full_scale = self.measured().ok().map(|measured| measured.full_scale);
-                let size = [image.width, image.height];
-                let parameters = export::parameters(compared, &self.settings, size, full_scale);
-                Some((image, parameters))
-            });
+        let Some(compared) = self.pictures.as_ref().map(|pictures| &pictures.compared) else { return };
+        let mut name = self.typed.clone().unwrap_or_else(|| suggested(compared));
+        let width = ui.available_width();
+        if Field::new("Export to").width(width).text(ui, &mut name).changed() {
+            self.typed = Some(name.clone()).filter(|name| !name.trim().is_empty());
+            self.saving = Saving::default();
         }
-        self.export = export;
+        let path = PathBuf::from(name.trim());
+        let mut saving = std::mem::take(&mut self.saving);
+        saving.export(ui, "Export", &path, &["png"], |writer, _| {
+            let not_ready = || StoreError::Protected {
+                path: path.clone(),
+                what: "this view is not ready yet; try again in a moment".to_owned(),
+            };
+            let (pictures, image) = self.pictures.as_ref().zip(self.pixels()).ok_or_else(not_ready)?;
+            let parameters = self.parameters(pictures, [image.width, image.height]);
+            store::image::write_shaded(writer, &path, &image, &pictures.transfers, &parameters)
+        });
+        saving.show(ui);
+        self.saving = saving;
     }
+
+    /// Returns the parameters of the view, for the exported file.
+    fn parameters(&self, pictures: &Pictures, size: [u32; 2]) -> Value {
+        let mut all = pictures.compared.describe();
+        all["transfer"] = json!(pictures.transfers.to_string());
+        all["size"] = json!(size);
+        let column = self.settings.column(size[0]);
+        all["view"] = match self.settings.layer {
+            Layer::Split => json!({"show": "split", "right_from_column": column}),
+            Layer::Difference => json!({"show": "difference of codes", "factor": FACTOR}),
+            Layer::Visible => json!({
+                "show": "visible difference from the smooth surface",
+                "right_from_column": column,
+                "shorter_side_deg": SHORTER_SIDE_DEG,
+                "judged_from_px": [SIDE_PX, SIDE_PX],
+                "full_scale": self.measured().ok().map(|measured| measured.full_scale),
+            }),
+        };
+        all["program"] = json!(concat!("machband ", env!("CARGO_PKG_VERSION")));
+        all
+    }
+}
+
+/// Returns a file name that says what is compared.
+fn suggested(compared: &Comparison) -> String {
+    let title = compared.mesh.title();
+    let stem = Path::new(&title).file_stem().unwrap_or_default().to_string_lossy();
+    let [left, right] = compared.sides.map(|side| side.shader);
+    format!("{stem}-{left}-{right}.png")
 }

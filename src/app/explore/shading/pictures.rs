@@ -1,14 +1,20 @@
-//! Draws the two images of a comparison. Redraws them only if something has changed.
+//! Draws the two images of a comparison, only if something has changed, and measures them. The visible difference from the
+//! smooth surface is computed on a separate thread while nothing is dragged. Light and its slope along a line are computed
+//! by the shaders rather than from pixels.
 
 use std::sync::Arc;
 
-use eframe::egui::{self, ColorImage, TextureHandle, TextureId};
+use eframe::egui::{self, ColorImage, Pos2, TextureHandle, TextureId};
+use egui_plot::Line;
+use glam::{DVec2, DVec3};
 
 use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
-    app::ui::pixels,
-    light::{Bits, CodeImage, Quantizer, Samples},
-    shading::{Frame, Shade, Surface, image},
+    app::ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
+    light::{Bits, CodeImage, Quantizer, Samples, Transfers},
+    shading::{Frame, Shade, Shader, Surface, crease, image},
+    stimulus::{Judged, ViewingConditions, along, emitted},
+    vision::luminance,
 };
 
 /// The picture of one side.
@@ -35,8 +41,9 @@ impl Picture {
 
 /// Both pictures of a comparison at a size.
 pub struct Pictures {
-    /// The comparison that they show.
+    /// The comparison that they show, and the transfer functions of the display for which they were drawn.
     pub compared: Comparison,
+    pub transfers: Transfers,
     /// The surface that they show.
     pub surface: Arc<Surface>,
     /// A number that increases whenever either image changes.
@@ -53,21 +60,23 @@ impl Pictures {
         ctx: &egui::Context,
         before: Option<Pictures>,
         surface: &Arc<Surface>,
-        compared: &Comparison,
+        (compared, transfers): (&Comparison, &Transfers),
         size: [u32; 2],
     ) -> Pictures {
         let edition = before.as_ref().map_or(0, |before| before.edition + 1);
         let is_right = |p: &Pictures| {
-            [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface) && p.compared == *compared
+            let same = p.compared == *compared && p.transfers == *transfers;
+            same && [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface)
         };
         if let Some(before) = before.filter(is_right) {
             return before;
         }
         let frame = compared.scene.frame(surface, size[0], size[1]);
-        let quantizer = Quantizer::new(&compared.transfer, Bits::Eight);
+        let quantizer = Quantizer::new(transfers.clone(), Bits::Eight);
         let draw = |which: usize| Picture::draw(ctx, &frame, &compared.sides[which], &quantizer);
         let sides = [0, 1].map(draw);
-        Pictures { compared: compared.clone(), surface: surface.clone(), edition, frame, sides }
+        let (compared, transfers) = (compared.clone(), transfers.clone());
+        Pictures { compared, transfers, surface: surface.clone(), edition, frame, sides }
     }
 }
 
@@ -102,4 +111,169 @@ fn combined(left: &CodeImage, right: &CodeImage, code: impl Fn(u32, u8, u8) -> u
     let row = left.width.max(1) as usize * 3;
     let codes = a.iter().zip(b).enumerate().map(|(i, (a, b))| code((i % row / 3) as u32, *a, *b)).collect();
     CodeImage { width: left.width, height: left.height, samples: Samples::Eight(codes) }
+}
+
+/// Side of the square image used for predictions, pixels, which shows the whole mesh: the prediction does not depend on the
+/// room for the picture. A larger image would take longer and change it little.
+pub const SIDE_PX: u32 = 512;
+/// Assumed size of the shorter side of the picture, degrees.
+pub const SHORTER_SIDE_DEG: f64 = 10.0;
+
+/// How visible the difference of both sides from the smooth surface is.
+pub struct Measured {
+    /// The largest difference, times threshold.
+    pub largest: [f64; 2],
+    /// The same relative to Gouraud's, if that differs at all.
+    pub over_gouraud: [Option<f64>; 2],
+    pub maps: [CodeImage; 2],
+    /// The difference with the last color of the maps.
+    pub full_scale: f64,
+}
+
+/// The measurement of the displayed images.
+#[derive(Default)]
+pub struct Measurement {
+    latest: Latest<u64, Measured>,
+    textures: Option<(u64, [TextureHandle; 2])>,
+}
+
+impl Measurement {
+    /// Starts to measure the images, unless that is done or in progress.
+    pub fn want(&mut self, ctx: &egui::Context, pictures: &Pictures) {
+        let edition = pictures.edition;
+        self.latest.want(ctx, edition, || {
+            let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
+            let size = [pictures.frame.width, pictures.frame.height];
+            move || visible(&compared, &surface, size)
+        });
+        if let Some(Ok(measured)) = self.latest.get(&edition)
+            && self.textures.as_ref().is_none_or(|(of, _)| *of != edition)
+        {
+            self.textures = Some((edition, measured.maps.each_ref().map(|map| pixels::texture(ctx, "map", map))));
+        }
+    }
+
+    /// Returns the measurement of this version of the images, or why there is none; `None` while it is computed.
+    pub fn get(&self, edition: u64) -> Option<&Result<Measured, String>> {
+        self.latest.get(&edition)
+    }
+
+    /// Returns the maps as textures, if available.
+    pub fn textures(&self, edition: u64) -> Option<&[TextureHandle; 2]> {
+        self.textures.as_ref().filter(|(of, _)| *of == edition).map(|(_, textures)| textures)
+    }
+}
+
+/// The color of a map beside the mesh, encoded.
+const BESIDE: [f64; 3] = [0.2; 3];
+
+/// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
+fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
+    let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
+    let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
+    let judged = Judged::known(&frame);
+    let judge = |side: &Shade| {
+        let found = judged.difference(&viewing, &emitted(&frame, side));
+        found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
+    };
+    let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
+    let gouraud = match compared.sides.iter().position(Shade::is_gouraud) {
+        Some(which) => sides[which].largest,
+        None => judge(&Shade::new(Shader::Gouraud))?.largest,
+    };
+    let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
+    let maps = sides.each_ref().map(|side| {
+        let (times, [across, down]) = (side.map.enlarged(), size);
+        // The square is in the middle of the picture.
+        let shorter = across.min(down).max(1);
+        let from = |place: u32, side: u32| {
+            let place = place.checked_sub((side - shorter) / 2)? * SIDE_PX / shorter;
+            (place < SIDE_PX).then_some(place as usize)
+        };
+        let color = |x: u32, y: u32| {
+            let pixel = from(x, across).zip(from(y, down)).map(|(x, y)| y * SIDE_PX as usize + x);
+            let shown = pixel.filter(|pixel| judged.shown()[*pixel]);
+            let color = shown.map_or(BESIDE, |pixel| crease::color(times[pixel] / full_scale));
+            color.map(|encoded| (encoded * 255.0).round() as u8)
+        };
+        let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
+        CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }
+    });
+    let largest = sides.each_ref().map(|side| side.largest);
+    let over_gouraud = largest.map(|largest| (gouraud > 0.0).then(|| largest / gouraud));
+    Ok(Measured { largest, over_gouraud, maps, full_scale })
+}
+
+/// Samples per pixel of the scan line, and the maximum number of samples.
+const DENSITY: f64 = 4.0;
+const MAX_SAMPLES: f64 = 4096.0;
+
+/// A curve in pieces; there are gaps where the line does not cross the surface.
+type Curve = Vec<Vec<[f64; 2]>>;
+
+/// The curves of both sides. The horizontal axis is the distance from the start of the line in pixels.
+pub struct Scan {
+    edition: u64,
+    line: [Pos2; 2],
+    light: [Curve; 2],
+    slope: [Curve; 2],
+}
+
+impl Scan {
+    /// Returns the curves along the scan line, or `before` if they are up to date.
+    pub fn updated(before: Option<Scan>, pictures: &Pictures, line: [Pos2; 2]) -> Scan {
+        if let Some(before) = before.filter(|before| before.edition == pictures.edition && before.line == line) {
+            return before;
+        }
+        let (frame, compared) = (&pictures.frame, &pictures.compared);
+        let size = DVec2::new(f64::from(frame.width), f64::from(frame.height));
+        let ends = line.map(|end| DVec2::new(f64::from(end.x), f64::from(end.y)) * size);
+        let length = ends[0].distance(ends[1]);
+        let count = (length * DENSITY).clamp(0.0, MAX_SAMPLES) as usize;
+        let light = compared.sides.map(|side| {
+            let lights = along(frame, &side, ends, count);
+            let at = |i: usize, light: DVec3| {
+                [(i as f64 + 0.5) / count as f64 * length, luminance(light.as_vec3().to_array())]
+            };
+            let points: Vec<_> = lights.into_iter().enumerate().map(|(i, light)| Some(at(i, light?))).collect();
+            let pieces = points.split(Option::is_none).filter(|piece| !piece.is_empty());
+            pieces.map(|piece| piece.iter().flatten().copied().collect()).collect::<Curve>()
+        });
+        let slope = light.each_ref().map(|curve| curve.iter().map(|piece| slopes(piece)).collect());
+        Scan { edition: pictures.edition, line, light, slope }
+    }
+
+    /// Draws both plots side by side in the remaining space of the page.
+    pub fn show(&self, ui: &mut egui::Ui, titles: &[String; 2]) {
+        let spacing = ui.spacing().item_spacing.x;
+        let size = egui::vec2((ui.available_width() - spacing) / 2.0, ui.available_height());
+        ui.horizontal(|ui| {
+            for (what, curves) in [("light", &self.light), ("slope, light per pixel", &self.slope)] {
+                ui.allocate_ui(size, |ui| ui.vertical(|ui| plot(ui, what, titles, curves)));
+            }
+        });
+    }
+}
+
+fn plot(ui: &mut egui::Ui, what: &str, titles: &[String; 2], curves: &[Curve; 2]) {
+    hint(ui, format!("{what}, along the scan line"));
+    let sides = ink(ui).sides();
+    let plot = still_plot(ui, what, ["pixels from the ring", ""])
+        .width(ui.available_width())
+        .height(ui.available_height())
+        .y_axis_min_width(44.0);
+    let plot = plot.show(ui, |plot| {
+        for ((pieces, color), title) in curves.iter().zip(sides).zip(titles) {
+            for piece in pieces {
+                plot.line(Line::new(title.clone(), piece.clone()).color(color).width(1.5));
+            }
+        }
+    });
+    describe(&plot.response, &format!("Plot: {what} along the scan line"));
+}
+
+/// Returns the slope between each pair of neighboring points, placed at their midpoint.
+fn slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let slope = |pair: &[[f64; 2]]| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+    points.windows(2).map(|pair| [(pair[0][0] + pair[1][0]) / 2.0, slope(pair)]).collect()
 }
