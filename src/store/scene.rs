@@ -129,11 +129,11 @@ table! {
         reweight: Correction = Correction::Off;
         color: [f64; 3] = [1.0; 3], 0.0..=1.0;
         specular_color: [f64; 3] = [1.0; 3], 0.0..=1.0;
-        ambient: f64 = Material::standard().ambient, 0.0..=1.0;
-        diffuse: f64 = Material::standard().diffuse, 0.0..=1.0;
-        specular: f64 = Material::standard().specular, 0.0..=1.0;
+        ambient: f64 = 0.1, 0.0..=1.0;
+        diffuse: f64 = 0.6, 0.0..=1.0;
+        specular: f64 = 0.3, 0.0..=1.0;
         highlight: Highlight = Highlight::Phong;
-        shininess: f64 = Material::standard().shininess, 1.0..=1000.0;
+        shininess: f64 = 20.0, 1.0..=1000.0;
         facet_slope: Option<f64> = None, 0.001..=10.0;
         facet_c1: Option<f64> = None, 0.0..=1e6;
         facet_index: Option<f64> = None, 1.0..=1000.0;
