@@ -61,7 +61,7 @@ fn quest() -> Quest {
 fn quest_plus(bencher: Bencher) {
     bencher.with_inputs(quest).bench_values(|mut quest| {
         let level = quest.choose();
-        quest.learn(black_box(level), true);
+        quest.learn(Some(black_box(level)), true);
         quest.choose()
     });
 }

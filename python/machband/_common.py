@@ -215,9 +215,9 @@ def texts(name: str, given: Any) -> str:
     if isinstance(given, str):
         return given
     try:
-        if isinstance(given, (bytes, set, frozenset, Mapping)):
-            raise TypeError
         cells = ["NA" if one is None or one != one else text(name, one) for one in given]
+        if isinstance(given, (bytes, set, frozenset, Mapping)) or (name == "categories" and "NA" in cells):
+            raise TypeError
         # Terms have quotes of their own, such as those of the name "near:far".
         return ",".join(one if name == "terms" and '"' in one else _quoted(one) for one in cells)
     except TypeError:

@@ -74,8 +74,7 @@ impl Definition {
     /// Returns the trials of a session as a table. `condition` counts the conditions from 0.
     fn schedule<'py>(&self, py: Python<'py>, participant: &str, session: &str, seed: u64) -> PyResult<Described<'py>> {
         let identity = Identity::new(participant, session).map_err(error)?;
-        let protocol = self.0.clone();
-        let schedule = job::run(py, None, false, move |_| Ok(Schedule::new(&protocol, &identity, seed)?))?;
+        let schedule = py.detach(|| Schedule::new(&self.0, &identity, seed)).map_err(error)?;
         let shown = |trial: &Trial| match (trial.planned_pair(&self.0), self.0.pairs()) {
             (Some(pair), _) => pair.to_vec(),
             (None, None) => vec![trial.condition],

@@ -112,9 +112,10 @@ pub fn parameters(py: Python<'_>, kind: &str, given: Given) -> PyResult<Vec<Abou
 /// Numbers of any shape.
 type Numbers<'py> = PyReadonlyArrayDyn<'py, f64>;
 
-/// Applies `f` to every element.
-fn map<'py>(py: Python<'py>, values: &Numbers<'py>, f: impl Fn(f64) -> f64) -> Bound<'py, PyArrayDyn<f64>> {
-    values.as_array().mapv(f).into_pyarray(py)
+/// Applies `f` to every element, without the interpreter's lock.
+fn map<'py>(py: Python<'py>, values: &Numbers<'py>, f: impl Fn(f64) -> f64 + Send) -> Bound<'py, PyArrayDyn<f64>> {
+    let values = values.as_array().to_owned();
+    py.detach(|| values.mapv_into(f)).into_pyarray(py)
 }
 
 /// Returns I_n of every element.

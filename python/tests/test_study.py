@@ -293,6 +293,7 @@ def test_generators_of_numpy_are_seeds():
         ({"subject_id": ["a"], "rating": [1]}, {"response": ["rating"]}, TypeError, r"response is \['rating'\]; expected text"),
         ({"subject_id": ["a"], "rating": [1]}, {"wide": []}, machband.Error, "wide"),
         ({"subject_id": ["a"], "rating": ["x"]}, {"categories": {"x", "y"}}, TypeError, "categories is {.*; expected a list of texts"),
+        ({"subject_id": ["a"], "rating": [1]}, {"categories": [0, np.nan, 1]}, TypeError, "categories is .*; expected a list of texts"),
         ({"subject_id": ["a"], "rating": [3]}, {"missing": b"3"}, TypeError, "missing is b'3'; expected a list of texts"),
     ],
 )

@@ -79,29 +79,17 @@ pub(super) fn run(arguments: &Arguments, writer: &Writer) -> anyhow::Result<()> 
 }
 
 /// The columns of a plan that are printed.
-const RATINGS: &[&str] =
-    &["participants", "term", "test", "effect_logits", "above", "below", "power", "false_alarms", "ci_low", "ci_high"];
-const THRESHOLDS: &[&str] = &[
-    "participants",
-    "trials",
-    "estimate",
-    "truth",
-    "missing",
-    "half_width",
-    "error",
-    "power",
-    "false_alarms",
-    "ci_low",
-    "ci_high",
-];
+const RATINGS: &str = "participants term test effect_logits above below power false_alarms ci_low ci_high";
+const THRESHOLDS: &str =
+    "participants trials estimate truth missing power false_alarms ci_low ci_high half_width error";
 
 /// Formats these columns of a table, with three decimals.
-fn shown(table: &Table, names: &[&str]) -> Vec<String> {
+fn shown(table: &Table, names: &str) -> Vec<String> {
     let text = |cell: &Cell| match cell {
         Cell::Number(number) => Shown::new(*number, format!("{number:.3}")),
         cell => Shown::new(cell.clone(), cell.to_string()),
     };
-    let is_shown = |column: &&Column| names.contains(&column.name.as_str());
+    let is_shown = |column: &&Column| names.split(' ').any(|name| name == column.name);
     let table = Table { columns: table.columns.iter().filter(is_shown).cloned().collect() };
     let rows: Vec<Vec<Shown>> = table.rows().map(|row| row.into_iter().map(text).collect()).collect();
     let names: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! What the definition of an experiment says.
+//! What the definition of an experiment says, and the scripts in which the window can show its texts.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ pub const MAX_RATING: u8 = 3;
 /// The definition of an experiment: what is varied, in what order it is shown, and how it is shown and rated. A
 /// [`Protocol`](super::Protocol) is a definition without errors. It is serialized in the form of its file, so that the
 /// copy in a sidecar can be read back; texts that equal their defaults are left out.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Definition {
     /// Version of the definition's format; 1.
     pub schema: u32,
@@ -214,24 +214,7 @@ impl Default for ViewingPlan {
 impl Definition {
     /// Creates a definition with a name and a stimulus. Everything else has its default: one trial without factors.
     pub fn new(name: String, stimulus: Stimulus) -> Self {
-        Self {
-            schema: 1,
-            title: name.clone(),
-            name,
-            stimulus,
-            factors: Vec::new(),
-            design: Design::default(),
-            recovery: Recovery::default(),
-            presentation: None,
-            task: Task::default(),
-            adaptive: None,
-            response: ResponseScale::default(),
-            viewing: ViewingPlan::default(),
-            participant: ParticipantFields::default(),
-            instructions: Texts::default(),
-            session: SessionRules::default(),
-            plan: Plan::default(),
-        }
+        Self { schema: 1, title: name.clone(), name, stimulus, ..Self::default() }
     }
 
     /// Returns the name without hyphens, for file names: a Psych-DS keyword value must be alphanumeric.

@@ -165,6 +165,21 @@ impl Default for OrderedLogit {
 }
 
 impl OrderedLogit {
+    /// Returns each parameter that is a number, with its name and its range.
+    pub fn parameters(&mut self) -> [(&'static str, &mut f64, [f64; 2]); 9] {
+        [
+            ("subject_sd", &mut self.subject_sd, [0.0, 100.0]),
+            ("depth", &mut self.depth, [-1000.0, 1000.0]),
+            ("infinite_as", &mut self.infinite_as, [1.0, 1000.0]),
+            ("strongest_width", &mut self.strongest_width, [1e-6, 1.0]),
+            ("fall", &mut self.fall, [-1000.0, 1000.0]),
+            ("narrow", &mut self.narrow, [-1000.0, 1000.0]),
+            ("oblique", &mut self.oblique, [-1000.0, 1000.0]),
+            ("contrast", &mut self.contrast, [-1000.0, 1000.0]),
+            ("lapse", &mut self.lapse, [0.0, 1.0]),
+        ]
+    }
+
     /// Returns the linear predictor η of a stimulus for a participant, or −∞ if there is no band to see.
     pub fn predictor(&self, stimulus: &Stimulus, subject: f64) -> f64 {
         let number = |name: &str| Cell::from(stimulus.get(name)?).as_number();

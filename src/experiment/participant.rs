@@ -79,37 +79,25 @@ struct Known {
     open: bool,
 }
 
+const fn known([name, label, description]: [&'static str; 3], choices: &'static [&'static str], open: bool) -> Known {
+    Known { name, label, description, choices, open }
+}
+
 /// The names with a meaning of their own.
 const KNOWN: [Known; 5] = [
-    Known { name: "age", label: "Age in years", description: "Age of the participant.", choices: &[], open: true },
-    Known {
-        name: "sex",
-        label: "Sex",
-        description: "Sex, as reported by the participant.",
-        choices: &["female", "male", "other"],
-        open: false,
-    },
-    Known {
-        name: "handedness",
-        label: "Handedness",
-        description: "Handedness, as reported by the participant.",
-        choices: &["right", "left", "ambidextrous"],
-        open: false,
-    },
-    Known {
-        name: "vision",
-        label: "How do you see the screen?",
-        description: "Vision during the session, as reported by the participant.",
-        choices: &["without glasses", "with glasses", "with contact lenses"],
-        open: true,
-    },
-    Known {
-        name: "consent",
-        label: "Consent",
-        description: "Day on which the participant agreed to the text of the definition.",
-        choices: &[],
-        open: true,
-    },
+    known(["age", "Age in years", "Age of the participant."], &[], true),
+    known(["sex", "Sex", "Sex, as reported by the participant."], &["female", "male", "other"], false),
+    known(
+        ["handedness", "Handedness", "Handedness, as reported by the participant."],
+        &["right", "left", "ambidextrous"],
+        false,
+    ),
+    known(
+        ["vision", "How do you see the screen?", "Vision during the session, as reported by the participant."],
+        &["without glasses", "with glasses", "with contact lenses"],
+        true,
+    ),
+    known(["consent", "Consent", "Day on which the participant agreed to the text of the definition."], &[], true),
 ];
 
 /// The columns that `participants.tsv` and its export have for other things.

@@ -72,8 +72,8 @@ impl Protocol {
         if errors.0.is_empty() { Ok(Self { definition, conditions, pairs }) } else { Err(errors.0) }
     }
 
-    /// Checks that the parameters that the task adjusts or adapts change what it shows, and so do those of a reference. This draws stimuli, so it is for
-    /// definitions that are written; those of recorded sessions were checked.
+    /// Checks that the parameters that the task adjusts or adapts, and those of a reference, change what it shows. This draws
+    /// stimuli, so it is for definitions that are written; those of recorded sessions were checked.
     ///
     /// # Errors
     /// Returns an error for each parameter that changes nothing.
@@ -346,27 +346,17 @@ impl Definition {
         }
         let picks = self.picks();
         let dial = self.task.dial().and_then(|dial| Some((dial.parameter?, dial.range)));
-        let ends = dial.as_ref().map_or(vec![None], |(name, [low, high])| {
-            vec![Some((name, low, "task.low")), Some((name, high, "task.high"))]
-        });
-        for condition in conditions {
-            let turn =
-                |place: u32, [level, second]: [_; 2]| Turn { condition, other: None, place, draw: 1.0, level, second };
-            let turns = (0..self.task.places()).flat_map(|place| picks.iter().map(move |pick| turn(place, *pick)));
-            for (turn, end) in turns.flat_map(|turn| ends.iter().map(move |end| (turn, *end))) {
-                let shown = self.task.present(&turn).stimuli.into_iter();
-                let mut shown = shown.map(|stimulus| match end {
-                    Some((name, end, _)) => at_level(stimulus, name, *end),
-                    None => stimulus,
-                });
-                let Some(error) = shown.find_map(|stimulus| stimulus.validate().err()?.into_iter().next()) else {
-                    continue;
-                };
-                let is_adapted = targets(condition, &picks).any(|target| target.validate().is_err());
-                let of_reference = || self.task.reference().map(|_| "task.reference");
-                let of_task = || end.map(|(.., key)| key).or_else(of_reference).unwrap_or("task");
-                errors.add(if is_adapted { "adaptive.parameter" } else { of_task() }, error.to_string());
-                return;
+        let reference = self.task.reference().cloned().unwrap_or_default();
+        for target in conditions.iter().flat_map(|condition| targets(condition, &picks)) {
+            let other = reference.apply(&target).unwrap_or_else(|_| target.clone());
+            let shown = match &dial {
+                Some((name, [low, high])) => [("task.low", low), ("task.high", high)]
+                    .map(|(key, end)| (key, at_level(target.clone(), name, *end))),
+                None => [("adaptive.parameter", target), ("task.reference", other)],
+            };
+            let wrong = |(path, stimulus): (_, Stimulus)| Some((path, stimulus.validate().err()?.into_iter().next()?));
+            if let Some((path, error)) = shown.into_iter().find_map(wrong) {
+                return errors.add(path, error.to_string());
             }
         }
         let Some(reference) = self.task.reference() else { return };

@@ -366,7 +366,7 @@ fn levels(protocol: &Protocol, column: &str) -> serde_json::Map<String, serde_js
 }
 
 /// A rating, or several equal ratings, from any file: the part of a row that an analysis needs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RatingRow<'a> {
     /// The participant.
     pub subject: &'a str,

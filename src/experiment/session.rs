@@ -204,10 +204,8 @@ pub struct Progress {
     pub done: usize,
     /// Number of trials planned.
     pub total: usize,
-    /// Time remaining, estimated from the pace so far; `None` before the first rating.
-    pub remaining: Option<Duration>,
-    /// Time remaining, estimated from the definition.
-    pub planned: Duration,
+    /// Time remaining, estimated from the pace so far or, before the first rating, from the definition.
+    pub remaining: Duration,
 }
 
 /// A running session.
@@ -365,9 +363,9 @@ impl Session {
         let total = self.schedule().trials.len();
         let left = self.missing[self.position..].iter().filter(|trial| !self.course.is_over(**trial)).count();
         let (time, rated) = self.pace;
-        let planned = Duration::try_from_secs_f64(self.protocol().trial_s() * left as f64).unwrap_or_default();
-        let remaining = (rated > 0).then(|| time / rated * left as u32);
-        Progress { done: total - left, total, remaining, planned }
+        let planned = || Duration::try_from_secs_f64(self.protocol().trial_s() * left as f64).unwrap_or_default();
+        let remaining = if rated > 0 { time / rated * left as u32 } else { planned() };
+        Progress { done: total - left, total, remaining }
     }
 
     /// Returns whether [`Event::Back`] would have an effect now. A page after a rating leads only forward; there, the

@@ -85,12 +85,13 @@ pub fn reaches(channel: &[f64], width: usize) -> (Vec<[f64; 2]>, bool) {
     levels.iter().enumerate().for_each(|(i, level)| place[*level as usize] = i);
     let beside = channel.chunks_exact(width).flat_map(|row| row.iter().zip(&row[1..]));
     let beside = beside.chain(channel.iter().zip(channel.iter().skip(width)));
-    let changes: Vec<[usize; 2]> =
-        beside.filter(|(a, b)| a != b).map(|(a, b)| [a.min(*b) as usize, a.max(*b) as usize]).collect();
-    let is_most =
-        |of: &dyn Fn(&[usize; 2]) -> bool| 2 * changes.iter().filter(|change| of(change)).count() > changes.len();
+    let changes: Vec<[u16; 2]> =
+        beside.filter(|(a, b)| a != b).map(|(a, b)| [a.min(*b) as u16, a.max(*b) as u16]).collect();
+    let is_most = |of: &dyn Fn([usize; 2]) -> bool| {
+        2 * changes.iter().filter(|change| of(change.map(usize::from))).count() > changes.len()
+    };
     let apart: Vec<u32> = levels.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let has_steps = is_most(&|[low, high]| place[*high] - place[*low] == 1);
+    let has_steps = is_most(&|[low, high]| place[high] - place[low] == 1);
     let half = |i: usize| {
         let near = &apart[i.saturating_sub(NEAR)..apart.len().min(i + NEAR + 1)];
         // It is like itself.
@@ -104,7 +105,7 @@ pub fn reaches(channel: &[f64], width: usize) -> (Vec<[f64; 2]>, bool) {
         let [below, above] = [i.checked_sub(1).and_then(|below| halves.get(below)), halves.get(i)];
         reaches[*level as usize] = [below.or(above), above.or(below)].map(|half| half.copied().unwrap_or(0.5));
     }
-    let is_edges = is_most(&|[low, high]| (high - low) as f64 > reaches[*low][1] + reaches[*high][0]);
+    let is_edges = is_most(&|[low, high]| (high - low) as f64 > reaches[low][1] + reaches[high][0]);
     (reaches, is_edges)
 }
 

@@ -128,6 +128,12 @@ stimuli! {
     Cylinder,
 }
 
+impl Default for Stimulus {
+    fn default() -> Self {
+        Self::MachBand(MachBand::default())
+    }
+}
+
 impl From<Picture> for Stimulus {
     fn from(picture: Picture) -> Self {
         Self::Image(picture)

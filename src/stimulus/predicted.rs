@@ -7,7 +7,9 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{catalog::Stimulus, parameter::ParameterValue, shot::emitted, smooth::Judged, viewing::ViewingConditions};
+use super::{
+    catalog::Stimulus, parameter::ParameterValue, shaded_mesh::emitted, smooth::Judged, viewing::ViewingConditions,
+};
 use crate::{
     text::Cell,
     vision::{

@@ -19,7 +19,7 @@ use crate::{
         task::{Adaptive, Common, Method, OptionReader as _, Task},
     },
     stimulus::{
-        KINDS, MachBand, ParameterValue, Stimulus,
+        KINDS, ParameterValue, Stimulus,
         picture::{Gallery, Picture},
     },
     system::found,
@@ -288,11 +288,11 @@ impl Written {
         for key in self.factors.keys() {
             errors.add(format!("factors.{key}"), "pictures have their factors in pictures.csv; expected no [factors]");
         }
-        for key in
-            ["background", "factors", "pictures", "references"].into_iter().filter(|key| table.contains_key(*key))
-        {
-            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &["kind", "files", "show", "size"]));
+        let written = ["kind", "files", "show", "size"];
+        for key in table.keys().filter(|key| !written.contains(&key.as_str())) {
+            errors.add(format!("stimulus.{key}"), unknown_key("stimulus", key, &written));
         }
+        table.retain(|key, _| written.contains(&key.as_str()));
         let reference = self.task.as_ref().and_then(|task| task.get("reference")?.get(Picture::PICTURE)?.as_str());
         pictures::gallery(table, place, reference, self.recovery.level, errors).into()
     }
@@ -315,7 +315,7 @@ fn stimulus(given: &Map<String, Value>, errors: &mut DefinitionErrors) -> Stimul
             None => "stimulus.kind is missing; expected kind = …".to_owned(),
         };
         errors.add("stimulus.kind", message);
-        return Stimulus::MachBand(MachBand::default());
+        return Stimulus::default();
     };
     for (name, value) in given.iter().filter(|(name, _)| *name != "kind") {
         let path = format!("stimulus.{name}");

@@ -109,6 +109,8 @@ impl Draft {
     pub fn set(&mut self, key: &str, text: &str, typed: Typed) {
         if Self::ARRANGES.contains(&key) {
             self.remove_task_texts();
+            // They apply to intervals only.
+            ["task.duration_s", "task.gap_s"].iter().filter(|_| text == "places").for_each(|key| self.remove(key));
         }
         match typed {
             Typed::Text => self.put(key, text.into()),

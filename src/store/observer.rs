@@ -28,20 +28,10 @@ pub fn open(path: &Path) -> Result<OrderedLogit, FileErrors> {
 /// # Errors
 /// Reports every error, with its line and column.
 pub fn parse(file: &str, text: &str) -> Result<OrderedLogit, FileErrors> {
-    let (observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
+    let (mut observer, mut document) = toml::read::<OrderedLogit>(file, text)?;
     check_thresholds(&mut document, observer.thresholds, f64::NEG_INFINITY, "[0.0, 1.5, 3.5]");
-    for (key, value, range) in [
-        ("subject_sd", observer.subject_sd, 0.0..=100.0),
-        ("depth", observer.depth, -1000.0..=1000.0),
-        ("infinite_as", observer.infinite_as, 1.0..=1000.0),
-        ("strongest_width", observer.strongest_width, 1e-6..=1.0),
-        ("fall", observer.fall, -1000.0..=1000.0),
-        ("narrow", observer.narrow, -1000.0..=1000.0),
-        ("oblique", observer.oblique, -1000.0..=1000.0),
-        ("contrast", observer.contrast, -1000.0..=1000.0),
-        ("lapse", observer.lapse, 0.0..=1.0),
-    ] {
-        document.check_range(key, &[value], range);
+    for (key, value, [least, most]) in observer.parameters() {
+        document.check_range(key, &[*value], least..=most);
     }
     document.finish(observer)
 }

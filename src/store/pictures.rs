@@ -14,8 +14,7 @@ use super::{
     FileErrors, StoreError,
     file::{read_bytes, read_text, sha256},
     image::{self, parse_picture},
-    ratings::with_point,
-    table::{self, separator},
+    table::{self, separator, with_point},
     toml::TableReader,
 };
 use crate::{
@@ -57,7 +56,7 @@ pub(super) fn gallery(
     background: f64,
     errors: &mut DefinitionErrors,
 ) -> Gallery {
-    let read: Gallery = TableReader { path: "stimulus", table, taken: vec!["kind"], errors }.read();
+    let read: Gallery = TableReader { path: "stimulus", table, taken: Vec::new(), errors }.read();
     let mut gallery = Gallery { background, ..read };
     let is_known = |known: &&Gallery| {
         known.files == gallery.files && known.references.iter().map(|picture| picture.file.as_str()).eq(reference)

@@ -9,8 +9,7 @@ use super::{
     FileError, FileErrors, StoreError, Writer,
     error::RowErrors,
     file::{folder_of, read_text},
-    ratings::with_point,
-    table::{self, separator},
+    table::{self, separator, with_point},
 };
 use crate::display::{
     Channel,

@@ -316,6 +316,19 @@ pub(super) fn separator(header: &[u8]) -> u8 {
     counts.into_iter().max_by_key(|(_, count)| *count).map_or(b',', |(separator, _)| separator)
 }
 
+/// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
+/// a decimal comma, as in spreadsheets from many countries.
+pub(super) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
+    // One comma, so that `1,234,567` stays text.
+    if separator != b',' && text.matches(',').count() == 1 {
+        let number = text.replace(',', ".");
+        if number.parse::<f64>().is_ok() {
+            return number.into();
+        }
+    }
+    text.into()
+}
+
 /// Reads the rows of a small table. `header` checks the first row; if it reports an error in the first cell, the table
 /// is of a different kind, and its rows are not read.
 ///

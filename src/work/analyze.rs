@@ -233,9 +233,7 @@ impl Analyze {
         }
         rows.retain(|row| !exclude.contains(&row.subject));
         if rows.is_empty() {
-            return Err(
-                StoreError::from(FileErrors::whole(path, "has no answers at levels; expected at least one")).into()
-            );
+            return Err(FileErrors::whole(path, "has no answers at levels; expected at least one").into());
         }
         let common = Common {
             parameter: columns.level,

@@ -18,7 +18,7 @@ use crate::{
             ThresholdPlan,
         },
     },
-    experiment::{Definition, Identity, OrderedLogit, Protocol, Schedule},
+    experiment::{Definition, Identity, Protocol, Schedule},
     report::{names, tables::Rows, tasks::task},
     store::{definition, observer},
     text::{
@@ -217,14 +217,8 @@ impl Plan {
         let sampling = Sampling { studies: self.studies, seed: self.seed, ..Sampling::default() };
         let (observer, shifts) = self.threshold_observer(&protocol)?;
         let slopes = self.slopes();
-        let plans = self.with_trials(&protocol)?.into_iter().map(|protocol| {
-            let plan = ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused)?;
-            plan.ok_or_else(|| {
-                let message = format!("{} has no method that varies a level; expected [adaptive]", protocol.name);
-                RequestError::whole(message)
-            })
-        });
-        let plans = plans.collect::<Result<Vec<_>, _>>()?;
+        let plan = |protocol| ThresholdPlan::new(&protocol, observer.clone(), &shifts, &slopes).map_err(refused);
+        let plans = self.with_trials(&protocol)?.into_iter().map(plan).collect::<Result<Vec<_>, _>>()?;
         let participants = in_order(&self.participants);
         let all = participants.iter().map(|people| u64::from(*people)).sum::<u64>() * u64::from(self.studies);
         let progress = progress(watcher, all * plans.len() as u64);
@@ -254,38 +248,19 @@ impl Plan {
         let adaptive = protocol.adaptive.clone().unwrap_or_default();
         let (mut observer, (shifts, parameters)) = (ThresholdObserver::of(&adaptive), self.given());
         for effect in parameters {
-            let wrong = |message: String| RequestError::value("effects", format!("{effect}: {message}"));
-            let [low, high] = adaptive.range();
-            let (parameter, [least, most]) = match effect.name.as_str() {
-                "threshold" => (&mut observer.threshold, [low, high]),
-                "subject_sd" => (&mut observer.subject_sd, [0.0, 1e6]),
-                "slope" => (&mut observer.slope, [1e-6, 1e6]),
-                "lapse" => (&mut observer.lapse, [0.0, 0.5]),
-                "false_alarms" => (&mut observer.false_alarms, [0.0, 0.9]),
-                name => {
-                    let known = ["threshold", "subject_sd", "slope", "lapse", "false_alarms"];
-                    let expected = expected_one_of(name, &known);
-                    return Err(wrong(format!("the observer has no such parameter; {expected}; or FACTOR:LEVEL")));
-                }
-            };
-            if !(least..=most).contains(&effect.value) {
-                return Err(wrong(format!("the value is out of range; expected {least}…{most}")));
-            }
-            *parameter = effect.value;
+            set(effect, &mut observer.parameters(adaptive.range()), protocol)?;
         }
         Ok((observer, shifts))
     }
 
     /// Simulates studies of ratings.
     fn ratings(&self, protocol: Protocol, watcher: &dyn Watcher) -> anyhow::Result<Planned> {
-        let observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
+        let mut observer = self.observer_file.as_deref().map(observer::open).transpose()?.unwrap_or_default();
         let name = self.observer_file.as_ref().map_or_else(|| "paper".to_owned(), |path| path.display().to_string());
         let (shifts, parameters) = self.given();
-        let set = |observer: OrderedLogit, effect: &Assignment| {
-            let error = |message| RequestError::value("effects", format!("{effect}: {message}"));
-            with(&observer, effect, &protocol).map_err(error)
-        };
-        let observer = parameters.into_iter().try_fold(observer, set)?;
+        for effect in parameters {
+            set(effect, &mut observer.parameters(), &protocol)?;
+        }
         let Model { terms, link, slopes, .. } = self.model.clone();
         let max_coefficients = self.model.max_coefficients();
         let model = Options { terms, link, slopes, max_coefficients, ..Options::default() };
@@ -342,26 +317,29 @@ pub(super) fn refused(error: PlanError) -> RequestError {
     }
 }
 
-/// Returns the observer with a new value for one parameter, validated like an observer file.
-fn with(observer: &OrderedLogit, effect: &Assignment, protocol: &Protocol) -> Result<OrderedLogit, String> {
-    let mut table = toml::Table::try_from(observer).map_err(|error| error.to_string())?;
-    match table.get_mut(&effect.name) {
-        Some(parameter) if parameter.is_float() => *parameter = effect.value.into(),
-        _ => return Err(unknown(&effect.name, &table, protocol)),
-    }
-    table.insert("schema".to_owned(), 1.into());
-    observer::parse("effect", &table.to_string())
-        .map_err(|errors| errors.0.into_iter().map(|error| error.message).collect::<Vec<_>>().join("; "))
-}
-
-fn unknown(name: &str, table: &toml::Table, protocol: &Protocol) -> String {
-    let known: Vec<&str> = table.iter().filter(|(_, value)| value.is_float()).map(|(name, _)| name.as_str()).collect();
-    let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
-    format!(
-        "the observer has no such parameter; {}; or FACTOR:LEVEL with one of the factors {}",
-        expected_one_of(name, &known),
-        factors.join(", ")
-    )
+/// Sets the parameter of an observer that an effect names.
+fn set(
+    effect: &Assignment,
+    parameters: &mut [(&str, &mut f64, [f64; 2])],
+    protocol: &Protocol,
+) -> Result<(), RequestError> {
+    let Assignment { name, value } = effect;
+    let known: Vec<&str> = parameters.iter().map(|(name, ..)| *name).collect();
+    let message = match parameters.iter_mut().find(|(known, ..)| known == name) {
+        Some((_, parameter, [least, most])) if (*least..=*most).contains(value) => {
+            **parameter = *value;
+            return Ok(());
+        }
+        Some((.., [least, most])) => {
+            format!("{name} {value} is outside {least}…{most}; expected a number in this range")
+        }
+        None => {
+            let factors: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+            let (expected, factors) = (expected_one_of(name, &known), factors.join(", "));
+            format!("the observer has no such parameter; {expected}; or FACTOR:LEVEL with one of the factors {factors}")
+        }
+    };
+    Err(RequestError::value("effects", format!("{effect}: {message}")))
 }
 
 impl Planned {
@@ -453,10 +431,10 @@ impl PlannedThresholds {
             };
             match (certain, likely) {
                 (Some(one), _) => format!("{name}: {} reach {target}.", study(one)),
-                (None, Some(one)) => {
+                (_, Some(one)) => {
                     format!("{name}: {} may reach {target}; only more simulated studies can tell.", study(one))
                 }
-                (None, None) => format!("{name}: none of these studies reaches {target}."),
+                _ => format!("{name}: none of these studies reaches {target}."),
             }
         };
         told.into_iter().map(sentence).collect()

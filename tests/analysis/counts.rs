@@ -2,8 +2,8 @@
 
 use machband::{
     analysis::{
-        counts::{Counts, Excluded, Exclusions, MeasuredBuilder, Part},
-        summary::{by_cell, by_factor, by_subject},
+        counts::{Excluded, Exclusions, MeasuredBuilder, Part},
+        summary::by_cell,
     },
     experiment::RatingRow,
 };
@@ -114,40 +114,6 @@ fn quartiles_of_times_are_exact() {
     let quartiles = times[0].unwrap();
     assert_eq!((quartiles.n, times[1]), (10_000, None));
     assert_eq!([quartiles.lower, quartiles.median, quartiles.upper], [2.5, 5.0, 7.5]);
-}
-
-fn described() -> Counts {
-    let mut builder = empty();
-    for (subject, width, depth, rating, count) in [
-        ("S1", "0.1", "1", "0", 2),
-        ("S1", "0.1", "inf", "3", 1),
-        ("S2", "0.1", "1", "2", 1),
-        ("S2", "0.4", "1", "1", 4),
-        ("S3", "", "1", "3", 1),
-    ] {
-        builder.add_counts(subject, &[width, depth], rating, count).unwrap();
-    }
-    builder.finish().counts
-}
-
-#[test]
-fn cells_factors_and_subjects_are_described() {
-    let counts = described();
-    let cells = by_cell(&counts);
-    assert_eq!((cells.len(), cells[0].names.join(",")), (4, ",1".to_owned()));
-    let cell = &cells[1].summary;
-    assert_eq!((cells[1].names.join(","), cell.n, cell.subjects), ("0.1,1".to_owned(), 3, 2));
-    // S1's mean is 0 and S2's is 2; both count equally, although S1 gave two ratings.
-    assert!(cell.mean == 1.0 && cell.median == 0.0);
-    assert_eq!(cell.proportions, [2.0 / 3.0, 0.0, 1.0 / 3.0, 0.0]);
-    // With two participants, an interval excludes little of the scale.
-    let interval = cell.interval.unwrap();
-    assert!(interval.low < 0.1 && interval.high > 2.8, "{interval:?}");
-    assert_eq!(cells[3].summary.interval, None);
-    let widths = by_factor(&counts, 0);
-    let numbers: Vec<_> = widths.iter().map(|group| (group.names[0].as_str(), group.summary.n)).collect();
-    assert_eq!((numbers, widths[0].summary.median), (vec![("0.1", 4), ("0.4", 4)], 1.0));
-    assert_eq!(by_subject(&counts).iter().map(|group| group.summary.mean).collect::<Vec<_>>(), [1.5, 1.5, 3.0]);
 }
 
 /// Over many studies of four people, the interval of a mean covers it about as often as it claims, both in the middle of

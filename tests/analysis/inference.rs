@@ -1,7 +1,7 @@
 //! Tests of inference with few people: each test and interval says no more than the data carry.
 
 use machband::analysis::{
-    Comparison, Link, ModelSpec, Note, Options, Random, Resampling, Slopes, Withheld, analyze,
+    Comparison, ModelSpec, Note, Options, Random, Resampling, Slopes, Withheld, analyze,
     counts::{Measured, MeasuredBuilder},
     fit_with_tests,
     rank_tests::{PERMUTATIONS, PMethod, SubjectMeans, friedman},
@@ -317,24 +317,6 @@ fn interactions_have_simple_effects() {
     // The effect at the baseline is a coefficient, too, and has one interval.
     let coefficients = &results.model.as_ref().unwrap().model.coefficients;
     assert_eq!(coefficients[0].interval, at("l").interval, "{coefficients:?}");
-}
-
-/// The probability of superiority by numerical integration, and its symmetry.
-#[test]
-fn superiority_is_a_probability() {
-    for link in [Link::Logit, Link::Probit] {
-        assert!((link.superiority(0.0) - 0.5).abs() < 1e-12 && link.superiority(800.0) == 1.0, "{link}");
-        for difference in [1e-6, 1e-3, 0.1, 0.7, 2.0, 5.0] {
-            let step = 1e-3;
-            let integral: f64 = (-30_000..30_000)
-                .map(|i| f64::from(i) * step)
-                .map(|x| link.cdf(x + difference) * link.density(x) * step)
-                .sum();
-            let found = link.superiority(difference);
-            assert!((found - integral).abs() < 1e-6, "{link} {difference}: {found} {integral}");
-            assert!((found + link.superiority(-difference) - 1.0).abs() < 1e-12, "{link} {difference}");
-        }
-    }
 }
 
 proptest! {

@@ -278,30 +278,6 @@ fn filters_narrow_the_analysis_and_its_export() {
     window.get_by_label("72 ratings by 4 participants.");
 }
 
-/// Files that have changed since they were read are read again.
-#[test]
-fn changed_files_are_read_again() {
-    let (folder, data_set) = study(3);
-    let mut window = opened(&data_set);
-    wait_for(&mut window, "54 ratings by 3 participants.");
-    let more = |participants: &str| {
-        succeeds(folder.path(), &["simulate", "tiny.toml", "--participants", participants, "--resume"]);
-    };
-    more("5");
-    window.event(egui::Event::WindowFocused(true));
-    wait_for(&mut window, "90 ratings by 5 participants.");
-    wait_until_idle(&mut window);
-    click(&mut window, "Studies");
-    more("6");
-    click(&mut window, "Analyze");
-    wait_for(&mut window, "108 ratings by 6 participants.");
-    wait_until_idle(&mut window);
-    std::fs::remove_dir_all(&data_set).unwrap();
-    window.event(egui::Event::WindowFocused(true));
-    wait_for(&mut window, "does not exist");
-    assert_has(&window, "108 ratings by 6 participants.");
-}
-
 /// People are left out of the analysis of a task like of that of ratings, and the export contains what is shown.
 #[test]
 fn a_task_is_narrowed_and_exported() {

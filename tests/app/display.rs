@@ -153,38 +153,6 @@ fn the_measured_size_of_the_screen_is_used_on_home() {
     assert_eq!(value(&harness, "Viewing distance, cm"), "57.3");
 }
 
-/// The list of tools in the smallest window that the program allows.
-fn small() -> Window {
-    let mut harness = home([520.0, 360.0], STEP_S);
-    click(&mut harness, "Display");
-    harness
-}
-
-/// The measured width depends only on the outline, not on the window; opening the dialog does not change it.
-#[test]
-fn the_card_is_matched_by_keys_and_a_small_window_changes_nothing() {
-    let mut harness = small();
-    click(&mut harness, "Size and distance");
-    let width = |harness: &Window| value(harness, "Width of the display area, cm");
-    assert_eq!(width(&harness), "");
-    harness.get_by_label_contains("This width assumes");
-    click(&mut harness, "Measure with a card…");
-    harness.get_by_label("The screen is 13.8 cm wide.");
-    press(&mut harness, Key::Enter);
-    harness.run_steps(3);
-    assert_eq!(width(&harness), "13.8");
-    // The outline is 8.56 · 520/13.8 = 323 pixels wide; with 20 fewer, the screen is 8.56 · 520/303 = 14.7 cm wide.
-    click(&mut harness, "Measure with a card…");
-    for _ in 0..20 {
-        press(&mut harness, Key::ArrowLeft);
-    }
-    harness.get_by_label("The screen is 14.7 cm wide.");
-    press(&mut harness, Key::Enter);
-    harness.run_steps(3);
-    assert_eq!(width(&harness), "14.7");
-    assert!(harness.query_by_label_contains("This width assumes").is_none());
-}
-
 /// Shoaff's steps have the same ratio between neighbors, from black to white. The light of the screen's black is
 /// subtracted before the codes are computed.
 #[test]

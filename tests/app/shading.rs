@@ -1,15 +1,12 @@
 //! Tests the shading demo without a display, and compares what it draws with the images that the shaders compute. The
 //! predicted bands of the gallery and of the demo agree with the library, and the window does not wait for them.
 
-use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Vec2, accesskit::Role};
+use eframe::egui::{self, PointerButton, Pos2, Rect, Vec2, accesskit::Role};
 use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use machband::{
-    app::{
-        App, Launch,
-        explore::shading::{Comparison, MeshChoice},
-    },
+    app::{App, Launch, explore::shading::Comparison},
     light::{Bits, CodeImage, Quantizer, Transfer},
-    shading::{Scene, Shader, Surface, image, shapes::Shape},
+    shading::{Shader, Surface, image},
     stimulus::{MachBand, Stimulus, ViewingConditions, Visible},
 };
 
@@ -116,32 +113,6 @@ fn each_half_shows_exactly_the_image_of_its_shader() {
 }
 
 #[test]
-fn the_divider_moves() {
-    let Some(mut window) = open_with_pixels(1.0) else { return };
-    choose(&mut window, "Right shader", "Flat");
-    let before = pixels(&mut window);
-    let rect = picture(&window);
-    // Only the knob takes the drag; beside it, the picture does.
-    let knob = window.get_by_label("Divider").rect().center();
-    let to = knob + Vec2::new(rect.left() + rect.width() * 0.3 - knob.x, 0.0);
-    drag(&mut window, knob, to, PointerButton::Primary);
-    let divider: f64 = value(&window, "Divider").parse().unwrap();
-    assert!((divider - 0.3).abs() < 0.02, "{divider}");
-    let after = pixels(&mut window);
-    let width = rect.width() as usize;
-    let at = |x: f32| (rect.width() * x) as usize;
-    let changed: Vec<usize> = (0..before.len()).filter(|i| before[*i] != after[*i]).map(|i| i % width).collect();
-    assert!(changed.iter().filter(|x| (at(0.33)..at(0.47)).contains(*x)).count() > 500);
-    assert_eq!(changed.iter().filter(|x| **x < at(0.27) || **x > at(0.53)).count(), 0);
-    // The keyboard moves the divider, too.
-    window.get_by_label("Divider").focus();
-    window.step();
-    window.key_press(Key::ArrowRight);
-    window.run_steps(2);
-    assert!(value(&window, "Divider").parse::<f64>().unwrap() > divider);
-}
-
-#[test]
 fn dragging_rotates_the_mesh_moves_the_light_and_draws_the_line() {
     let Some(mut window) = open_with_pixels(1.0) else { return };
     let mut before = pixels(&mut window);
@@ -211,30 +182,6 @@ pub fn await_numbers(window: &mut Window) {
         window.step();
     }
     window.run_steps(2);
-}
-
-/// Small rotations about different axes add up to the expected rotation.
-#[test]
-fn rotations_add_up() {
-    let mut compared =
-        Comparison { scene: Scene { rotate_deg: [0.0; 3], ..Scene::default() }, ..Comparison::default() };
-    let surface = Surface::new(MeshChoice::Named(Shape::Cube, 8).mesh().unwrap().0);
-    for _ in 0..36 {
-        compared.turn(10.0, 0.0);
-        compared.turn(0.0, 10.0);
-        compared.turn(0.0, -10.0);
-    }
-    let turned = compared.scene.frame(&surface, 64, 64);
-    let begin = Scene { rotate_deg: [0.0; 3], ..compared.scene }.frame(&surface, 64, 64);
-    for (a, b) in turned.vertices.iter().zip(&begin.vertices) {
-        assert!(a.eye.distance(b.eye) < 1e-9, "a full turn to the right ends where it began");
-    }
-    compared.turn(90.0, 0.0);
-    let right = compared.scene.frame(&surface, 64, 64);
-    for (a, b) in right.vertices.iter().zip(&begin.vertices) {
-        // The side that faced the eye now faces right.
-        assert!((a.eye.x - b.eye.z).abs() < 1e-9 && (a.eye.y - b.eye.y).abs() < 1e-9);
-    }
 }
 
 fn page_of(page: &str, size: [f32; 2]) -> Window {

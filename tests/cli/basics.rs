@@ -57,41 +57,6 @@ fn simulations_are_reproducible() {
     assert_eq!(orders.len(), 8, "each participant has a different order");
 }
 
-#[test]
-fn two_runs_can_share_a_results_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let protocol = definition::open("quick").unwrap();
-    let simulate = split("simulate quick --participants 40 --results r");
-    let resume = split("simulate quick --participants 40 --results r --resume");
-    for first in [&simulate, &resume, &resume] {
-        let start = |run| command(folder.path(), run).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        for child in [first, &resume].map(|run| start(&run[..])) {
-            let output = child.wait_with_output().unwrap();
-            let error = text(&output.stderr);
-            let known = ["another machband process is writing", "of this participant already exists"];
-            assert!(matches!(output.status.code(), Some(0 | 1)), "{error}");
-            assert!(error.is_empty() || known.iter().any(|known| error.contains(known)), "{error}");
-        }
-    }
-    succeeds(folder.path(), &resume);
-    succeeds(folder.path(), &split("simulate quick --participants 40 --results alone"));
-    // A complete run stays as it is: nothing is overwritten, and another seed is refused.
-    let before = everything(folder.path());
-    succeeds(folder.path(), &resume);
-    assert!(everything(folder.path()) == before);
-    let cases = r"
-        1: => --resume
-        1: --resume --seed 2 => has seed 1; expected that seed or no seed, not 2";
-    refuses(folder.path(), "simulate quick --participants 40 --results r {}", cases);
-    let found = ratings(&folder.path().join("r"), &protocol, 40);
-    assert_eq!((found.len(), &found), (40 * 28, &ratings(&folder.path().join("alone"), &protocol, 40)));
-    for (path, _) in everything(folder.path()) {
-        let described = path.file_name().unwrap().to_str().unwrap().starts_with(".psychds");
-        let known = matches!(path.extension().and_then(|e| e.to_str()), Some("csv" | "json" | "md"));
-        assert!(known || described, "{path:?} was left behind");
-    }
-}
-
 /// The central guarantee: a program that is killed at any moment loses no ratings.
 #[test]
 fn killing_and_resuming_fifty_times_changes_nothing() {

@@ -1,11 +1,6 @@
 //! No command destroys a file: not one of its inputs, not a file of a session, and no other file without `--force`.
 
-use std::{
-    any::TypeId,
-    collections::BTreeSet,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{any::TypeId, collections::BTreeSet, fs};
 
 use clap::{
     Arg, Command, ValueHint,
@@ -363,45 +358,4 @@ fn what_killed_commands_left_is_removed_by_the_next_one() {
         succeeds(folder.path(), &split(&format!("{line}{}", if name == "a/cells.csv" { " --force" } else { "" })));
         assert!(newer.exists(), "{line}");
     }
-}
-
-/// `stimuli` continues an interrupted run, but replaces nothing else.
-#[test]
-fn stimuli_keeps_the_images_of_others() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = |options: &str| machband(folder.path(), &split(&format!("stimuli quick --size 8 --out s {options}")));
-    let refused = |options: &str, file: &str| {
-        let before = everything(folder.path());
-        let output = run(options);
-        assert_eq!(output.status.code(), Some(2), "{file}");
-        assert!(text(&output.stderr).contains(&format!("{file}: already exists")), "{}", text(&output.stderr));
-        assert!(everything(folder.path()) == before, "{file}");
-    };
-    fs::create_dir(folder.path().join("s")).unwrap();
-    for name in ["manifest.csv", "manifest-1-of-1.csv"] {
-        let path = folder.path().join("s").join(name);
-        for content in [&b"my,own,list\n"[..], b"\xff\xfe"] {
-            fs::write(&path, content).unwrap();
-            refused("", name);
-        }
-        fs::remove_file(path).unwrap();
-    }
-    assert!(run("").status.success() && run("").status.success());
-    // A folder with the name of a built-in definition is not an input.
-    fs::create_dir(folder.path().join("quick")).unwrap();
-    assert!(machband(folder.path(), &split("stimuli quick --size 8 --out quick")).status.success());
-    let images: Vec<PathBuf> = everything(&folder.path().join("s")).into_iter().map(|(path, _)| path).collect();
-    let first = &images[0];
-    // An image that a killed run made but did not list is kept.
-    let list = folder.path().join("s/manifest.csv");
-    let lines = fs::read_to_string(&list).unwrap();
-    let whole = everything(&folder.path().join("s"));
-    fs::write(&list, lines.lines().take(1).collect::<String>() + "\n").unwrap();
-    assert!(run("").status.success());
-    assert!(everything(&folder.path().join("s")) == whole);
-    let shown = Path::new("s").join(first.file_name().unwrap()).display().to_string();
-    refused("--bits 16", "manifest.csv");
-    fs::write(first, "precious").unwrap();
-    refused("", &shown);
-    assert!(run("--force").status.success() && everything(&folder.path().join("s")) == whole);
 }

@@ -356,7 +356,7 @@ fn studies_of_thresholds_are_planned() {
         2: threshold-width --effect orientation:90=0.3 => --effect orientation: no such factor; expected orientation_deg
         2: threshold-width --effect orientation_deg:45=0.3 => --effect orientation_deg:45: no such level; expected one of 0, 90
         2: threshold-width --effect slop=3 => the observer has no such parameter; expected one of threshold
-        2: threshold-width --effect lapse=0.9 => expected 0…0.5
+        2: threshold-width --effect lapse=0.9 => lapse 0.9 is outside 0…0.5
         2: threshold-width --terms width => does not apply to thresholds
         2: threshold-width --link probit => does not apply to thresholds
         2: threshold-width --preregistration p.md => --preregistration: does not apply to thresholds

@@ -107,6 +107,53 @@ fn threads_that_cannot_be_created_are_an_error_or_fewer_threads() {
     withstood("threads that cannot be created", runs, &ALL);
 }
 
+#[test]
+fn a_clock_in_an_impossible_year_is_an_error_or_a_time_at_the_limit() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    for what in ["far", "ancient"] {
+        let folder = sweep::folder();
+        let ended = simulate(&sweep, folder.path(), &[fault("clock", 1, what, false)], false);
+        assert!(ended.status.code() == Some(1) && ended.stderr.starts_with("error: clock: "), "{what}: {ended:?}");
+        // The clock changes while the session runs.
+        for n in 2..12 {
+            let folder = sweep::folder();
+            let ended = simulate(&sweep, folder.path(), &[fault("clock", n, what, false)], false);
+            assert_no_panic(&format!("{what} at {n}"), &ended);
+            assert_resumes(&sweep, folder.path(), &format!("{what} at {n}"));
+        }
+    }
+    withstood("clocks in impossible years", 22, &ALL);
+}
+
+#[test]
+fn a_folder_that_cannot_be_closed_causes_no_panic() {
+    if shim::library().is_none() {
+        return;
+    }
+    let sweep = Sweep::new(1);
+    let folder = sweep::folder();
+    let close = [fault("close", 1, "EIO", true)];
+    assert!(simulate(&sweep, folder.path(), &close, false).status.success());
+    assert!(simulate(&sweep, folder.path(), &close, true).status.success());
+    let lines = [
+        "verify FOLDER/first/twice",
+        "counts FOLDER/first --out FOLDER/counts.csv",
+        "export FOLDER/first --format bids --out FOLDER/bids",
+        "export FOLDER/first --format psych-ds --out FOLDER/psych-ds",
+    ];
+    for line in lines {
+        let line = line.replace("FOLDER", folder.path().to_str().unwrap());
+        let mut command = Command::new(MACHBAND);
+        let log = folder.path().join("log");
+        let (ended, log) = shim::run_with(command.args(split(&line)), &close, folder.path(), &log);
+        assert!(ended.status.success() && log.hits.len() > 1, "{line}: {ended:?}");
+    }
+    withstood("folders that cannot be closed", 2 + lines.len(), &ALL);
+}
+
 /// In each run, a signal arrives just before a different write, such as the one of a row or of the sidecar.
 #[test]
 fn a_signal_closes_the_sitting() {

@@ -87,51 +87,6 @@ fn shoaffs_pyramid_has_shoaffs_normal() {
     }
 }
 
-fn kinds(mesh: &Mesh) -> Vec<([u32; 2], EdgeKind)> {
-    let mut kinds: Vec<_> = Edges::of(mesh).edges.iter().map(|e| (e.sites, e.kind)).collect();
-    kinds.sort_unstable_by_key(|k| k.0);
-    kinds
-}
-
-#[test]
-fn edges_are_classified() {
-    use EdgeKind::{Border, Crease, NonManifold, Smooth};
-    // A roof over the edge 0–1, bent by 90°, and a third wing.
-    let places =
-        [DVec3::ZERO, DVec3::Y, DVec3::new(1.0, 0.0, -1.0), DVec3::new(-1.0, 0.0, -1.0), DVec3::new(0.0, 0.0, 1.0)];
-    let (right, left, up) = ([0, 2, 1], [0, 1, 3], [0, 1, 4]);
-    let kind = |triangles: &[[u32; 3]], crease| {
-        let all = kinds(&Mesh::new(&places, triangles, crease).unwrap());
-        for (sites, kind) in &all[1..] {
-            assert_eq!(*kind, Border, "{sites:?}");
-        }
-        assert_eq!(all[0].0, [0, 1]);
-        all[0].1
-    };
-    assert_eq!(kind(&[right, left], 180.0), Smooth);
-    assert_eq!(kind(&[right, left], 90.0), Smooth);
-    assert_eq!(kind(&[right, left], 89.9), Crease);
-    assert_eq!(kind(&[right, left], 0.0), Crease);
-    assert_eq!(kind(&[right], 180.0), Border);
-    assert_eq!(kind(&[right, left, up], 180.0), NonManifold);
-    // The second triangle traverses the edge in the same direction as the first.
-    assert_eq!(kind(&[right, [1, 0, 3]], 180.0), NonManifold);
-    // Triangles that use a site twice do not separate others.
-    let mesh = Mesh::new(&places, &[right, [0, 1, 1], left, [0, 0, 0]], 180.0).unwrap();
-    let edges = Edges::of(&mesh);
-    let ridge = edges.edges.iter().find(|e| e.sites == [0, 1]).unwrap();
-    assert_eq!((ridge.kind, &ridge.sides[..]), (Smooth, &[(0, 1), (2, 2)][..]));
-    assert!(
-        edges.edges.iter().filter(|e| e.sites[0] == e.sites[1]).all(|e| e.sides.is_empty() && e.kind == NonManifold)
-    );
-    for (t, of) in edges.of_triangle.iter().enumerate() {
-        for (k, e) in of.iter().enumerate() {
-            let [a, b] = [1, 2].map(|i| mesh.vertices[mesh.triangles[t][(k + i) % 3] as usize].site);
-            assert_eq!(edges.edges[*e as usize].sites, [a.min(b), a.max(b)]);
-        }
-    }
-}
-
 proptest! {
     /// An edge below the crease angle is smooth: its faces share both vertices there.
     #[test]

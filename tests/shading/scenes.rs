@@ -2,12 +2,12 @@
 
 use std::fs;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use machband::{
     light::{Depth, LinearImage},
     shading::{
-        Body, Coat, Composition, Frame, Lamp, LampPosition, Material, Mesh, Paint, PaintedCorner, Shade, Shader,
-        Surface, Transparency, View, image, shapes,
+        Body, Coat, Composition, Frame, Material, Mesh, Paint, PaintedCorner, Shade, Shader, Surface, Transparency,
+        View, image, shapes,
     },
     store::{mesh, scene},
 };
@@ -165,29 +165,6 @@ fn a_slab_of_glass_displaces_what_is_behind_it() {
         seen += 1;
     }
     assert_eq!(seen, 12);
-}
-
-/// A near lamp stands where the scene says, and weakens with the distance in the scene's units.
-#[test]
-fn lamps_stand_in_the_scene() {
-    let (place, radius) = (DVec3::new(3.0, 1.0, 2.0), 2.0_f64.sqrt() * 2.0);
-    let wall = sheet(2.0, 0.0).placed(1.0, DMat3::IDENTITY, place);
-    let lamp = Lamp {
-        position: LampPosition::Point { position: place + DVec3::new(0.5, 0.0, 1.0), attenuation: [0.5, 0.25, 0.25] },
-        intensity: DVec3::new(1.0, 0.5, 0.25),
-    };
-    let matt = Material { specular: 0.0, ..standard().material };
-    let wall = Body { shade: Shade::new(Shader::Phong), material: matt, ..body(wall, DVec3::ONE) };
-    let image = Composition { lamps: vec![lamp], ..scene(vec![wall]) }.image(101, 101);
-    for (x, y) in [(50, 50), (30, 60), (60, 25)] {
-        let offset = (DVec2::new(f64::from(x), f64::from(y)) + 0.5 - 50.5) / (0.9 * 101.0 / 2.0) * radius;
-        let to_lamp = DVec3::new(0.5 - offset.x, offset.y, 1.0);
-        let d = to_lamp.length();
-        let fading = (1.0 / (0.5 + 0.25 * d + 0.25 * d * d)).min(1.0);
-        let expected = 0.1 + 0.6 * fading * to_lamp.z / d * lamp.intensity;
-        let shown = DVec3::from_array(image.pixel(x, y).map(f64::from));
-        assert!(shown.distance(expected) < 1e-3, "({x}, {y}): {shown}, not {expected}");
-    }
 }
 
 const SCENE: &str = r#"

@@ -201,27 +201,6 @@ fn ramps_agree_with_other_implementations() {
     }
 }
 
-/// The hue takes the shorter arc, and increases if both arcs are equal. Gray has no hue of its own, but black keeps its
-/// color's.
-#[test]
-fn hues_take_the_shorter_arc() {
-    let at = |from: &str, to: &str, low: f64, x: f64| {
-        let (from, to) = (color(from).rgb(), color(to).rgb());
-        ramp(from, to, low, 1.0, RampSpace::Hsv).ramp().light_at(x)
-    };
-    assert_near(&at("hsv:350,1,1", "hsv:30,1,1", 1.0, 0.0), &color("hsv:10,1,1").rgb(), 1e-6, "over 0");
-    assert_near(&at("hsv:30,1,1", "hsv:350,1,1", 1.0, 0.25), &color("hsv:0,1,1").rgb(), 1e-6, "over 0, down");
-    // Shoaff §2.2.9: halfway from red to green is yellow.
-    assert_eq!(at("red", "green", 1.0, 0.0), [1.0, 1.0, 0.0]);
-    assert_near(&at("red", "cyan", 1.0, 0.0), &color("hsv:90,1,1").rgb(), 1e-6, "half a turn");
-    assert_near(&at("cyan", "red", 1.0, 0.0), &color("hsv:270,1,1").rgb(), 1e-6, "half a turn");
-    assert_near(&at("gray", "blue", 1.0, 0.0), &color("hsv:240,0.5,1").rgb(), 1e-6, "from gray");
-    assert_near(&at("blue", "gray", 1.0, 0.0), &color("hsv:240,0.5,1").rgb(), 1e-6, "to gray");
-    assert_near(&at("gray", "gray", 0.5, 0.0), &[0.75; 3], 1e-6, "gray");
-    // Black is a black blue here, not a black gray.
-    assert_near(&at("blue", "red", 0.0, 0.0), &color("hsv:300,1,0.5").rgb(), 1e-6, "from black");
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(600))]
 

@@ -8,7 +8,6 @@ mod color;
 mod dither;
 mod images;
 mod light;
-mod matching;
 mod ramp;
 mod timing;
 mod vision;

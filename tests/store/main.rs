@@ -8,7 +8,6 @@ mod definitions;
 mod edits;
 mod export;
 mod folder;
-mod frame_files;
 mod integrity;
 mod participants;
 mod reading;

@@ -10,7 +10,6 @@ use std::{
 
 use flate2::read::GzDecoder;
 use machband::{
-    analysis::counts::Role,
     experiment::{Identity, Phase, Protocol, RatingRow, TrialRecord, columns},
     report::{Study, StudyError},
     store::{
@@ -351,7 +350,7 @@ mod layouts {
         assert_eq!(counts.subjects.len(), ids.len(), "{:?}", counts.subjects);
         assert!(ids.iter().all(|id| counts.subjects.iter().any(|subject| subject == id)), "{:?}", counts.subjects);
         assert_eq!(counts.factors[0].levels, ["0.1", "0.10"]);
-        assert_eq!(counts.factors[0].role, Role::Number);
+        assert!(counts.factors[0].is_ordered());
 
         let (_results, files) = super::study(&["S1"]);
         let before = Study::read(&files, &ReadOptions::default()).unwrap().measured.counts;

@@ -303,7 +303,7 @@ fn quest_plus_chooses_what_another_program_chooses() {
             let mut quest = start.clone();
             for (trial, (pick, answer)) in numbers(&run[2]).into_iter().zip(run[3].chars()).enumerate() {
                 assert_eq!(quest.choose(), pick as usize, "{name}, seed {}, trial {trial}", run[1]);
-                quest.learn(pick as usize, answer == '1');
+                quest.learn(Some(pick as usize), answer == '1');
             }
             let slope = |slope: f64| if curve == Curve::Normal { 1.0 / slope } else { slope };
             let means = [
@@ -376,7 +376,7 @@ QUESTthreshold = [5, 10]\n => 13:1 => no threshold lies within the levels; expec
 CHOICEshown = "places"\nduration_s = 0.3\n => 10:1 => duration_s applies to intervals only
 DEPTHS[task]\nkind = "pair"\nalong = "depth"\n => 12:1 => along applies to chains only
 [task]\nkind = "pair"\npairs = "chain"\nreference = { depth = "inf" }\n[adaptive]\nmethod = "constant"\ntrials = 10\nLEVELS => 8:1 => pairs applies to pairs of conditions only
-CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.1\nhigh = 0.4\nsteps = [5]\n => 15:10 => step 5 is more than from low to high, which is 0.60206
+CHOICESTAIRSparameter = "width"\nstart = 0.2\nlow = 0.1\nhigh = 0.4\nsteps = [5]\n => 15:10 => steps 5 is outside 0.000001…0.60206; expected a size in base-10 logarithms
 QUESTtrails = 3\n => 13:1 => unknown key "trails" in [adaptive]; expected one of method, parameter, log, easier, trials, levels
 QUESTsecond = { parameter = "high", levels = [0.5, 0.6], gradient = [nan] }\n => 13:65 => is NaN; expected a finite number
 [response]\nlabels = ["a", "a"]\n => 7:16 => label "a" appears twice

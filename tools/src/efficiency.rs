@@ -46,7 +46,7 @@ fn estimated(mut run: Run, levels: &[f64], trials: usize, rng: &mut ChaCha8Rng) 
         };
         let seen = unit(rng) < Curve::Weibull.probability(x, &TRUTH);
         match &mut run {
-            Run::Quest(quest) => quest.learn(index, seen),
+            Run::Quest(quest) => quest.learn(Some(index), seen),
             Run::Stairs(stairs, staircase, common) => stairs.answer(seen, staircase, common),
             Run::Constant(_) => {}
         }

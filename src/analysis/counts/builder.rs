@@ -5,11 +5,11 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use super::table::{CountError, CountRow, Counts, Factor, Measured, Trial, summed};
+use super::table::{CountRow, Counts, Factor, Measured, Trial, summed};
 use crate::{analysis::levels, experiment::RatingRow};
 
 /// Collects trials, which can come in any order, into [`Measured`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct MeasuredBuilder {
     factors: Vec<String>,
     declared: Option<Vec<String>>,
@@ -45,18 +45,7 @@ const END: u8 = 0xff;
 impl MeasuredBuilder {
     /// Creates a builder for trials with these factors. The categories are the ratings that occur, in natural order.
     pub fn new<S: AsRef<str>>(factors: &[S]) -> Self {
-        Self {
-            factors: factors.iter().map(|name| name.as_ref().to_owned()).collect(),
-            declared: None,
-            directions: Vec::new(),
-            levels: Vec::new(),
-            only_varied: false,
-            ratings: Vec::new(),
-            index: HashMap::new(),
-            cells: Vec::new(),
-            sessions: HashMap::new(),
-            key: Vec::new(),
-        }
+        Self { factors: factors.iter().map(|name| name.as_ref().to_owned()).collect(), ..Self::default() }
     }
 
     /// Declares the ordered categories, starting with the lowest. Any other rating is then an error.
@@ -71,13 +60,13 @@ impl MeasuredBuilder {
     /// Adds a row with a value for each factor: one rating, or several equal ratings. A count of 0 adds nothing.
     ///
     /// # Errors
-    /// Returns a [`CountError`] if the participant or the rating is empty, if the rating is not a declared category, or if
-    /// there are too many different ratings.
-    pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), CountError> {
+    /// Says that the participant or the rating is empty, that the rating is not a declared category, or that there are too
+    /// many different ratings, and what is expected.
+    pub fn add(&mut self, observation: &RatingRow<'_>) -> Result<(), String> {
         let RatingRow { subject, values, rating, count, place, position, response_time_s } = *observation;
         debug_assert_eq!(values.len(), self.factors.len(), "a value for each factor");
         if subject.is_empty() {
-            return Err(CountError::NoSubject);
+            return Err("no participant; expected a name".to_owned());
         }
         let rating = self.rating_index(rating)?;
         if count == 0 {
@@ -114,17 +103,9 @@ impl MeasuredBuilder {
         values: &[S],
         rating: &str,
         count: u64,
-    ) -> Result<(), CountError> {
+    ) -> Result<(), String> {
         let values: Vec<&str> = values.iter().map(AsRef::as_ref).collect();
-        self.add(&RatingRow {
-            subject,
-            values: &values,
-            rating,
-            count,
-            place: None,
-            position: None,
-            response_time_s: None,
-        })
+        self.add(&RatingRow { subject, values: &values, rating, count, ..RatingRow::default() })
     }
 
     /// Returns the cell for `self.key`, and creates it if necessary.
@@ -146,13 +127,13 @@ impl MeasuredBuilder {
         self.sessions.get(name).copied().unwrap_or_else(|| *self.sessions.entry(name.into()).or_insert(number))
     }
 
-    fn rating_index(&mut self, text: &str) -> Result<u8, CountError> {
+    fn rating_index(&mut self, text: &str) -> Result<u8, String> {
         if let Some(index) = self.ratings.iter().position(|known| known == text) {
             return Ok(index as u8);
         }
         let trimmed = text.trim();
         if trimmed.is_empty() {
-            return Err(CountError::NoRating);
+            return Err("no rating; expected one of the ordered categories".to_owned());
         }
         // Both "2.0" and " 2" mean the category "2".
         let number = levels::number_of(trimmed);
@@ -161,10 +142,10 @@ impl MeasuredBuilder {
             return Ok(index as u8);
         }
         if let Some(categories) = &self.declared {
-            return Err(CountError::UnknownRating { rating: trimmed.to_owned(), categories: categories.clone() });
+            return Err(format!("rating {trimmed}; expected one of {}", categories.join(", ")));
         }
         if self.ratings.len() >= 255 {
-            return Err(CountError::TooManyCategories);
+            return Err("more than 255 different ratings; expected a scale of ordered categories".to_owned());
         }
         self.ratings.push(trimmed.to_owned());
         Ok(self.ratings.len() as u8 - 1)

@@ -16,12 +16,10 @@
 //! number of threads nor on what else is planned. A study of 12 people consists of the study of 8 and four more people, so
 //! different numbers of participants are compared on the same people.
 
-mod hypothesis;
 mod plan;
 mod scenario;
 mod thresholds;
 
-pub use hypothesis::{Effect, Hypothesis, Test};
 pub use plan::{Plan, Power, Sampling};
-pub use scenario::{PlanError, Shift, Slope};
+pub use scenario::{Effect, Hypothesis, PlanError, Shift, Slope, Test};
 pub use thresholds::{Precision, Quantity, ThresholdObserver, ThresholdPlan};

@@ -2,10 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{
-    hypothesis::{Hypothesis, Layout, Test},
-    scenario::{PlanError, Scenario, Shift, Slope},
-};
+use super::scenario::{Hypothesis, Layout, PlanError, Scenario, Shift, Slope, Test};
 use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Withheld,
@@ -154,7 +151,7 @@ impl Plan {
 
     /// Returns the number of ratings that each participant gives.
     pub fn ratings(&self) -> u64 {
-        self.scenario.ratings()
+        self.scenario.predictors.len() as u64 * u64::from(self.scenario.repetitions)
     }
 
     /// Simulates and analyzes studies for each number of participants, on all threads of the pool. After each completed

@@ -17,8 +17,7 @@ use super::{
 };
 use crate::{
     analysis::tasks::{
-        means::Mean,
-        population::{self, Population},
+        population::{self, Mean, Population},
         psychometric::{Guess, Model, Point, estimate},
     },
     experiment::{
@@ -60,6 +59,17 @@ impl ThresholdObserver {
             lapse: 0.02,
             false_alarms: 0.1,
         }
+    }
+
+    /// Returns each parameter with its name and its range; `levels` is that of the levels.
+    pub fn parameters(&mut self, levels: [f64; 2]) -> [(&'static str, &mut f64, [f64; 2]); 5] {
+        [
+            ("threshold", &mut self.threshold, levels),
+            ("subject_sd", &mut self.subject_sd, [0.0, 1e6]),
+            ("slope", &mut self.slope, [1e-6, 1e6]),
+            ("lapse", &mut self.lapse, [0.0, 0.5]),
+            ("false_alarms", &mut self.false_alarms, [0.0, 0.9]),
+        ]
     }
 }
 
@@ -138,21 +148,23 @@ pub struct ThresholdPlan {
 type Estimated = Option<(f64, Option<Interval>, f64)>;
 
 impl ThresholdPlan {
-    /// Plans a study; `None` if its task has no method that varies a level.
+    /// Plans a study.
     ///
     /// # Errors
-    /// A shift or a slope names a factor or a level that is not in the definition.
+    /// A shift or a slope names a factor or a level that is not in the definition, or the task has no method that varies a
+    /// level.
     pub fn new(
         protocol: &Protocol,
         observer: ThresholdObserver,
         shifts: &[Shift],
         slopes: &[Slope],
-    ) -> Result<Option<Self>, PlanError> {
+    ) -> Result<Self, PlanError> {
         let shifts = shifts.iter().map(|shift| resolve(protocol, shift)).collect::<Result<_, _>>()?;
         let slope = |slope: &Slope| Ok((factor_of(protocol, true, &slope.factor)?, slope.sd));
         let slopes = slopes.iter().map(slope).collect::<Result<_, PlanError>>()?;
-        let (Some(adaptive), Some(model)) = (protocol.adaptive.clone(), Model::of(protocol)) else { return Ok(None) };
-        Ok(Some(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes }))
+        let known = protocol.adaptive.clone().zip(Model::of(protocol));
+        let (adaptive, model) = known.ok_or(PlanError::NothingVaries)?;
+        Ok(Self { protocol: protocol.clone(), adaptive, model, observer, shifts, slopes })
     }
 
     /// Returns the quantities that are estimated: a difference for each level of a factor but the first.
@@ -234,8 +246,7 @@ impl ThresholdPlan {
             // Without an interval, the contributions say nothing about how people differ.
             let has_intervals = |all: &Vec<&Population>| all.iter().all(|population| population.interval.is_some());
             let all = all.filter(|all| !all.is_empty() && has_intervals(all))?;
-            let mean =
-                |person: usize| all.iter().map(|of| of.people[person].contribution).sum::<f64>() / all.len() as f64;
+            let mean = |person: usize| all.iter().map(|of| of.contributions[person]).sum::<f64>() / all.len() as f64;
             Some((0..people as usize).map(mean).collect())
         };
         let of = |quantity: &Quantity| -> Vec<Estimated> {
@@ -247,8 +258,10 @@ impl ThresholdPlan {
                 }
                 Quantity::Mean => {
                     let all = populations.iter().zip(conditions.iter());
-                    all.map(|(found, of)| found.as_ref().map(|found| (found.mean, found.interval, self.truth(of))))
-                        .collect()
+                    all.map(|(found, of)| {
+                        found.as_ref().map(|found| (found.function.threshold, found.interval, self.truth(of)))
+                    })
+                    .collect()
                 }
                 Quantity::Difference { factor, level, truth } => {
                     let pairs = at(factor, level).zip(at(factor, 0));

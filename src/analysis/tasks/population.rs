@@ -18,48 +18,30 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::{
-    model::{Estimate, Model, Point, Priors, ln_binomial},
+    model::{Estimate, Model, Point, Posterior, Priors, ln_binomial},
     numeric::{curvature, highest},
-    posterior::Posterior,
 };
-use crate::statistics::{Interval, mean_and_sd};
+use crate::statistics::{Interval, mean_and_sd, t_quantile, t_two_sided};
 
 /// The thresholds of people in one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Population {
-    /// μ, the mean threshold, on the scale of x.
-    pub mean: f64,
-    /// Its 95 % interval, with the t quantile for one degree of freedom less than there are people; `None` if all people's
+    /// The function of the population: its threshold is μ, the mean threshold, and all people share its width, λ and γ.
+    pub function: Estimate,
+    /// The 95 % interval of μ, with the t quantile for one degree of freedom less than there are people; `None` if all people's
     /// functions rise between the same two levels, so that no answers show where in between, or are the same.
     pub interval: Option<Interval>,
     /// τ, the standard deviation of the people's thresholds, on the scale of x. With few people, it is often too small.
     pub sd: f64,
-    /// The common w, on the scale of x: 3.29 standard deviations s of a normal curve.
-    pub width: f64,
-    /// The common λ, 0…½.
-    pub lapse: f64,
-    /// The common γ.
-    pub guess: f64,
     /// The lowest and the highest level: those of the model, or of all people's points.
     pub range: [f64; 2],
-    /// The people, in the order of their answers.
-    pub people: Vec<Person>,
+    /// What each person contributes to μ, which is the mean of the contributions, in the order of their answers: not
+    /// shrunken, so that contributions can be compared between conditions
+    /// ([`Mean::of_differences`]). It is not an estimate of the person's threshold where
+    /// people have unequal numbers of trials.
+    pub contributions: Vec<f64>,
     /// The logarithm of the likelihood, without binomial coefficients.
     pub log_likelihood: f64,
-}
-
-/// The threshold of one person, on the scale of x.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Person {
-    /// The mean of t_i given the person's answers and the population: shrunken toward μ, the more so the less the
-    /// answers say.
-    pub threshold: f64,
-    /// The standard deviation of t_i given the same.
-    pub se: f64,
-    /// What the person contributes to μ, which is the mean of the contributions: not shrunken, so that contributions can
-    /// be compared between conditions ([`Mean::of_differences`](super::means::Mean::of_differences)). It is not an estimate of
-    /// the person's threshold where people have unequal numbers of trials.
-    pub contribution: f64,
 }
 
 /// Fits a population; each person has points. The model's `overdispersed` has no effect, because people's answers vary
@@ -83,16 +65,13 @@ pub fn fit(people: &[Vec<Point>], model: &Model) -> Result<Population, &'static 
     let answers = Answers { model, priors, people, starts };
     let x = answers.search(&own, &common);
     let at = answers.parameters(&x);
-    let (people, interval) = answers.persons(&x);
+    let (contributions, interval) = answers.contributions(&x);
     Ok(Population {
-        mean: at.threshold,
+        function: at,
         interval,
         sd: x[SD].abs(),
-        width: at.width,
-        lapse: at.lapse,
-        guess: at.guess,
         range: priors.range,
-        people,
+        contributions,
         log_likelihood: answers.ln_density(&x) - priors.ln_density(&at),
     })
 }
@@ -138,7 +117,7 @@ impl Answers<'_> {
         if prior == f64::NEG_INFINITY {
             return prior;
         }
-        prior + (0..self.people.len()).map(|person| self.integral(person, x).ln).sum::<f64>()
+        prior + (0..self.people.len()).map(|person| self.integral(person, x)).sum::<f64>()
     }
 
     /// Searches from the parameters of each person alone, and of all people's answers together. A low guess rate with a low
@@ -156,8 +135,8 @@ impl Answers<'_> {
         second.filter(|second| second.1 > found.1).unwrap_or(found).0
     }
 
-    /// Integrates a person's likelihood over the threshold.
-    fn integral(&self, person: usize, x: &[f64; 5]) -> Integral {
+    /// Integrates a person's likelihood over the threshold, and returns the logarithm.
+    fn integral(&self, person: usize, x: &[f64; 5]) -> f64 {
         let at = self.parameters(x);
         // A population without differences is a narrow one.
         let sd = x[SD].abs().max(1e-4 * at.width);
@@ -168,20 +147,17 @@ impl Answers<'_> {
         let (peak, scale) = peak(&ln_likelihood, at.threshold, sd, at.width, start);
         let top = ln_likelihood(peak) + ln_normal(peak);
         let step = scale.min(at.width / 4.0);
-        let mass = |threshold: f64| (threshold, (ln_likelihood(threshold) + ln_normal(threshold) - top).exp());
-        let mut masses = vec![(peak, 1.0)];
+        let mass = |threshold: f64| (ln_likelihood(threshold) + ln_normal(threshold) - top).exp();
+        let mut total = 1.0;
         for side in [-step, step] {
             let outward = (1..=MAX_NODES).map(|node| mass(peak + f64::from(node) * side));
-            masses.extend(outward.take_while(|(_, mass)| *mass > 1e-12));
+            total = outward.take_while(|mass| *mass > 1e-12).fold(total, |total, mass| total + mass);
         }
-        let total: f64 = masses.iter().map(|(_, mass)| mass).sum();
-        let mean = masses.iter().map(|(threshold, mass)| threshold * mass).sum::<f64>() / total;
-        let variance = masses.iter().map(|(threshold, mass)| (threshold - mean).powi(2) * mass).sum::<f64>() / total;
-        Integral { ln: top + (step / sd * total).ln() - (2.0 * PI).ln() / 2.0, mean, sd: variance.sqrt() }
+        top + (step / sd * total).ln() - (2.0 * PI).ln() / 2.0
     }
 
-    /// Returns the people, and the interval of the mean.
-    fn persons(&self, x: &[f64; 5]) -> (Vec<Person>, Option<Interval>) {
+    /// Returns what each person contributes to the mean, and its interval.
+    fn contributions(&self, x: &[f64; 5]) -> (Vec<f64>, Option<Interval>) {
         let n = self.people.len();
         let (weights, influences) = (self.weights(x), self.influences(x));
         // The priors, too, move μ; the contributions exclude this.
@@ -194,16 +170,12 @@ impl Answers<'_> {
         let [about_zero, about_middle] =
             [0.0, middle].map(|from| equal.iter().map(|one| (one - from).powi(2)).sum::<f64>());
         let spread = if about_middle > 0.0 { (about_zero / about_middle).sqrt() } else { 1.0 };
-        let person = |person: usize| {
-            let Integral { mean, sd, .. } = self.integral(person, x);
-            Person { threshold: mean, se: sd, contribution: x[MEAN] + spread * (equal[person] - middle) }
-        };
-        let people: Vec<Person> = (0..n).map(person).collect();
-        let contributions: Vec<f64> = people.iter().map(|person| person.contribution).collect();
+        let contribution = |own: f64| x[MEAN] + spread * (own - middle);
+        let contributions: Vec<f64> = equal.into_iter().map(contribution).collect();
         // Equal answers give contributions that differ by rounding, which says nothing about how people differ.
         let differ = mean_and_sd(&contributions).1 > ALIKE * self.parameters(x).width;
         let interval = Interval::of_mean(&contributions);
-        (people, interval.filter(|_| differ && !self.rises_between_levels(x)))
+        (contributions, interval.filter(|_| differ && !self.rises_between_levels(x)))
     }
 
     /// The psychometric function of the population, whose width includes the differences between people.
@@ -258,24 +230,14 @@ impl Answers<'_> {
         let row = (1..=free).rev().find_map(|size| Some(information(size)?.solve(&unit(size))));
         let weights = row.unwrap_or_else(|| DVector::zeros(0));
         let score = |person: usize, axis: usize| {
-            let at = |sign: f64| {
-                self.integral(person, &from_fn(|i| x[i] + if i == axis { sign * steps[i] } else { 0.0 })).ln
-            };
+            let at =
+                |sign: f64| self.integral(person, &from_fn(|i| x[i] + if i == axis { sign * steps[i] } else { 0.0 }));
             (at(1.0) - at(-1.0)) / (2.0 * steps[axis])
         };
         let influence =
             |person: usize| weights.iter().enumerate().map(|(axis, weight)| weight * score(person, axis)).sum();
         (0..self.people.len()).map(influence).collect()
     }
-}
-
-/// The integral of a person's likelihood.
-struct Integral {
-    /// Its logarithm.
-    ln: f64,
-    /// The mean and the standard deviation of the threshold, given the answers.
-    mean: f64,
-    sd: f64,
 }
 
 /// Finds the peak of a likelihood times a normal density by Newton's method, and the standard deviation of the normal
@@ -303,4 +265,41 @@ fn peak(ln_likelihood: &impl Fn(f64) -> f64, mean: f64, sd: f64, width: f64, sta
         }
     }
     (x, scale)
+}
+
+/// The mean of one value of each person.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mean {
+    /// The mean, in the unit of the values; NaN without people.
+    pub mean: f64,
+    /// Its 95 % t interval; `None` for fewer than two people, or if all values are the same.
+    pub interval: Option<Interval>,
+    /// Number of people.
+    pub people: usize,
+}
+
+impl Mean {
+    /// Returns the mean of one value of each person.
+    pub fn new(values: &[f64]) -> Self {
+        Self { mean: mean_and_sd(values).0, interval: Interval::of_mean(values), people: values.len() }
+    }
+
+    /// Returns the mean of one value of each person, none of which can be outside these ends, and neither can its interval.
+    pub fn bounded(values: &[f64], ends: [f64; 2]) -> Self {
+        let (mean, sd) = mean_and_sd(values);
+        let interval = Interval::of_bounded_mean(values.len() as f64, mean, sd, ends);
+        Self { interval, ..Self::new(values) }
+    }
+
+    /// Returns p of the t test of a mean of 0; `None` without an interval.
+    pub fn p(&self) -> Option<f64> {
+        let (Interval { low, high }, df) = (self.interval?, self.people as f64 - 1.0);
+        Some(t_two_sided(self.mean / ((high - low) / 2.0 / t_quantile(df)), df))
+    }
+
+    /// Returns the mean difference of the same people's values in two conditions, the first minus the second. Each pair
+    /// is one person.
+    pub fn of_differences(pairs: &[(f64, f64)]) -> Self {
+        Self::new(&pairs.iter().map(|(first, second)| first - second).collect::<Vec<_>>())
+    }
 }

@@ -14,7 +14,7 @@ use rand_distr::{Binomial, Distribution as _};
 use serde::Serialize;
 
 pub use super::model::{Estimate, Guess, Model, Point};
-use super::posterior::{Posterior, THRESHOLD, WIDTH};
+use super::model::{Posterior, THRESHOLD, WIDTH};
 use crate::{statistics::Interval, system::checkpoint};
 
 /// A fitted psychometric function.

@@ -20,7 +20,7 @@ use crate::{
     display::frames::{FrameTimes, MIN_ESTIMATE_INTERVALS, Refresh},
     light::{Bits, Quantizer, Transfer},
     report::figures,
-    stimulus::{MachBand, Stimulus},
+    stimulus::Stimulus,
 };
 
 /// The choices for the number of frames.
@@ -220,7 +220,7 @@ impl TimingRun {
 
 /// Returns a different stimulus for each trial.
 fn stimulus(trial: u32) -> Stimulus {
-    let mut stimulus = Stimulus::MachBand(MachBand::default());
+    let mut stimulus = Stimulus::default();
     // Cannot fail: the orientation is valid for every Mach band.
     let _ = stimulus.set("orientation_deg", &f64::from(45 * (trial % 8)).into());
     stimulus

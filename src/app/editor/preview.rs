@@ -11,7 +11,7 @@ use crate::{
         work::Latest,
     },
     experiment::{
-        Condition, Course, Factor, Identity, Phase, Protocol, Schedule,
+        Category, Condition, Course, Factor, Identity, Phase, Protocol, Schedule,
         task::{Layout, Presentation},
     },
     light::{Bits, Quantizer, Transfer},
@@ -61,7 +61,7 @@ impl Preview {
 
     fn trial(&mut self, ui: &mut Ui, protocol: &Protocol, revision: u64, when: &str) {
         let layout = protocol.task.layout();
-        let [columns, rows] = if layout.intervals() > 1 { [layout.count(), 1] } else { layout.grid() };
+        let [columns, rows] = if layout.intervals() > 1 { [layout.intervals(), 1] } else { layout.grid() };
         let room = vec2(ROOM.x.min(ui.available_width()), ROOM.y);
         let side = ((room.x - GAP) / columns as f32).min((room.y - CAPTION) / rows as f32) - GAP;
         let side = side.clamp(16.0, SIDE);
@@ -93,19 +93,13 @@ impl Preview {
             let at = at + vec2(side / 2.0, side + 3.0);
             ui.painter().text(at, Align2::CENTER_TOP, caption, FontId::proportional(theme::NOTE), ink);
         }
-        let keys: Vec<String> = protocol
-            .response
-            .categories
-            .iter()
-            .map(|answer| format!("{}: {}", answer.key_name(), answer.label))
-            .collect();
-        let question = protocol.response.question.clone();
         let answers = if protocol.task.dial().is_some() {
             "Participants set a value and press Enter.".to_owned()
         } else {
-            keys.join(" · ")
+            let answer = |answer: &Category| format!("{}: {}", answer.key_name(), answer.label);
+            protocol.response.categories.iter().map(answer).collect::<Vec<_>>().join(" · ")
         };
-        ui::hint(ui, format!("{question} {answers}"));
+        ui::hint(ui, format!("{} {answers}", protocol.response.question));
     }
 
     /// Draws the levels that an observer sees, dimmed while they belong to an older definition.
@@ -147,8 +141,6 @@ pub struct Thumbnails {
     of: Option<u64>,
     all: Vec<Thumbnail>,
     conditions: usize,
-    /// The names of the factors, as captions list their levels.
-    factors: String,
     drawn: Drawn<(Vec<Stimulus>, u32)>,
 }
 
@@ -166,14 +158,9 @@ impl Thumbnails {
         self.update(ui, protocol, revision, THUMBNAIL, MAX_THUMBNAILS);
         let n = self.conditions;
         ui::section(ui, count(n as u64, "condition") + when);
-        let mut hint = Vec::new();
-        if !self.factors.is_empty() {
-            hint.push(format!("Captions: {}.", self.factors));
-        }
         if n > self.all.len() {
-            hint.push(format!("{} of them are shown, from all parts of the design.", self.all.len()));
+            ui::hint(ui, format!("{} of them are shown, from all parts of the design.", self.all.len()));
         }
-        ui::hint(ui, hint.join(" "));
         let gap = ui.spacing().item_spacing.x;
         let per_row = ((ui.available_width() + gap) / (THUMBNAIL + gap)).max(1.0) as usize;
         for row in self.all.chunks(per_row) {
@@ -211,7 +198,6 @@ impl Thumbnails {
         self.conditions = conditions.len();
         let known = Some(protocol.stimulus.parameters());
         let names: Vec<String> = protocol.factors.iter().map(|factor| names::factor(known, &factor.name)).collect();
-        self.factors = names.join("; ");
         let thumbnail = |condition: &Condition| {
             let level = |(factor, index): (&Factor, &usize)| {
                 names::level(known, &factor.name, &factor.levels[*index].to_string()).to_string()

@@ -200,9 +200,9 @@ fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskO
         // A table of its own goes with the option that opens it.
         let owner = if opens { opened(option).unwrap_or(option.key) } else { option.key };
         let keys = [&format!("{table}.{}", option.key), &format!("{table}.{owner}")];
-        ui.add_enabled_ui(!at_once || !OF_INTERVALS.contains(&option.key), |ui| {
+        if !(at_once && OF_INTERVALS.contains(&option.key)) {
             control(form, ui, option, keys.map(String::as_str), defaults);
-        });
+        }
     }
 }
 

@@ -224,8 +224,7 @@ fn next(ui: &mut egui::Ui, texts: &Texts) -> bool {
 }
 
 fn fill(text: &str, progress: &Progress) -> String {
-    let remaining = progress.remaining.unwrap_or(progress.planned);
-    let minutes = format!("{:.0}", (remaining.as_secs_f64() / 60.0).ceil());
+    let minutes = format!("{:.0}", (progress.remaining.as_secs_f64() / 60.0).ceil());
     text.replace("{done}", &progress.done.to_string())
         .replace("{total}", &progress.total.to_string())
         .replace("{minutes}", &minutes)

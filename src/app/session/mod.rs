@@ -1,7 +1,6 @@
 //! A session: preflight, questions about the participant, instructions, trials, and the last page. [`Runner`] shows them in this order.
 
 mod answers;
-mod feedback;
 mod findings;
 mod finish;
 mod instructions;

@@ -5,8 +5,7 @@ use std::{collections::BTreeSet, time::Duration};
 use eframe::egui::{self, CentralPanel, Color32, CursorIcon, Frame, Key, TextureHandle, Vec2, ViewportCommand};
 
 use super::{
-    answers::{draw_scale, draw_slider, scale_height},
-    feedback::Feedback,
+    answers::{Feedback, draw_scale, draw_slider, scale_height},
     finish::{Finish, SaveChoice, UnsavedAnswerPage},
     instructions::{self, CategoryPictures, INSTRUCTION_PAGES, PauseChoice},
     recording::{Recording, ScreenRefresh},

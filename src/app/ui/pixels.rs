@@ -117,7 +117,8 @@ const LOGO_CODES: [f64; 4] = [70.0, 190.0, 18.0, 255.0];
 /// Standard deviation of a line, as a share of the width.
 const LOGO_LINE: f64 = 0.045;
 
-/// Draws the logo, a Mach band as people see it with the dark and the bright line that are not in the light, with `side` pixels per side; in gray beside a stimulus.
+/// Draws the logo, a Mach band as people see it, with the dark and the bright line that are not in the light. It has `side`
+/// pixels per side, and is gray beside a stimulus.
 fn logo_image(side: usize, gray: bool) -> ColorImage {
     let tint = if gray { [1.0; 3] } else { [1.0, 0.86, 0.22] };
     let color = |x: usize, y: usize| {

@@ -33,15 +33,15 @@ options! {
 
 impl Kind for Choice {
     fn scale(&self) -> ResponseScale {
-        let (question, labels): (_, &[&str]) = match (self.shown, self.alternatives) {
-            (Shown::Intervals, 4) => ("Which image had the brighter band?", &["First", "Second", "Third", "Fourth"]),
-            (Shown::Intervals, _) => ("Which image had the brighter band?", &["First", "Second"]),
+        let (question, labels) = match (self.shown, self.alternatives) {
+            (Shown::Intervals, _) => ("Which image had the brighter band?", ["First", "Second", "Third", "Fourth"]),
             (Shown::Places, 4) => {
-                ("Which image has the brighter band?", &["Top left", "Top right", "Bottom left", "Bottom right"])
+                ("Which image has the brighter band?", ["Top left", "Top right", "Bottom left", "Bottom right"])
             }
-            (Shown::Places, _) => ("Which image has the brighter band?", &["Left", "Right"]),
+            (Shown::Places, _) => ("Which image has the brighter band?", ["Left", "Right", "", ""]),
         };
-        ResponseScale::new(question, labels, '1'..)
+        let count = if self.alternatives == 4 { 4 } else { 2 };
+        ResponseScale::new(question, &labels[..count], '1'..)
     }
 
     fn instructions(&self) -> String {

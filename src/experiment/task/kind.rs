@@ -50,14 +50,6 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// Returns the number of stimuli of a trial.
-    pub fn count(self) -> usize {
-        match self {
-            Self::Single => 1,
-            Self::Places(count) | Self::Intervals { count, .. } => count,
-        }
-    }
-
     /// Returns the number of intervals.
     pub fn intervals(self) -> usize {
         if let Self::Intervals { count, .. } = self { count } else { 1 }
@@ -253,11 +245,6 @@ impl Given<'_> {
         matches!(self.stimulus, Stimulus::Image(_))
     }
 
-    /// Returns whether a parameter has its value from elsewhere: it is a factor, or an adaptive method varies it.
-    fn varies(&self, name: &str) -> bool {
-        self.adapted.contains(&name) || self.factors.iter().any(|factor| factor.name == name)
-    }
-
     /// Adds an error for each parameter of a reference that the stimulus lacks or that cannot have its value. A factor
     /// can be one of them: then the reference has the same level of it in all conditions.
     pub fn check_reference(&self, reference: &Settings, errors: &mut DefinitionErrors) {
@@ -277,7 +264,7 @@ impl Given<'_> {
     /// Adds an error if the ends of a dial are not values of its parameter.
     pub fn check_dial(&self, dial: &Dial, errors: &mut DefinitionErrors) {
         let name = dial.parameter.as_deref().unwrap_or_default();
-        if self.varies(name) {
+        if self.factors.iter().any(|factor| factor.name == name) {
             let message = format!("{name} is a factor; expected a parameter that no factor varies");
             errors.add("task.parameter", message);
         }
@@ -308,9 +295,9 @@ impl Given<'_> {
                 format!("low {low} is not above 0; expected a positive number, because the scale is logarithmic");
             errors.add("task.low", message);
         }
-        if !(dial.step > 0.0 && dial.step.is_finite()) {
-            errors.add("task.step", format!("step {} is not above 0; expected a positive number", dial.step));
-        }
+        let span = if dial.log { (high / low).log10() } else { high - low };
+        let most = if span > 0.0 { significant(span) } else { f64::INFINITY };
+        errors.check_range("task.step", dial.step, 1e-9, most, "a size, at most the distance from low to high");
     }
 }
 

@@ -7,7 +7,6 @@
 mod adaptive;
 mod adjust;
 mod choice;
-mod common;
 pub mod curve;
 mod kind;
 mod options;
@@ -16,24 +15,20 @@ mod quest;
 mod rating;
 mod scaling;
 mod staircase;
-mod track;
 mod yes_no;
 
-pub use adaptive::{Adaptive, Constant, Method};
+pub use adaptive::{Adaptive, Constant, Method, Track};
 pub use adjust::Adjust;
 pub use choice::{Choice, Shown as ChoiceShown};
-pub use common::{Common, Easier};
-pub use curve::{Curve, Psychometric};
+pub use curve::{Common, Curve, Easier, Psychometric};
 pub(super) use kind::at_level;
 pub use kind::{Answer, Dial, Given, Kind, Layout, Measures, Pick, Presentation, Senses, Settings, Turn, significant};
 pub use options::{Defaults, OptionReader, OptionValue, TaskOption, typed};
 pub use pair::{Pair, Pairs};
 pub use quest::{Grid, Quest, QuestPlus, Second};
 pub use rating::{Rating as RatingTask, Scale as RatingScale};
-pub use scaling::Ranking;
-pub use scaling::{Mode, Scaling, Wins};
+pub use scaling::{Mode, Ranking, Scaling, Wins};
 pub use staircase::{Staircase, Stairs};
-pub use track::Track;
 pub use yes_no::YesNo;
 
 use options::kinds;

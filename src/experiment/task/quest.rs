@@ -6,8 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 
 use super::{
-    common::Common,
-    curve::{Curve, Psychometric},
+    curve::{Common, Curve, Psychometric},
     options::{OptionValue, options},
 };
 use crate::experiment::faults::DefinitionErrors;
@@ -101,13 +100,10 @@ impl QuestPlus {
             errors.add("adaptive.guess", message);
         }
         let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max);
-        let guesses = guess.map_or(most(&self.guess), |guess| guess);
-        if guesses + most(&self.lapse) >= 1.0 {
-            let message = format!(
-                "a guess rate of {guesses} and a lapse rate of {} leave nothing to see; expected a sum below 1",
-                most(&self.lapse)
-            );
-            errors.add("adaptive.lapse", message);
+        let (guesses, lapses) = (guess.unwrap_or_else(|| most(&self.guess)), most(&self.lapse));
+        if guesses + lapses >= 1.0 {
+            let is = format!("a guess rate of {guesses} and a lapse rate of {lapses} leave nothing to see");
+            errors.add("adaptive.lapse", is + "; expected a sum below 1");
         }
         let [low, high] = [f64::min, f64::max].map(|end| self.levels.iter().copied().fold(f64::NAN, end));
         if !self.threshold.is_empty() && !self.threshold.iter().any(|one| (low..=high).contains(one)) {
@@ -275,16 +271,13 @@ impl Quest {
         all.iter().position(|entropy| *entropy <= least + EQUAL).unwrap_or(0)
     }
 
-    /// Learns from the outcome at a stimulus.
-    pub fn learn(&mut self, stimulus: usize, seen: bool) {
+    /// Learns from the outcome at a stimulus or, without one, of a catch trial, whose probability is the guess rate.
+    pub fn learn(&mut self, stimulus: Option<usize>, seen: bool) {
         let tables = Arc::clone(&self.tables);
-        self.update(seen, tables.likelihood[stimulus].iter().copied());
-    }
-
-    /// Learns from the outcome of a catch trial, whose probability is the guess rate.
-    pub fn learn_catch(&mut self, seen: bool) {
-        let tables = Arc::clone(&self.tables);
-        self.update(seen, tables.cells.iter().map(|(one, _)| one.guess));
+        match stimulus {
+            Some(stimulus) => self.update(seen, tables.likelihood[stimulus].iter().copied()),
+            None => self.update(seen, tables.cells.iter().map(|(one, _)| one.guess)),
+        }
     }
 
     fn update(&mut self, seen: bool, likelihood: impl Iterator<Item = f64>) {

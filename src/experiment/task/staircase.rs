@@ -1,7 +1,7 @@
 //! Staircases: the level becomes harder after right answers and easier after wrong ones.
 
 use super::{
-    common::Common,
+    curve::Common,
     kind::significant,
     options::{OptionValue, options},
 };
@@ -49,13 +49,10 @@ impl Staircase {
         }
         let unit = if common.log { "base-10 logarithms of the level" } else { "units of the level" };
         let range = common.scaled(self.high) - common.scaled(self.low);
+        let most = if range > 0.0 { significant(range) } else { f64::INFINITY };
         for (i, step) in self.steps.iter().enumerate() {
-            let is = match *step {
-                step if step <= 0.0 => "is not above 0".to_owned(),
-                step if step > range => format!("is more than from low to high, which is {}", significant(range)),
-                _ => continue,
-            };
-            errors.add(format!("adaptive.steps.{i}"), format!("step {step} {is}; expected a size in {unit}"));
+            let meaning = format!("a size in {unit}, at most the distance from low to high");
+            errors.check_range(&format!("adaptive.steps.{i}"), *step, 1e-6, most, &meaning);
         }
     }
 }

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     analysis::{
-        counts::{Counts, Factor, Role},
+        counts::{Counts, Factor},
         summary::category_values,
     },
     statistics::Interval,
@@ -143,7 +143,7 @@ impl Levels {
     pub fn of(factor: &Factor) -> Self {
         let numbers = factor.numbers.as_ref();
         let places = numbers.filter(|numbers| numbers.len() > 1);
-        let places = places.and_then(|numbers| spread(numbers, factor.role == Role::Direction));
+        let places = places.and_then(|numbers| spread(numbers, factor.is_direction));
         let even = Self::evenly(&factor.levels, numbers.is_some());
         Self { at: places.unwrap_or(even.at), ..even }
     }

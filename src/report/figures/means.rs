@@ -14,7 +14,7 @@ use super::{
 use crate::{
     analysis::{
         Coefficient, Model, Results,
-        counts::{CountRow, Factor, Role},
+        counts::{CountRow, Factor},
         summary::{Group, by_levels, means_by_subject},
     },
     report::names,
@@ -177,7 +177,7 @@ pub(super) fn draw(svg: &mut Svg, panel: &Panel, levels: &Levels, lines: &[Line]
 /// Draws `orientation`: the means by a direction with several levels that is not in Figure 4.
 pub(super) fn orientation(results: &Results) -> Option<Figure> {
     let counts = &results.measured.counts;
-    let is_direction = |factor: &Factor| factor.role == Role::Direction && factor.levels.len() > 1;
+    let is_direction = |factor: &Factor| factor.is_direction && factor.levels.len() > 1;
     let index = counts.factors.iter().position(is_direction).filter(|index| !chosen(counts).contains(index))?;
     let means = of_groups(by_levels(counts, &[index]));
     let name = (0, "orientation");

@@ -171,7 +171,7 @@ fn builder(shape: &Shape) -> MeasuredBuilder {
 }
 
 fn add(builder: &mut MeasuredBuilder, row: &RatingRow<'_>) -> Result<(), String> {
-    builder.add(row).map_err(|error| error.to_string())
+    builder.add(row)
 }
 
 /// What a document shows in addition to the results.

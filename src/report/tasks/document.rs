@@ -1,10 +1,9 @@
 //! Describes the answers to a task in a document.
 
 use super::{
-    asked::{Asked, Levels},
     further,
     results::{Beyond, PersonFunction, TaskResults},
-    study::TaskStudy,
+    study::{Asked, Levels, TaskStudy},
 };
 use crate::{
     analysis::tasks::{
@@ -77,8 +76,8 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         let of = study.at(*condition);
         let level = level(common, population.interval);
         let interval = with_interval(population.interval, &level);
-        let who = count(population.people.len() as u64, "participant");
-        format!("The mean threshold of {name}{of} is {}{interval} across {who}.", level(population.mean))
+        let who = count(population.contributions.len() as u64, "participant");
+        format!("The mean threshold of {name}{of} is {}{interval} across {who}.", level(population.function.threshold))
     };
     section.list(results.populations.iter().map(sentence).collect());
     let beyond = |(condition, place): &(usize, Beyond)| {
@@ -182,12 +181,6 @@ fn thresholds(study: &TaskStudy, results: &TaskResults, figures: &[Figure]) -> O
     let failed =
         results.functions.iter().filter_map(|function| Some((of(study, function), function.fit.as_ref().err()?)));
     section.list(failed.map(|(name, error)| format!("{name}: {error}")).collect());
-    let without = results.without_mean.iter();
-    section.list(
-        without
-            .map(|(condition, error)| format!("There is no mean over participants{}: {error}.", study.at(*condition)))
-            .collect(),
-    );
     Some(section)
 }
 
@@ -199,13 +192,13 @@ fn populations(section: &mut Section, study: &TaskStudy, results: &TaskResults, 
     let plain = further::scaled(false, None);
     TableOf::new("Thresholds over participants, by condition", &results.populations)
         .text("Condition", |(condition, _)| study.name(*condition))
-        .number("Participants", |(_, own)| whole(own.people.len() as u64))
-        .number("Mean threshold", |(_, own)| level(common, own.interval)(own.mean))
+        .number("Participants", |(_, own)| whole(own.contributions.len() as u64))
+        .number("Mean threshold", |(_, own)| level(common, own.interval)(own.function.threshold))
         .number("95\u{a0}% interval", |(_, own)| range(own.interval, level(common, own.interval)))
         .number("SD", |(_, own)| plain(own.sd))
-        .number("Width", |(_, own)| plain(own.width))
-        .number("Guess rate", |(_, own)| unit(own.guess))
-        .number("Lapse rate", |(_, own)| unit(own.lapse))
+        .number("Width", |(_, own)| plain(own.function.width))
+        .number("Guess rate", |(_, own)| unit(own.function.guess))
+        .number("Lapse rate", |(_, own)| unit(own.function.lapse))
         .add_to(section);
     if common.log {
         section.note("The standard deviation and the width are in base-10 logarithms of the level.");
@@ -266,19 +259,17 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
     }
     for (condition, population) in &results.populations {
         let [low, high] = population.range;
-        if population.interval.is_none() {
-            section.warning(format!(
-                "The mean threshold{} has no interval: the functions of all participants rise between the same two levels, or their \
-                 thresholds are the same. It is not compared with others.",
-                study.at(*condition)
-            ));
-        }
-        if population.interval.is_some_and(|mean| mean.low < low || mean.high > high) {
-            section.warning(format!(
-                "The interval of the mean threshold{} reaches beyond the levels, where no answers limit it.",
-                study.at(*condition)
-            ));
-        }
+        let what = match population.interval {
+            None => {
+                "has no interval: the functions of all participants rise between the same two levels, or their thresholds are the same. It is \
+                 not compared with others."
+            }
+            Some(mean) if mean.low < low || mean.high > high => {
+                "has an interval that reaches beyond the levels, where no answers limit it."
+            }
+            Some(_) => continue,
+        };
+        section.warning(format!("The mean threshold{} {what}", study.at(*condition)));
     }
     let undetermined = |function: &PersonFunction| {
         let is_missing = |fit: &Fit| function.threshold().is_none() || fit.determined_slope().is_none();
@@ -305,18 +296,15 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
 fn methods(study: &TaskStudy, results: &TaskResults) -> Section {
     let mut section = Section::new("methods", "Methods");
     let how = match study.asked.measures {
-        None => "",
-        Some(Measures::Proportions) => "An answer counts as seen if the target was chosen.",
+        Some(Measures::Proportions) => " An answer counts as seen if the target was chosen.",
         Some(Measures::Detection) if study.asked.levels.is_some() => {
-            "An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
+            " An answer counts as seen if it was yes; catch trials show no target, so F is 0 there, and their answers determine γ."
         }
-        Some(Measures::Detection) => "An answer counts as seen if it was yes; catch trials show no target.",
-        Some(Measures::Comparisons) => "Each answer is a comparison of two conditions.",
-        _ if study.asked.is_slider() => "Each answer is a place on a slider, which is analyzed as a number.",
-        Some(Measures::Settings | Measures::Ratings) => "Each answer is a value that the participant set.",
+        Some(Measures::Detection) => " An answer counts as seen if it was yes; catch trials show no target.",
+        _ => "",
     };
-    if !how.is_empty() {
-        section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts. {how}"));
+    if study.asked.measures.is_some() {
+        section.text(format!("Practice trials are left out, and the last attempt of a corrected trial counts.{how}"));
     }
     let levels = study.asked.levels.as_ref().filter(|_| !results.functions.is_empty());
     let Some(Levels { model, .. }) = levels else { return section };

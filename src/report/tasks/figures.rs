@@ -1,13 +1,12 @@
 //! The charts of a task.
 
 use super::{
-    asked::Levels,
     further::{APART, over_people, proportion, scaled_ends},
     results::{Detected, OfPerson, PersonFunction, TaskResults},
-    study::TaskStudy,
+    study::{Levels, TaskStudy},
 };
 use crate::{
-    analysis::tasks::psychometric::{Estimate, Point},
+    analysis::tasks::psychometric::Point,
     report::{
         document::{count, list},
         figures::{
@@ -42,13 +41,8 @@ fn functions(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         for point in own.clone().flat_map(PersonFunction::targets) {
             Point::add(&mut all, point.x, point.correct, point.total);
         }
-        let of_people = results.populations.iter().find(|(of, _)| *of == condition).map(|(_, population)| Estimate {
-            threshold: population.mean,
-            width: population.width,
-            lapse: population.lapse,
-            guess: population.guess,
-            overdispersion: 0.0,
-        });
+        let of_people = results.populations.iter().find(|(of, _)| *of == condition);
+        let of_people = of_people.map(|(_, population)| population.function);
         // A line of one person would not be that of the others' answers.
         let of_one = own.clone().next().filter(|_| own.clone().count() == 1);
         let of_one = of_one.and_then(PersonFunction::described).map(|fit| fit.estimate);
@@ -85,12 +79,11 @@ fn thresholds(study: &TaskStudy, results: &TaskResults) -> Option<Figure> {
         let own = |person: usize| {
             let mut all = results.functions.iter();
             let function = all.find(|function| function.condition == condition && function.person == person)?;
-            let fit = function.described().filter(|_| function.beyond.is_none())?;
-            Some((fit.determined_threshold()?, Some(fit.threshold)))
+            Some((function.threshold()?, Some(function.described()?.threshold)))
         };
         let mut all: Vec<_> = (0..study.people.len()).map(own).collect();
         let of_people = results.populations.iter().find(|(of, _)| *of == condition);
-        all.push(of_people.map(|(_, population)| (population.mean, population.interval)));
+        all.push(of_people.map(|(_, population)| (population.function.threshold, population.interval)));
         (study.levels(condition).join(", "), all)
     };
     let axis = study.asked.axis(&common.parameter, common.log);
@@ -133,15 +126,11 @@ fn by_person<T>(
         (!known.is_empty()).then(|| (study.levels(condition).join(", "), all))
     };
     let series: Vec<Estimates> = (0..study.asked.conditions.len()).filter_map(series).collect();
-    let means: Vec<_> = series.iter().filter_map(|(_, all)| *all.last()?).collect();
-    let mean = match means[..] {
-        [] => "",
-        _ if means.iter().any(|(_, interval)| interval.is_some()) => {
-            ", and the mean over participants with its 95\u{a0}% interval"
-        }
-        _ => ", and the mean over participants",
-    };
-    let caption = format!("{what} of each participant{mean}; {}.{}", count(study.answers(), noun), symbols(study));
+    let has_interval = |(_, all): &Estimates| matches!(all.last(), Some(Some((_, Some(_)))));
+    let interval = if series.iter().any(has_interval) { " with its 95\u{a0}% interval" } else { "" };
+    let answers = count(study.answers(), noun);
+    let caption =
+        format!("{what} of each participant, and the mean over participants{interval}; {answers}.{}", symbols(study));
     estimates(name, &people_and_mean(study), &series, (title, axis, caption))
 }
 

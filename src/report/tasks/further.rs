@@ -5,7 +5,7 @@ use super::{
     study::TaskStudy,
 };
 use crate::{
-    analysis::{comparisons::Scale, detection::Detection, tasks::means::Mean},
+    analysis::{comparisons::Scale, detection::Detection, tasks::population::Mean},
     experiment::task::{Dial, Measures},
     report::{
         document::{Section, Shown, TableOf, count, fixed, range, significant, unit, whole, with_interval},

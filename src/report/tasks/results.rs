@@ -5,18 +5,14 @@ use std::collections::BTreeMap;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 use rayon::prelude::*;
 
-use super::{
-    asked::Levels,
-    study::{TaskAnswered, TaskStudy},
-};
+use super::study::{Levels, TaskAnswered, TaskStudy};
 use crate::{
     analysis::{
         comparisons::{Scale, Scaling, Triads, Wins},
         detection::{Answers, Detection},
         settings::Settings,
         tasks::{
-            means::Mean,
-            population::{self, Population},
+            population::{self, Mean, Population},
             psychometric::{self, Fit, GoodnessOfFit, Guess, Model, Point},
         },
     },
@@ -36,8 +32,6 @@ pub struct TaskResults {
     /// The conditions whose thresholds lie beyond the levels that could be shown, where only the prior places them, and on
     /// which side: at least half of the people's, or their mean.
     pub beyond: Vec<(usize, Beyond)>,
-    /// The conditions of which there is no mean over people, and why.
-    pub without_mean: Vec<(usize, &'static str)>,
     /// Differences between the thresholds of two conditions, of the people who have both.
     pub differences: Vec<([usize; 2], Mean)>,
     /// The number of correct answers of each person and condition, and of all, if no levels were varied.
@@ -166,13 +160,10 @@ impl TaskResults {
         if let Some(Levels { common, model, .. }) = &study.asked.levels {
             results.functions = functions(points(study, &results.detection, common, model), model, seed);
             for (condition, population) in populations(study, &results.functions, model) {
-                let place = |population: &Population| {
-                    majority(&results.functions, condition).or(Beyond::of(population.range, population.mean))
-                };
-                match population.map(|population| (place(&population), population)) {
-                    Ok((Some(place), _)) => results.beyond.push((condition, place)),
-                    Ok((None, population)) => results.populations.push((condition, population)),
-                    Err(error) => results.without_mean.push((condition, error)),
+                let place = majority(&results.functions, condition);
+                match place.or(Beyond::of(population.range, population.function.threshold)) {
+                    Some(place) => results.beyond.push((condition, place)),
+                    None => results.populations.push((condition, population)),
                 }
             }
             results.differences = differences(&contributions(&results.populations, &results.functions));
@@ -307,16 +298,13 @@ fn sound(functions: &[PersonFunction], condition: usize) -> impl Iterator<Item =
     functions.iter().filter(move |function| function.condition == condition && !function.is_reversed)
 }
 
-/// Fits the people of each condition in which several have a function that means something.
-fn populations(
-    study: &TaskStudy,
-    functions: &[PersonFunction],
-    model: &Model,
-) -> Vec<(usize, Result<Population, &'static str>)> {
+/// Fits the people of each condition in which several have a function that means something. Why others have none, their
+/// functions say.
+fn populations(study: &TaskStudy, functions: &[PersonFunction], model: &Model) -> Vec<(usize, Population)> {
     let conditions = 0..study.asked.conditions.len();
     let fit = |condition: usize| {
         let people: Vec<Vec<Point>> = sound(functions, condition).map(|function| function.points.clone()).collect();
-        (people.len() > 1).then(|| (condition, population::fit(&people, model)))
+        Some((condition, population::fit(&people, model).ok()?))
     };
     conditions.into_par_iter().filter_map(fit).collect()
 }
@@ -352,8 +340,8 @@ type Contributions = BTreeMap<usize, f64>;
 /// Returns the contributions in each condition that has an interval; without one, they say nothing about how people differ.
 fn contributions(populations: &[(usize, Population)], functions: &[PersonFunction]) -> Vec<(usize, Contributions)> {
     let own = |(condition, population): &(usize, Population)| {
-        let people = sound(functions, *condition).zip(&population.people);
-        (*condition, people.map(|(function, person)| (function.person, person.contribution)).collect())
+        let people = sound(functions, *condition).zip(&population.contributions);
+        (*condition, people.map(|(function, own)| (function.person, *own)).collect())
     };
     populations.iter().filter(|(_, population)| population.interval.is_some()).map(own).collect()
 }

@@ -1,16 +1,18 @@
-//! Reads the answers to a task from the sessions of a data set.
+//! What was asked, by a definition or as the columns of a table say, and the answers, from the sessions of a data set or
+//! from a table.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
 };
 
-use super::asked::{Asked, Levels};
 use crate::{
+    analysis::tasks::psychometric::Model,
     experiment::{
-        Factor, Phase, Replayed,
-        task::{Adaptive, Answer, Measures, Second, Task},
+        Factor, Phase, Protocol, Replayed,
+        task::{Adaptive, Answer, Common, Dial, Measures, Method, Second, Task},
     },
+    report::names,
     stimulus::{ParameterValue, Stimulus},
     store::{
         FileError, FileErrors, StoreError,
@@ -23,8 +25,133 @@ use crate::{
     text::Cell,
 };
 
-/// The answers to a task.
+/// What was asked.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// The title of the study, or the name of its experiment or file.
+    pub title: String,
+    /// The kind of task.
+    pub task: String,
+    /// What the answers are analyzed as; `None` for a table of answers at levels.
+    pub measures: Option<Measures>,
+    /// The factors; the last one is the second parameter of an adaptive method, if it has one.
+    pub factors: Vec<Factor>,
+    /// Each condition's level of each factor.
+    pub conditions: Vec<Vec<usize>>,
+    /// The levels at which psychometric functions were measured, if they were.
+    pub levels: Option<Levels>,
+    /// The value that participants set.
+    pub dial: Option<Dial>,
+    /// The definition; `None` for a table.
+    pub protocol: Option<Protocol>,
+}
+
+/// The levels of a psychometric function.
 #[derive(Clone, Debug)]
+pub struct Levels {
+    /// What is varied, and on which scale.
+    pub common: Common,
+    /// The lowest and the highest level that could be shown.
+    pub range: [f64; 2],
+    /// What is known about the functions.
+    pub model: Model,
+    /// What chose the levels, such as `a staircase`; empty if it is not known.
+    pub chosen_by: &'static str,
+}
+
+impl Asked {
+    fn known(&self) -> names::Known {
+        self.protocol.as_ref().map(|protocol| protocol.stimulus.parameters())
+    }
+
+    /// Returns the name of a factor or of another parameter in a sentence.
+    pub fn factor(&self, name: &str) -> String {
+        names::factor(self.known(), name)
+    }
+
+    /// Returns whether participants rated on a slider.
+    pub fn is_slider(&self) -> bool {
+        self.dial.as_ref().is_some_and(|dial| dial.parameter.is_none())
+    }
+
+    /// Formats a level of a factor.
+    pub fn level(&self, factor: &str, level: &str) -> String {
+        names::level(self.known(), factor, level).to_string()
+    }
+
+    /// Returns the title of an axis for a parameter, or for its logarithm.
+    pub fn axis(&self, name: &str, log: bool) -> String {
+        match log {
+            true => format!("{} (base-10 logarithm)", names::heading(self.known(), name)),
+            false => names::axis(self.known(), name),
+        }
+    }
+}
+
+/// Names a method that chooses levels in a sentence.
+fn method(method: &Method) -> &'static str {
+    match method {
+        Method::Staircase(_) => "a staircase",
+        Method::QuestPlus(_) => "QUEST+",
+        Method::Constant(_) => "the method of constant stimuli",
+    }
+}
+
+/// Names a task in words.
+pub(crate) fn task(task: &Task) -> &'static str {
+    match task.measures() {
+        Measures::Ratings => "rating",
+        Measures::Proportions => "forced choice",
+        Measures::Detection => "detection (yes or no)",
+        Measures::Comparisons => "comparison of pairs",
+        Measures::Settings if task.dial().is_some_and(|dial| dial.parameter.is_none()) => "rating on a slider",
+        Measures::Settings => "adjustment",
+    }
+}
+
+/// Names the answers to a task other than a rating on a scale of categories.
+pub(crate) fn answers(task: &Task) -> String {
+    match task {
+        Task::Rating(_) => "answers on a slider".to_owned(),
+        _ => format!("answers to the task {}", task.name()),
+    }
+}
+
+impl From<&Protocol> for Asked {
+    fn from(protocol: &Protocol) -> Self {
+        let title = if protocol.title.trim().is_empty() { &protocol.name } else { &protocol.title };
+        let levels = protocol.adaptive.as_ref().zip(Model::of(protocol)).map(|(adaptive, model)| Levels {
+            common: adaptive.common.clone(),
+            range: adaptive.range(),
+            model,
+            chosen_by: method(&adaptive.method),
+        });
+        let mut factors = protocol.factors.clone();
+        let mut conditions: Vec<Vec<usize>> =
+            protocol.conditions().iter().map(|condition| condition.levels.clone()).collect();
+        if let Some(second) = protocol.adaptive.as_ref().and_then(Adaptive::second) {
+            let levels: Vec<ParameterValue> = second.levels.iter().map(|level| (*level).into()).collect();
+            let with = |condition: &Vec<usize>| -> Vec<Vec<usize>> {
+                (0..levels.len()).map(|level| [&condition[..], &[level]].concat()).collect()
+            };
+            conditions = conditions.iter().flat_map(with).collect();
+            factors.push(Factor { name: second.parameter.clone(), levels });
+        }
+        Self {
+            title: title.clone(),
+            task: task(&protocol.task).to_owned(),
+            measures: Some(protocol.task.measures()),
+            factors,
+            conditions,
+            levels,
+            dial: protocol.task.dial(),
+            protocol: Some(protocol.clone()),
+        }
+    }
+}
+
+/// The answers to a task.
+#[derive(Clone, Debug, Default)]
 pub struct TaskStudy {
     /// What was asked.
     pub asked: Asked,
@@ -129,17 +256,7 @@ impl TaskStudy {
             }
         }
         let Some(first) = sessions.first() else { return Err(FileErrors(errors)) };
-        let mut study = Self {
-            files: Vec::new(),
-            people: Vec::new(),
-            simulated: 0,
-            unfinished: 0,
-            trials: Vec::new(),
-            errors,
-            warnings: Vec::new(),
-            excluded: Vec::new(),
-            asked: Asked::from(&first.protocol),
-        };
+        let mut study = Self { errors, asked: Asked::from(&first.protocol), ..Self::default() };
         let mut known = BTreeMap::new();
         for session in &sessions {
             if session.protocol != first.protocol {
@@ -200,26 +317,14 @@ impl TaskStudy {
         let asked = Asked {
             title: path.file_stem().unwrap_or_default().display().to_string(),
             task: "table of answers".to_owned(),
-            measures: None,
             factors: names.into_iter().zip(found).map(factor).collect(),
             conditions,
             levels: Some(levels),
-            dial: None,
-            protocol: None,
+            ..Asked::default()
         };
         let simulated: BTreeSet<&String> = rows.iter().filter(|row| row.is_simulated).map(|row| &row.subject).collect();
         let files = vec![(path.to_owned(), rows.len())];
-        Self {
-            asked,
-            files,
-            people,
-            simulated: simulated.len(),
-            unfinished: 0,
-            trials,
-            errors: Vec::new(),
-            warnings: Vec::new(),
-            excluded: Vec::new(),
-        }
+        Self { asked, files, people, simulated: simulated.len(), trials, ..Self::default() }
     }
 
     /// Returns the number of answers.

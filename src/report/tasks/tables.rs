@@ -1,9 +1,8 @@
 //! The results of a task as tables.
 
 use super::{
-    asked::Levels,
     results::{Comparisons, Detected, OfPerson, PersonFunction, TaskResults},
-    study::TaskStudy,
+    study::{Levels, TaskStudy},
 };
 use crate::{
     analysis::{
@@ -105,14 +104,14 @@ fn population(study: &TaskStudy, results: &TaskResults, common: &Common) -> Tabl
     let scaled = |(_, own): &(usize, Population)| Some(scaled(common, own.interval?));
     let mean = "Mean threshold of people, on the scale of the levels.";
     with_levels(study, Rows::new(&results.populations), |(condition, _)| *condition)
-        .column("people", "Number of participants.", |(_, own)| own.people.len())
-        .column("threshold", mean, |(_, own)| common.level(own.mean))
+        .column("people", "Number of participants.", |(_, own)| own.contributions.len())
+        .column("threshold", mean, |(_, own)| common.level(own.function.threshold))
         .interval("threshold", "its 95 % interval", scaled)
         .column("sd", "Standard deviation of people's thresholds.", |(_, own)| own.sd)
-        .column("function_width", "Distance of the levels with F = .05 and F = .95.", |(_, own)| own.width)
+        .column("function_width", "Distance of the levels with F = .05 and F = .95.", |(_, own)| own.function.width)
         .in_unit("scale of the levels", 2)
-        .column("guess", "Common guess rate.", |(_, own)| own.guess)
-        .column("lapse", "Common lapse rate.", |(_, own)| own.lapse)
+        .column("guess", "Common guess rate.", |(_, own)| own.function.guess)
+        .column("lapse", "Common lapse rate.", |(_, own)| own.function.lapse)
         .table()
 }
 

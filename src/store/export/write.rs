@@ -133,7 +133,8 @@ fn into_folder(to: &Path, fill: impl FnOnce(&Path) -> Result<(), StoreError>) ->
     let _ = remove_tree(&temporary);
     exported.map_err(|error| match error {
         StoreError::Io { path, action, source } => {
-            let path = path.strip_prefix(&temporary).map(|inside| parent.join(inside)).unwrap_or(path.clone());
+            let inside = path.strip_prefix(&temporary);
+            let path = inside.map_or_else(|_| path.clone(), |inside| parent.join(inside));
             StoreError::Io { path, action, source }
         }
         error => error,

@@ -5,13 +5,13 @@ use std::path::Path;
 use super::{
     files::Header,
     reader::{alike, how_read},
-    rows::{RowError, Rows, Status, is_mark, is_missing, with_point},
+    rows::{RowError, Rows, Status, is_mark, is_missing},
     selection::{Columns as Places, Input, has_session_rows},
     source::Layout,
 };
 use crate::{
     experiment::SIMULATED,
-    store::{Columns, FileError, FileErrors, StoreError},
+    store::{Columns, FileError, FileErrors, StoreError, table::with_point},
 };
 
 /// The columns of a table of answers.

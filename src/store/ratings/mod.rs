@@ -15,5 +15,4 @@ mod source;
 
 pub use files::{Listed, column_names, files, with_files};
 pub use reader::{read, read_columns};
-pub(super) use rows::with_point;
 pub use source::{FileRead, Layout, Levels, ReadOptions, Reason, SessionRead, Shape, Source, TimeLimits};

@@ -14,7 +14,7 @@ use crate::store::{
     columns::{Interner, Texts},
     error::RowErrors,
     ratings::Layout,
-    table::{self, Row, decoded, shortened},
+    table::{self, Row, decoded, shortened, with_point},
 };
 
 /// Maximum number of rows of a study; 100 million take about 4 GB.
@@ -315,19 +315,6 @@ fn common_form(id: &str) -> String {
         }
     }
     form
-}
-
-/// Returns a cell with a point in place of a decimal comma. If cells are not separated by commas, a comma in a number is
-/// a decimal comma, as in spreadsheets from many countries.
-pub(in crate::store) fn with_point(text: &str, separator: u8) -> Cow<'_, str> {
-    // One comma, so that `1,234,567` stays text.
-    if separator != b',' && text.matches(',').count() == 1 {
-        let number = text.replace(',', ".");
-        if number.parse::<f64>().is_ok() {
-            return number.into();
-        }
-    }
-    text.into()
 }
 
 /// Returns the number in a cell; `None` for other texts and missing values.
