@@ -6,8 +6,9 @@
 //! The residual of a rating is the derivative of its log-probability with respect to the location, given the participant's
 //! effects. One step of Fisher scoring from these gives the drift (a score test), whose distribution comes from the signs of
 //! the participants. Only what the participant and the model do not already tell about a trial's place counts, so that
-//! conditions shown in blocks do not hide a drift. If the order does not matter, the residuals of a session can be exchanged; the mean and the variance of
-//! the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math. Stat. 14, 378).
+//! conditions shown in blocks do not hide a drift. If the order does not matter, the residuals of a session can be
+//! exchanged; the mean and the variance of the sum of the products of neighbors follow (Wald & Wolfowitz 1943, Ann. Math.
+//! Stat. 14, 378).
 
 use std::collections::{BTreeMap, HashMap};
 

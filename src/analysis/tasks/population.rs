@@ -36,9 +36,8 @@ pub struct Population {
     /// The lowest and the highest level: those of the model, or of all people's points.
     pub range: [f64; 2],
     /// What each person contributes to μ, which is the mean of the contributions, in the order of their answers: not
-    /// shrunken, so that contributions can be compared between conditions
-    /// ([`Mean::of_differences`]). It is not an estimate of the person's threshold where
-    /// people have unequal numbers of trials.
+    /// shrunken, so that contributions can be compared between conditions ([`Mean::of_differences`]). It is not an estimate
+    /// of the person's threshold where people have unequal numbers of trials.
     pub contributions: Vec<f64>,
     /// The logarithm of the likelihood, without binomial coefficients.
     pub log_likelihood: f64,
