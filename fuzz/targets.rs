@@ -1,7 +1,7 @@
 //! Targets for every reader of files from other sources. Each target takes the content of a file. It panics if the reader
 //! panics, if an error has no message, or if data changes when it is written and read again.
 //!
-//! The fuzzers run the targets with generated input, and `tests/store/fuzz_corpus.rs` runs them with the saved input.
+//! The fuzzers run the targets with generated input, and `tests/store/reading.rs` runs them with the saved input.
 #![allow(dead_code, reason = "a fuzzer has one of the targets")]
 
 use std::{fmt::Debug, path::PathBuf, sync::LazyLock};
