@@ -7,7 +7,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use glam::DVec3;
 use machband::light::{Bits, Quantizer, Transfer};
-use machband::shading::{Field, Frame, Lighting, Mesh, Patches, Shade, Shader, Surface, View, image};
+use machband::shading::{Field, Frame, Mesh, Patches, Scene, Shade, Shader, Surface, View, image};
 
 const SIZE: u32 = 1024;
 
@@ -36,7 +36,7 @@ fn grid(columns: usize, rows: usize) -> Frame {
     let mesh = mesh.with_normals(|p| DVec3::new(0.5 * (4.0 * p.x).sin(), 0.5 * (3.0 * p.y + p.x).sin(), 1.0));
     // The square's corners are on the bounding sphere.
     let view = View { fill: std::f64::consts::SQRT_2, ..View::square(SIZE) };
-    Frame::new(&Surface::new(mesh), &view, &Lighting::standard(), DVec3::ZERO)
+    Frame::new(&Surface::new(mesh), &view, &Scene::default().lighting(), DVec3::ZERO)
 }
 
 #[derive(Clone, Copy)]

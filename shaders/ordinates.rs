@@ -143,9 +143,7 @@ fn divided(
             }
         } else {
             for (own, their) in ends {
-                let (own, their) = (root(&mut parent, own), root(&mut parent, their));
-                // The lower index identifies the fan, whatever the order of the edges.
-                parent[own.max(their) as usize] = own.min(their);
+                join(&mut parent, own, their);
             }
         }
     }
@@ -174,7 +172,14 @@ fn shared_edges(across: &[[u32; 3]]) -> impl Iterator<Item = (u32, u32, u32)> + 
     sides.map(|(t, k)| (t, k, across[t as usize][k as usize])).filter(|(t, _, other)| *other != NONE && other / 3 > *t)
 }
 
-fn root(parent: &mut [u32], mut at: u32) -> u32 {
+/// Joins the fans of two corners. The lower index identifies the fan, whatever the order of the edges.
+pub fn join(parent: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parent, a), root(parent, b));
+    parent[a.max(b) as usize] = a.min(b);
+}
+
+/// Returns the corner that identifies the fan of a corner.
+pub fn root(parent: &mut [u32], mut at: u32) -> u32 {
     while parent[at as usize] != at {
         parent[at as usize] = parent[parent[at as usize] as usize];
         at = parent[at as usize];

@@ -138,9 +138,9 @@ def shade(
     triangles
         Indices of the corners, shape (m, 3), counterclockwise as seen from outside.
     normals
-        Normals at the vertices, shape (n, 3), of any length above 0; without them, they are averaged over the faces. Or
-        how to estimate them from the triangles: ``averaged``, ``max`` (Max 1999), ``cubic``, or ``best`` of a mean and the
-        cubic; ``given`` takes those of a file.
+        Normals at the vertices, shape (n, 3), of any length above 0. Or how to estimate them from the triangles:
+        ``averaged``, ``max`` (Max 1999), ``cubic``, or ``best`` of a mean and the cubic, the default for vertices without
+        normals; ``given`` takes those of a file.
     crease
         Angle in degrees above which the edge between two faces of a file without normals is a crease.
     depth

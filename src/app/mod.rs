@@ -139,8 +139,8 @@ impl App {
             Place::Studies => self.studies.show(ui, monitor, &mut self.memory.settings),
             Place::Stimuli | Place::Shading => {
                 let distance_cm = number(&self.studies.screen().distance_cm);
-                let assumed = DisplayProfile::default();
-                let profile = self.studies.checked().and_then(|checked| checked.display.as_ref()).unwrap_or(&assumed);
+                let (checked, assumed) = (self.studies.check(monitor), DisplayProfile::default());
+                let profile = checked.display.as_ref().unwrap_or(&assumed);
                 Step::back_if(if self.place == Place::Shading {
                     self.shading.get_or_insert_default().show(ui, profile)
                 } else {

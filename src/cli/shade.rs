@@ -75,9 +75,9 @@ fn summarize(shader: Shader, found: &Metrics) -> anyhow::Result<()> {
     print_line(&match &found.difference {
         Some(difference) => format!(
             "{shader}: differs from the smooth surface by {:.2} times what people can just see in a {}° window (95 % of the surface: at most {:.2}), {}",
-            difference.largest,
+            difference.own.largest,
             found.viewing.window_deg,
-            difference.p95,
+            difference.own.p95,
             relative(difference.over_gouraud.largest)
         ),
         None if found.masked.is_some() => {

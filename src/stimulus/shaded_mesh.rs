@@ -14,7 +14,7 @@ use crate::{
     light::{Depth, LinearImage},
     shading::{
         Correction, Frame, Mesh, Scene, Shade, Shader, Shading, Specular, Surface, image,
-        lighting::{Facets, Microfacets},
+        lighting::Microfacets,
         shapes::{self, Shape},
     },
     text::names::serde_as_text,
@@ -159,12 +159,12 @@ pub fn describe_scene(scene: &Scene) -> Value {
         "fill": scene.fill,
         "distance": if scene.distance.is_finite() { json!(scene.distance) } else { json!("inf") },
     });
-    if let Specular::CookTorrance(Microfacets { facets, slope, index }) =
+    if let Specular::CookTorrance(Microfacets { c1, slope, index }) =
         scene.highlight.model(scene.shininess, scene.mirrors)
     {
         all["facet_slope"] = json!(slope);
         all["facet_index"] = json!(index.x);
-        if let Facets::Gaussian { c1 } = facets {
+        if let Some(c1) = c1 {
             all["facet_c1"] = json!(c1);
         }
     }

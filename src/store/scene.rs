@@ -123,17 +123,17 @@ table! {
         rotate: [f64; 3] = [0.0; 3], -MOST..=MOST;
         scale: f64 = 1.0, 1e-6..=MOST;
         shader: Shader = Shader::C1Phong;
-        depth: Option<Depth> = None;
-        boundary: Option<f64> = None, 0.0..=1.0;
+        depth: Depth = Depth::Finite(1);
+        boundary: f64 = Shade::new(Shader::Fixed).boundary, 0.0..=1.0;
         vertex: Correction = Correction::Off;
         reweight: Correction = Correction::Off;
         color: [f64; 3] = [1.0; 3], 0.0..=1.0;
         specular_color: [f64; 3] = [1.0; 3], 0.0..=1.0;
-        ambient: f64 = Material::standard().ambient, 0.0..=1.0;
-        diffuse: f64 = Material::standard().diffuse, 0.0..=1.0;
-        specular: f64 = Material::standard().specular, 0.0..=1.0;
+        ambient: f64 = 0.1, 0.0..=1.0;
+        diffuse: f64 = 0.6, 0.0..=1.0;
+        specular: f64 = 0.3, 0.0..=1.0;
         highlight: Highlight = Highlight::Phong;
-        shininess: f64 = Material::standard().shininess, 1.0..=1000.0;
+        shininess: f64 = 20.0, 1.0..=1000.0;
         facet_slope: Option<f64> = None, 0.001..=10.0;
         facet_c1: Option<f64> = None, 0.0..=1e6;
         facet_index: Option<f64> = None, 1.0..=1000.0;
@@ -248,16 +248,16 @@ fn body(table: &MeshTable, shape: Option<Mesh>, scene: &Path, notes: &mut Vec<St
         View::square(1).rotated(table.rotate).rotation,
         DVec3::from_array(table.position),
     );
-    let (k_t, color, plain) = (table.transmission, DVec3::from_array(table.filter), Shade::new(table.shader));
+    let (k_t, color) = (table.transmission, DVec3::from_array(table.filter));
     let mirrors = Mirrors { slope: table.facet_slope, c1: table.facet_c1, index: table.facet_index };
     Ok(Body {
         surface: Surface::new(mesh),
         shade: Shade {
-            depth: table.depth.unwrap_or(plain.depth),
-            boundary: table.boundary.unwrap_or(plain.boundary),
+            shader: table.shader,
+            depth: table.depth,
+            boundary: table.boundary,
             vertex: table.vertex,
             reweight: table.reweight,
-            ..plain
         },
         material: Material {
             color: DVec3::from_array(table.color),

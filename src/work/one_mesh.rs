@@ -116,21 +116,18 @@ fn distance(text: &str) -> Result<f64, String> {
 }
 
 impl OneMesh {
-    pub(super) fn shade(&self) -> shading::Shade {
+    fn shade(&self) -> shading::Shade {
         let Self { depth, boundary, vertex, reweight, .. } = *self;
         // Without a shader, only the smooth surface is drawn, which every pixel lights.
         let shader = self.shader.unwrap_or(Shader::Phong);
         shading::Shade { shader, depth, boundary, vertex, reweight }
     }
 
-    /// Names what draws the picture.
-    pub(super) fn drawn(&self) -> String {
-        self.shader.map_or_else(|| "the smooth surface".to_owned(), |shader| format!("the shader {shader}"))
-    }
-
     pub(super) fn checked_shade(&self) -> Result<shading::Shade, RequestError> {
         let shade = self.shade();
-        match shade.idle_correction(&self.drawn()) {
+        let drawn =
+            self.shader.map_or_else(|| "the smooth surface".to_owned(), |shader| format!("the shader {shader}"));
+        match shade.idle_correction(&drawn) {
             Some((field, _, problem)) => Err(RequestError::value(field, format!("{problem}; expected off"))),
             None => Ok(shade),
         }
@@ -165,11 +162,6 @@ impl OneMesh {
             distance: self.distance,
             ..Scene::default()
         })
-    }
-
-    /// True if the picture is the smooth surface's.
-    pub(super) fn draws_truth(&self) -> bool {
-        self.shader.is_none()
     }
 
     pub(super) fn fine_file(&self) -> Option<&Path> {
@@ -207,7 +199,7 @@ impl OneMesh {
         let mut all = json!({ "mesh": self.mesh.display().to_string(), "vertices": vertices, "crease_deg": self.crease, "normals": self.normals });
         append(&mut all, json!(self.shade()));
         if let Some(file) = &self.truth {
-            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.draws_truth() }));
+            append(&mut all, json!({ "truth": file.display().to_string(), "draws_truth": self.shader.is_none() }));
         }
         append(&mut all, describe_scene(scene));
         append(&mut all, json!({ "color": self.color.to_string(), "size": size }));

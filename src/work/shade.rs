@@ -19,7 +19,7 @@ use crate::{
     light::{CodeImage, LinearImage, Quantizer, Transfers},
     report::document::numbers::count,
     shading::{self, Body, Creases, EdgeKind, Frame, Normals, Scene, Shader, Surface, crease, image},
-    stimulus::{Judged, Residual, SurfaceDifference, ViewingConditions, emitted},
+    stimulus::{Judged, ViewingConditions, emitted},
     store::{self, mesh::MeshFile, scene::SceneFile},
     system::checkpoint,
     vision::VisionError,
@@ -97,52 +97,35 @@ pub struct Metrics {
     #[serde(flatten)]
     pub viewing: ViewingConditions,
     /// How visible the difference from the smooth surface is; `None` if that is not known or no pixel can be compared.
-    pub difference: Option<DifferenceMetrics>,
+    pub difference: Option<Compared<Visible<f64>, Visible<Option<f64>>>>,
     pub difference_unit: &'static str,
     /// The difference from the smooth surface in light; `None` if that is not known or no pixel can be compared.
-    pub residual: Option<ResidualMetrics>,
+    pub residual: Option<Compared<InLight<f64>, InLight<Option<f64>>>>,
     pub residual_unit: &'static str,
     /// The share of the surface that is not compared, 0…1; `None` if nothing is.
     pub masked: Option<f64>,
 }
 
-/// How visible the difference from the smooth surface is, in times threshold: the largest value, and the one that a
-/// place in twenty exceeds.
+/// What was measured, and the same relative to Gouraud's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DifferenceMetrics {
-    pub largest: f64,
-    pub p95: f64,
-    pub over_gouraud: DifferenceOverGouraud,
+pub struct Compared<Own, Relative> {
+    #[serde(flatten)]
+    pub own: Own,
+    pub over_gouraud: Relative,
 }
 
-/// A visible difference relative to Gouraud's.
+/// How visible the difference from the smooth surface is: the largest value, and the one that a place in twenty exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DifferenceOverGouraud {
-    pub largest: Option<f64>,
-    pub p95: Option<f64>,
+pub struct Visible<T> {
+    pub largest: T,
+    pub p95: T,
 }
 
 /// The difference from the smooth surface, in linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ResidualMetrics {
-    pub rms: f64,
-    pub p999: f64,
-    pub over_gouraud: ResidualOverGouraud,
-}
-
-/// A difference in light relative to Gouraud's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ResidualOverGouraud {
-    pub rms: Option<f64>,
-    pub p999: Option<f64>,
-}
-
-/// The measurements of one renderer.
-#[derive(Clone)]
-struct Measured {
-    creases: Creases,
-    difference: Option<SurfaceDifference>,
-    residual: Option<Residual>,
+pub struct InLight<T> {
+    pub rms: T,
+    pub p999: T,
 }
 
 impl Shade {
@@ -178,14 +161,15 @@ impl Shade {
         let found = given.map_or_else(|| one.mesh(), Ok)?;
         let viewing = encoded.viewing(one.window_deg, &self.luminances);
         let mut notes = Vec::new();
-        let drawing = Drawing::new(one, found, self.image.size, encoded.transfers, viewing, &mut notes)?;
+        let drawing = Drawing::new(one, found, self.image.size, &mut notes)?;
+        let mut description = one.describe(&drawing.scene, self.image.size);
+        let transfers = encoded.transfers;
         let picture = wanted.picture.then(|| {
             let image = drawing.image();
             notes.extend(clipped(&image));
-            Quantizer::new(&drawing.transfers, self.image.bits).quantize_with(&image, &self.image.dither())
+            Quantizer::new(&transfers, self.image.bits).quantize_with(&image, &self.image.dither())
         });
-        let metrics = wanted.metrics.then(|| drawing.metrics(&mut notes)).transpose()?;
-        let Drawing { transfers, mut description, .. } = drawing;
+        let metrics = wanted.metrics.then(|| drawing.metrics(viewing, description.clone(), &mut notes)).transpose()?;
         append(&mut description, json!({ "dither": self.image.dither, "seed": self.image.seed }));
         Ok(Shaded { picture, metrics, transfers, description, notes })
     }
@@ -211,26 +195,15 @@ struct Drawing<'a> {
     one: &'a OneMesh,
     shade: shading::Shade,
     scene: Scene,
-    viewing: ViewingConditions,
-    transfers: Transfers,
     surface: Surface,
     frame: Frame,
     /// A finer mesh for the same surface, if one was given.
     fine: Option<Surface>,
-    /// Every parameter.
-    description: Value,
 }
 
 impl<'a> Drawing<'a> {
     /// Puts a mesh in its place.
-    fn new(
-        one: &'a OneMesh,
-        file: MeshFile,
-        size: u32,
-        transfers: Transfers,
-        viewing: ViewingConditions,
-        notes: &mut Vec<String>,
-    ) -> anyhow::Result<Self> {
+    fn new(one: &'a OneMesh, file: MeshFile, size: u32, notes: &mut Vec<String>) -> anyhow::Result<Self> {
         let (shade, scene) = (one.checked_shade()?, one.scene()?);
         notes.extend(file.note(&one.mesh));
         let surface = Surface::new(file.mesh.estimated(one.normals));
@@ -251,14 +224,13 @@ impl<'a> Drawing<'a> {
             anyhow::Ok(Surface::new(file.mesh))
         };
         let fine = one.fine_file().map(fine).transpose()?;
-        let description = one.describe(&scene, size);
-        Ok(Drawing { one, shade, scene, viewing, transfers, surface, frame, fine, description })
+        Ok(Drawing { one, shade, scene, surface, frame, fine })
     }
 
     /// Returns the light of the picture.
     fn image(&self) -> LinearImage {
         let truth = || self.one.truth(&self.frame, self.fine.as_ref());
-        let truth = self.one.draws_truth().then(truth).flatten();
+        let truth = self.one.shader.is_none().then(truth).flatten();
         truth.map_or_else(|| image(&self.frame, &self.shade), |truth| truth.picture(&self.frame))
     }
 
@@ -273,8 +245,13 @@ impl<'a> Drawing<'a> {
     }
 
     /// Measures this picture and Gouraud's.
-    fn metrics(&self, notes: &mut Vec<String>) -> anyhow::Result<Metrics> {
-        let Self { one, shade, viewing, surface, frame, .. } = self;
+    fn metrics(
+        &self,
+        viewing: ViewingConditions,
+        description: Value,
+        notes: &mut Vec<String>,
+    ) -> anyhow::Result<Metrics> {
+        let Self { one, shade, surface, frame, .. } = self;
         let (plain, side) = (frame.clone().unpainted(), ViewingConditions::PICTURE_PX);
         let seen = self.scene.frame(surface, side, side).unpainted();
         let judged = Judged::new(&seen, one.truth(&seen, self.fine.as_ref()).as_ref());
@@ -288,47 +265,38 @@ impl<'a> Drawing<'a> {
         };
         let measured = |shade: &shading::Shade| {
             let emitted = emitted(&seen, shade);
-            Ok::<_, RequestError>(Measured {
-                creases: Creases::of(&plain, shade),
-                difference: judged.difference(viewing, &emitted).map_err(unseen)?,
-                residual: judged.residual(viewing, &emitted),
-            })
+            let difference = judged.difference(&viewing, &emitted).map_err(unseen)?;
+            Ok::<_, RequestError>((Creases::of(&plain, shade), difference, judged.residual(&viewing, &emitted)))
         };
         let own = measured(shade)?;
         let gouraud = if shade.is_gouraud() { own.clone() } else { measured(&shading::Shade::new(Shader::Gouraud))? };
+        let [(creases, difference, residual), (creases_gouraud, difference_gouraud, residual_gouraud)] = [own, gouraud];
         let sites: HashSet<_> = surface.mesh.vertices.iter().map(|vertex| vertex.site).collect();
-        let over_gouraud = |of: fn(&Measured) -> f64| over(of(&own), of(&gouraud));
-        let residual = own.residual.zip(gouraud.residual).map(|(own, gouraud)| ResidualMetrics {
-            rms: own.rms,
-            p999: own.p999,
-            over_gouraud: ResidualOverGouraud { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
+        let residual = residual.zip(residual_gouraud).map(|(own, gouraud)| Compared {
+            own: InLight { rms: own.rms, p999: own.p999 },
+            over_gouraud: InLight { rms: over(own.rms, gouraud.rms), p999: over(own.p999, gouraud.p999) },
         });
-        let difference = own.difference.as_ref().zip(gouraud.difference.as_ref());
-        let difference = difference.map(|(own, gouraud)| DifferenceMetrics {
-            largest: own.largest,
-            p95: own.p95,
-            over_gouraud: DifferenceOverGouraud {
-                largest: over(own.largest, gouraud.largest),
-                p95: over(own.p95, gouraud.p95),
-            },
+        let difference = difference.zip(difference_gouraud).map(|(own, gouraud)| Compared {
+            own: Visible { largest: own.largest, p95: own.p95 },
+            over_gouraud: Visible { largest: over(own.largest, gouraud.largest), p95: over(own.p95, gouraud.p95) },
         });
         Ok(Metrics {
-            description: self.description.clone(),
+            description,
             sites: sites.len(),
             triangles: surface.mesh.triangles.len(),
             triangles_seen: frame.triangles.len(),
-            edges: own.creases.edges.len(),
-            crease_rms: own.creases.rms,
-            crease_median: own.creases.median,
-            crease_p95: own.creases.p95,
-            crease_max: own.creases.max,
-            crease_rms_gouraud: gouraud.creases.rms,
-            crease_rms_over_gouraud: over_gouraud(|of| of.creases.rms),
-            crease_median_over_gouraud: over_gouraud(|of| of.creases.median),
-            crease_p95_over_gouraud: over_gouraud(|of| of.creases.p95),
-            step_rms: own.creases.step_rms,
+            edges: creases.edges.len(),
+            crease_rms: creases.rms,
+            crease_median: creases.median,
+            crease_p95: creases.p95,
+            crease_max: creases.max,
+            crease_rms_gouraud: creases_gouraud.rms,
+            crease_rms_over_gouraud: over(creases.rms, creases_gouraud.rms),
+            crease_median_over_gouraud: over(creases.median, creases_gouraud.median),
+            crease_p95_over_gouraud: over(creases.p95, creases_gouraud.p95),
+            step_rms: creases.step_rms,
             crease_unit: "linear light per pixel",
-            viewing: *viewing,
+            viewing,
             difference,
             difference_unit: "times threshold, against the smooth surface",
             residual,

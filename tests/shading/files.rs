@@ -117,7 +117,7 @@ fn a_glb_file_shows_its_colors_and_textures() {
     let corner = center_of(far, half);
     assert!(corner.distance(DVec3::new(0.0, 1.0, 0.0)) < 0.06, "{corner}");
     // White light times white paint is as bright as without paint; no shader's creases count the edges of a texture.
-    assert!(Creases::of_gouraud(&frame.clone().unpainted()).rms < 1e-12);
+    assert!(Creases::of(&frame.clone().unpainted(), &Shade::new(Shader::Gouraud)).rms < 1e-12);
 }
 
 /// A JPEG image of 8 × 8 pixels with the code (200, 100, 50).

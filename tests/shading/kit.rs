@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Bits, Quantizer, Transfer},
     shading::{
-        Field, Frame, Lighting, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
+        Field, Frame, Mesh, Patches, Shade, Shader, Surface, Vertex, View, coverage,
         cubic::{self, Camera},
         shapes::{self, Shape},
     },
@@ -21,7 +21,7 @@ use naga::{
 };
 use wgpu::util::DeviceExt as _;
 
-use crate::common::skip;
+use crate::{common::skip, standard};
 
 fn parsed(source: &str) -> (naga::Module, ModuleInfo) {
     let module =
@@ -162,7 +162,7 @@ struct Subject {
 impl Subject {
     fn new(name: &str, mesh: &Mesh, distance: f64) -> Subject {
         let view = View { distance, ..View::square(SIDE) }.rotated([25.0, -35.0, 0.0]);
-        let frame = Frame::new(&Surface::new(mesh.clone()), &view, &Lighting::standard(), DVec3::ZERO);
+        let frame = Frame::new(&Surface::new(mesh.clone()), &view, &standard(), DVec3::ZERO);
         let of = |vector: fn(&Vertex) -> DVec3| mesh.vertices.iter().map(|v| vector(v).to_array()).collect::<Vec<_>>();
         let surface = cubic::Surface::new(&of(|v| v.position), &of(|v| v.normal), &mesh.triangles);
         let camera = camera(&frame);

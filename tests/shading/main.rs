@@ -20,7 +20,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec2, DVec3};
 use machband::{
     light::{Depth, LinearImage},
-    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Neighbor, Shade, Shader, View},
+    shading::{Fan, Frame, FrameTriangle, FrameVertex, Lighting, Neighbor, Scene, Shade, Shader, View},
 };
 
 /// Makes a vertex at `screen` that faces the eye and has the light `light`.
@@ -76,11 +76,20 @@ fn joined(vertices: Vec<FrameVertex>, triangles: &[[u32; 3]], lighting: Lighting
     }
 }
 
+/// Lights a white surface from this direction.
+fn lit_from(toward: DVec3) -> Lighting {
+    Scene { light: toward, specular: 0.3, ..Scene::default() }.lighting()
+}
+
+fn standard() -> Lighting {
+    lit_from(Scene::default().light)
+}
+
 /// Makes the frame of `triangles` over `places` (in pixels) with the given lights, which do not come from its lighting.
 fn frame(places: &[DVec2], triangles: &[[u32; 3]], light: impl Fn(DVec2) -> DVec3) -> Frame {
     let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| facing(places, *t)).collect();
     let vertices = places.iter().map(|&screen| vertex(screen, light(screen))).collect();
-    joined(vertices, &triangles, Lighting::standard())
+    joined(vertices, &triangles, standard())
 }
 
 fn facing(places: &[DVec2], t: [u32; 3]) -> [u32; 3] {

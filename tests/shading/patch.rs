@@ -1,9 +1,9 @@
 //! The patch shader: fields that it must reproduce, its smoothness, and a comparison with another implementation.
 
-use crate::{frame, grid};
+use crate::{frame, grid, standard};
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use machband::shading::{
-    Field, Frame, Lighting, Patches, Surface, View,
+    Field, Frame, Patches, Surface, View,
     cubic::Gradient,
     shaders::ShaderKernel as _,
     shapes::{self, Shape},
@@ -113,7 +113,7 @@ fn slopes_do_not_jump_where_a_normal_faces_away() {
         let [before, after] = [1e-9, -1e-9].map(|z| {
             let turn = DQuat::from_rotation_arc(vertex.normal, DVec3::new(1.0, 0.0, z).normalize());
             let view = View { rotation: DMat3::from_quat(turn), ..View::square(400) };
-            let frame = Frame::new(&surface, &view, &Lighting::standard(), DVec3::ZERO);
+            let frame = Frame::new(&surface, &view, &standard(), DVec3::ZERO);
             let own = frame.vertices.iter().position(|own| own.normal.distance(DVec3::X) < 1e-6);
             own.map(|own| Patches::new(&frame, Field::Normal).gradients[own])
         });

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use machband::shading::{Frame, Lighting, Material, Mesh, Shade, Shader, Surface, View, coverage, image, shapes};
 
-use crate::{covers, random};
+use crate::{covers, random, standard};
 
 /// Makes triangles that pass through each other, some of them thin.
 fn ugly(seed: u32) -> Mesh {
@@ -25,7 +25,7 @@ fn frame(mesh: Mesh, [width, height]: [u32; 2], fill: f64, lighting: &Lighting, 
 }
 
 fn colored(color: DVec3) -> Lighting {
-    Lighting { material: Material { color, ..Material::standard() }, ..Lighting::standard() }
+    Lighting { material: Material { color, ..standard().material }, ..standard() }
 }
 
 fn brown() -> Lighting {
@@ -39,7 +39,7 @@ fn scenes() -> Vec<(&'static str, Frame)> {
     yellow_dull.material.specular = 0.0;
     let mut scenes = vec![
         ("cube", frame(shapes::cube(), [131, 97], 0.9, &brown(), DVec3::ZERO)),
-        ("cube, gray", frame(shapes::cube(), [97, 131], 0.9, &Lighting::standard(), DVec3::splat(0.5))),
+        ("cube, gray", frame(shapes::cube(), [97, 131], 0.9, &standard(), DVec3::splat(0.5))),
         ("cube, huge", frame(shapes::cube(), [75, 130], 40.0, &brown(), SKY)),
         ("torus, yellow", frame(shapes::torus(20, 12, 0.0), [160, 160], 1.0, &yellow_dull, DVec3::ZERO)),
         ("sphere", frame(shapes::sphere(8), [64, 64], 1.3, &yellow, DVec3::ZERO)),

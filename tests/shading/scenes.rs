@@ -4,15 +4,15 @@ use std::fs;
 
 use glam::{DMat3, DVec3};
 use machband::{
-    light::LinearImage,
+    light::{Depth, LinearImage},
     shading::{
-        Body, Coat, Composition, Frame, Lamp, Lighting, Material, Mesh, Paint, PaintedCorner, Shade, Shader, Surface,
-        Transparency, View, image, shapes,
+        Body, Coat, Composition, Frame, Material, Mesh, Paint, PaintedCorner, Shade, Shader, Surface, Transparency,
+        View, image, shapes,
     },
     store::{mesh, scene},
 };
 
-use super::apart;
+use super::{apart, lit_from, standard};
 
 const SIDE: u32 = 96;
 
@@ -20,7 +20,7 @@ fn body(mesh: Mesh, color: DVec3) -> Body {
     Body {
         surface: Surface::new(mesh),
         shade: Shade::new(Shader::C1Phong),
-        material: Material { color, ..Material::standard() },
+        material: Material { color, ..standard().material },
         transparency: Transparency::Opaque,
         index: None,
     }
@@ -30,7 +30,7 @@ fn scene(bodies: Vec<Body>) -> Composition {
     Composition {
         bodies,
         ambient: DVec3::ONE,
-        lamps: vec![Lamp::directional(DVec3::new(0.3, 0.4, 0.9))],
+        lamps: lit_from(DVec3::new(0.3, 0.4, 0.9)).lamps,
         background: DVec3::new(0.1, 0.2, 0.3),
         rotate_deg: [0.0; 3],
         fill: 0.9,
@@ -57,7 +57,7 @@ fn a_scene_of_one_mesh_is_its_picture() {
         let view = View { distance, ..View::square(SIDE) }.rotated(alone.rotate_deg);
         // The lamp is fixed to the scene and turns with it.
         let toward = view.rotation * DVec3::new(0.3, 0.4, 0.9);
-        let lighting = Lighting { lamps: vec![Lamp::directional(toward)], ..Lighting::standard() };
+        let lighting = lit_from(toward);
         let frame = Frame::new(&Surface::new(torus), &view, &lighting, alone.background);
         let worst = apart(&alone.image(SIDE, SIDE), &image(&frame, &Shade::new(Shader::C1Phong)));
         assert!(worst < 1e-6, "{distance}: {worst}");
@@ -94,7 +94,9 @@ fn transparent_surfaces_combine_as_the_formulas_say() {
     assert_eq!(Transparency::Opaque.through(tint, DVec3::ONE), tint);
 }
 
-const BARE: Material = Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..Material::standard() };
+fn bare() -> Material {
+    Material { ambient: 1.0, diffuse: 0.0, specular: 0.0, ..standard().material }
+}
 
 /// A sheet whose red grows from 0 to 1 to the right, over −1.5…1.5.
 fn behind_glass() -> Body {
@@ -105,13 +107,13 @@ fn behind_glass() -> Body {
     };
     let corners = back.triangles.iter().map(|t| [0, 1, 2].map(|k| color(&t[k]))).collect();
     let paint = Paint { corners, of_triangles: vec![0; 2], coats: vec![Coat::default()] };
-    Body { material: BARE, ..body(back.clone().painted(paint), DVec3::ONE) }
+    Body { material: bare(), ..body(back.clone().painted(paint), DVec3::ONE) }
 }
 
 /// Clear glass, which has no light of its own.
 fn glass(mesh: Mesh, index: f64) -> Body {
     Body {
-        material: Material { ambient: 0.0, ..BARE },
+        material: Material { ambient: 0.0, ..bare() },
         transparency: Transparency::Filtered { k_t: 1.0, color: DVec3::ONE },
         index: Some(index),
         ..body(mesh, DVec3::ONE)
@@ -220,7 +222,8 @@ fn scenes_are_read_and_their_errors_have_places() {
     fs::write(&path, SCENE).unwrap();
     let read = scene::read(&path).unwrap();
     assert_eq!((read.composition.bodies.len(), read.composition.lamps.len(), read.text.as_str()), (3, 2, SCENE));
-    assert_eq!(read.composition.bodies[2].index, Some(1.5));
+    let bodies = &read.composition.bodies;
+    assert_eq!((bodies[2].index, bodies[0].shade.depth), (Some(1.5), Depth::Finite(1)));
     let image = read.composition.image(SIDE, SIDE);
     let lit = image.data.iter().filter(|light| **light > 0.1).count();
     assert!(image.data.iter().all(|light| light.is_finite()) && lit > 3000, "{lit}");

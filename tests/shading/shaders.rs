@@ -3,24 +3,20 @@
 use glam::{DVec2, DVec3};
 use machband::light::Depth;
 use machband::shading::{
-    Correction, Frame, FrameVertex, Lamp, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
+    Correction, Frame, FrameVertex, Lighting, Shade, Shader, Shading, Surface, View, image, shapes,
 };
 
 use crate::{
     common::{golden_path, json},
-    joined as frame, vertex,
+    joined as frame, lit_from, vertex,
 };
 
 const CORRECTIONS: [Correction; 3] = [Correction::Off, Correction::Printed, Correction::Repaired];
 
 // ---- frames ----
 
-fn lighting(toward: DVec3) -> Lighting {
-    Lighting { lamps: vec![Lamp::directional(toward)], ..Lighting::standard() }
-}
-
 fn only_ambient() -> Lighting {
-    Lighting { lamps: vec![], ..lighting(DVec3::Z) }
+    Lighting { lamps: vec![], ..lit_from(DVec3::Z) }
 }
 
 /// Makes a square of `cells`² cells of two triangles each, with jittered inner vertices and the light that `light`
@@ -62,7 +58,7 @@ fn golden() -> serde_json::Value {
 /// Makes the golden file's triangle ABC, with D across BC and nothing across the other edges.
 fn golden_pair() -> Frame {
     let sample = &golden()["sample"];
-    let lighting = lighting(DVec3::from_array(numbers(&sample["light"]["L"])));
+    let lighting = lit_from(DVec3::from_array(numbers(&sample["light"]["L"])));
     let vertices = [("A", "A"), ("B", "B"), ("C", "C"), ("D_across_BC", "D")].map(|(place, name)| {
         let place = DVec3::from_array(numbers(&sample["positions"][place]));
         let normal = DVec3::from_array(numbers(&sample["normals_unnormalised"][name])).normalize();
@@ -199,7 +195,7 @@ fn zero_width_is_gouraud_and_widths_are_limited() {
 #[test]
 fn quadratic_passes_through_vertices_and_midpoints() {
     // The midpoints are lit as Phong's shader lights them.
-    let frame = cube([25.0, 35.0, 10.0], &lighting(DVec3::new(0.36, 0.48, 0.8)));
+    let frame = cube([25.0, 35.0, 10.0], &lit_from(DVec3::new(0.36, 0.48, 0.8)));
     let light = |shader, w| Shading::new(&frame, &Shade::new(shader)).light(2, w);
     for w in [[0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0]] {
         assert!((light(Shader::Quadratic, w) - light(Shader::Phong, w)).abs().max_element() < 1e-12);
@@ -244,7 +240,7 @@ fn ugly() -> Frame {
     });
     let triangles = [0, 1, 2, 2, 1, 4, 3, 2, 4, 0, 2, 3, 5, 0, 3, 0, 2, 6, 2, 7, 6, 2, 7, 2, 1, 4, 8, 2, 1, 8, 3, 1, 0];
     let triangles: Vec<[u32; 3]> = triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    frame(vertices.collect(), &triangles, lighting(DVec3::new(0.36, 0.48, 0.8)))
+    frame(vertices.collect(), &triangles, lit_from(DVec3::new(0.36, 0.48, 0.8)))
 }
 
 #[test]
@@ -252,9 +248,9 @@ fn every_shader_gives_finite_light_on_every_frame() {
     let toward = DVec3::new(0.36, 0.48, 0.8);
     let frames = [
         ugly(),
-        cube([0.0; 3], &lighting(toward)),
-        cube([25.0, 35.0, 10.0], &lighting(toward)),
-        cube([45.0, 0.0, 0.0], &lighting(DVec3::Y)),
+        cube([0.0; 3], &lit_from(toward)),
+        cube([25.0, 35.0, 10.0], &lit_from(toward)),
+        cube([45.0, 0.0, 0.0], &lit_from(DVec3::Y)),
     ];
     assert!(frames[1].triangles.iter().any(|t| t.across.contains(&None)));
     let combinations = CORRECTIONS.into_iter().flat_map(|vertex| CORRECTIONS.map(|reweight| (vertex, reweight)));

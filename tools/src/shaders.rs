@@ -282,7 +282,8 @@ pub fn creases() -> Result<(), Box<dyn Error>> {
         .into_iter()
         .map(|(name, mesh)| (name, scene.frame(&Surface::new(mesh), CREASES_PX, CREASES_PX)))
         .collect();
-    let gouraud: Vec<Creases> = frames.iter().map(|(_, frame)| Creases::of_gouraud(frame)).collect();
+    let gouraud: Vec<Creases> =
+        frames.iter().map(|(_, frame)| Creases::of(frame, &Shade::new(Shader::Gouraud))).collect();
 
     println!("| shader | n | b | {} | vertices |", frames.iter().map(|f| f.0).collect::<Vec<_>>().join(" | "));
     println!("|---|---|---|{}", "---|".repeat(frames.len() + 1));

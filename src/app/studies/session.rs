@@ -86,7 +86,7 @@ impl Studies {
     }
 
     /// Checks the form if something in it has changed.
-    pub(super) fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
+    pub fn check(&mut self, monitor: &Monitor) -> Rc<Checked> {
         if let Some((form, seen, checked)) = &self.checked
             && *form == self.form
             && seen == monitor

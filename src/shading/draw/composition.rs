@@ -255,7 +255,6 @@ impl Picture<'_> {
         match Refraction::of(-along, self.normal(at), before / after) {
             Refraction::Transmitted(along) => self.traced(place, along, beyond, count + 1),
             Refraction::TotalReflection(along) => self.traced(place, along, inside, count + 1),
-            Refraction::Undefined => self.scene.background,
         }
     }
 

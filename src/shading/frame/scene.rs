@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::projected::{Frame, View};
 use crate::{
     shading::{
-        lighting::{Facets, Lamp, LampPosition, Lighting, Material, Microfacets, Specular},
+        lighting::{Lamp, LampPosition, Lighting, Material, Microfacets, Specular},
         mesh::Surface,
     },
     text::names::named,
@@ -58,12 +58,12 @@ impl Highlight {
     pub fn model(self, shininess: f64, Mirrors { slope, c1, index }: Mirrors) -> Specular {
         let slope = slope.unwrap_or_else(|| (2.0 / (shininess + 2.0)).sqrt());
         let index = DVec3::splat(index.unwrap_or(INDEX));
-        let mirrors = |facets| Specular::CookTorrance(Microfacets { facets, slope, index });
+        let mirrors = |c1| Specular::CookTorrance(Microfacets { c1, slope, index });
         match self {
             Highlight::Phong => Specular::Phong,
             Highlight::Blinn => Specular::Blinn,
-            Highlight::TorranceSparrow => mirrors(Facets::Gaussian { c1: c1.unwrap_or_else(|| 1.0 / (slope * slope)) }),
-            Highlight::CookTorrance => mirrors(Facets::Beckmann),
+            Highlight::TorranceSparrow => mirrors(Some(c1.unwrap_or_else(|| 1.0 / (slope * slope)))),
+            Highlight::CookTorrance => mirrors(None),
         }
     }
 }

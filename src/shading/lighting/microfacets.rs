@@ -8,26 +8,15 @@ use glam::DVec3;
 /// A surface that consists of small mirrors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microfacets {
-    /// The distribution of the mirrors' tilts.
-    pub facets: Facets,
+    /// c1 of Torrance and Sparrow's distribution of the mirrors' tilts, [`gaussian`], 0 or more; with `None`, the
+    /// distribution is Cook and Torrance's, [`beckmann`].
+    pub c1: Option<f64>,
     /// m, the root mean square slope of the mirrors, 0.001…10: a small m is a smooth surface with a sharp highlight.
-    /// For [`Facets::Gaussian`], it is in radians.
+    /// For [`gaussian`], it is in radians.
     pub slope: f64,
     /// η of red, green and blue: the index of refraction of the material, divided by the index of the surrounding
     /// medium; 0.001…1000.
     pub index: DVec3,
-}
-
-/// D: the distribution of the directions that the mirrors face.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Facets {
-    /// Torrance and Sparrow: [`gaussian`] with the free constant c1, 0 or more.
-    Gaussian {
-        /// The constant c1.
-        c1: f64,
-    },
-    /// Cook and Torrance: [`beckmann`].
-    Beckmann,
 }
 
 impl Microfacets {
@@ -54,10 +43,7 @@ impl Microfacets {
 
     /// Returns D at the cosine N·H of a mirror's tilt β.
     pub fn distribution(&self, nh: f64) -> f64 {
-        match self.facets {
-            Facets::Gaussian { c1 } => gaussian(nh, self.slope, c1),
-            Facets::Beckmann => beckmann(nh, self.slope),
-        }
+        self.c1.map_or_else(|| beckmann(nh, self.slope), |c1| gaussian(nh, self.slope, c1))
     }
 }
 

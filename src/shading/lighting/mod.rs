@@ -8,6 +8,6 @@
 mod microfacets;
 mod model;
 
-pub use microfacets::{Facets, Microfacets, beckmann, fresnel, gaussian, geometry};
+pub use microfacets::{Microfacets, beckmann, fresnel, gaussian, geometry};
 pub use model::{Lamp, LampPosition, Lighting, Material, Specular, attenuation};
 pub use model::{Refraction, Transparency};

@@ -36,22 +36,6 @@ pub enum Specular {
     CookTorrance(Microfacets),
 }
 
-impl Material {
-    /// A white material with k_a = 0.1, k_d = 0.6, k_s = 0.3, and Phong's highlight with m = 20. Under one white lamp
-    /// and white ambient light, no point is brighter than 1.
-    pub const fn standard() -> Material {
-        Material {
-            color: DVec3::ONE,
-            specular_color: DVec3::ONE,
-            ambient: 0.1,
-            diffuse: 0.6,
-            specular: 0.3,
-            shininess: 20.0,
-            specular_model: Specular::Phong,
-        }
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// The position of the lamp.
@@ -82,11 +66,6 @@ impl Lamp {
             LampPosition::Point { position: lamp, .. } => lamp - position,
         }
     }
-
-    /// Makes a white lamp that is infinitely far away in the direction `toward`, a vector of any length above 0.
-    pub fn directional(toward: DVec3) -> Lamp {
-        Lamp { position: LampPosition::Direction(toward.normalize_or_zero()), intensity: DVec3::ONE }
-    }
 }
 
 /// A material, and the light that falls on it.
@@ -101,13 +80,6 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    /// [`Material::standard`] under white ambient light and one distant white lamp to the right of, above and in front
-    /// of the surface, toward (0.36, 0.48, 0.8).
-    pub fn standard() -> Lighting {
-        let lamp = Lamp::directional(DVec3::new(0.36, 0.48, 0.8));
-        Lighting { material: Material::standard(), ambient: DVec3::ONE, lamps: vec![lamp] }
-    }
-
     /// Returns the reflected ambient light: k_a·I_a·O_d. Shoaff §3.1.
     pub fn ambient_light(&self) -> DVec3 {
         self.material.ambient * self.ambient * self.material.color
@@ -189,13 +161,7 @@ pub enum Refraction {
     Transmitted(DVec3),
     /// Total internal reflection: no light passes; all of it leaves along the unit vector R, the mirror image of L.
     TotalReflection(DVec3),
-    /// There is no result because a vector does not have unit length or the ratio of the indices is not a finite number
-    /// above 0.
-    Undefined,
 }
-
-/// The tolerance for the length of a unit vector.
-const UNIT: f64 = 1e-6;
 
 impl Refraction {
     /// Returns T = (η·cos θ_i − cos θ_t)·N − η·L with cos θ_t = √(1 − η²(1 − cos²θ_i)), for a ray from the direction
@@ -204,11 +170,6 @@ impl Refraction {
     ///
     /// If N points to the far side of the surface, it is reversed: the light always comes from the medium on L's side.
     pub fn of(to_source: DVec3, normal: DVec3, ratio: f64) -> Refraction {
-        // The negated condition rejects NaN.
-        let unit = |v: DVec3| (v.length() - 1.0).abs() <= UNIT;
-        if !(unit(to_source) && unit(normal) && ratio > 0.0 && ratio.is_finite()) {
-            return Refraction::Undefined;
-        }
         let facing = normal.dot(to_source);
         let (cos_i, normal) = if facing < 0.0 { (-facing, -normal) } else { (facing, normal) };
         let sin_t = ratio * to_source.cross(normal).length();

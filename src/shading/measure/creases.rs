@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::{
     shading::{
         frame::Frame,
-        shaders::{Shade, Shader, Shading},
+        shaders::{Shade, Shading},
     },
     system::checkpoint,
 };
@@ -65,16 +65,6 @@ impl Creases {
         // The step must be much smaller than the strips. Below b = 1e-6, rounding would dominate.
         let step = if shade.boundary > 0.0 { STEP.min(shade.strip() * 1e-2).max(1e-8) } else { STEP };
         Creases::of_field(frame, step, |triangle, weights| shading.light(triangle, weights))
-    }
-
-    /// Measures the creases that the Gouraud shader leaves in `frame`, for comparison.
-    pub fn of_gouraud(frame: &Frame) -> Creases {
-        Creases::of(frame, &Shade::new(Shader::Gouraud))
-    }
-
-    /// Returns this rms divided by the rms of `other`; `None` if the latter is only rounding error, at most [`NOISE`].
-    pub fn over(&self, other: &Creases) -> Option<f64> {
-        (other.rms > NOISE).then(|| self.rms / other.rms)
     }
 
     fn summed(edges: Vec<EdgeCrease>) -> Creases {

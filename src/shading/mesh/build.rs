@@ -27,24 +27,6 @@ pub enum MeshError {
     /// A position that is not finite or is too large.
     #[error("position {0} is not finite or is beyond ±1e30; expected three finite numbers within ±1e30")]
     NotFinite(usize),
-    /// A face has a corner that does not exist.
-    #[error("face {face} refers to position {index}; expected a number below {positions}")]
-    OutOfRange {
-        /// Index of the face, counted from 0.
-        face: usize,
-        /// The index of the position that the face refers to, counted from 0.
-        index: u32,
-        /// The number of positions.
-        positions: usize,
-    },
-    /// There are too many positions or faces to be indexed.
-    #[error("{positions} positions and {faces} faces are too many; expected at most {most} of each", most = MAX_COUNT)]
-    TooMany {
-        /// The number of positions.
-        positions: usize,
-        /// The number of faces or triangles.
-        faces: usize,
-    },
 }
 
 /// Faces with three or more corners, and optionally normals and paint at their corners.
@@ -180,9 +162,6 @@ impl Polygons {
     }
 }
 
-/// The maximum number of positions and of triangles: the corners of the triangles are counted in 32 bits.
-const MAX_COUNT: usize = (u32::MAX / 3) as usize;
-
 impl Mesh {
     /// Makes the mesh of `triangles` over `positions` (the sites). Each vertex's normal is the normalized sum of the
     /// unit normals of the faces around it, Shoaff §4.1. Faces that meet at an edge at more than `crease_deg` degrees
@@ -194,14 +173,19 @@ impl Mesh {
         Mesh::from_polygons(positions, &Polygons::new(triangles.iter().map(|t| &t[..])), crease_deg)
     }
 
-    /// Makes the mesh of `polygons` over `positions`, cut into triangles ([`triangulated`]). A polygon counts as one
-    /// face in the averages, with its Newell normal. Corners with a given normal keep it. Given normals at one site
-    /// that differ by less than 0.1° are merged, and an edge is a crease if the normals of its two sides differ.
+    /// Makes the mesh of `polygons` over `positions`, which must have their sites, cut into triangles ([`triangulated`]).
+    /// A polygon counts as one face in the averages, with its Newell normal. Corners with a given normal keep it. Given
+    /// normals at one site that differ by less than 0.1° are merged, and an edge is a crease if the normals of its two
+    /// sides differ.
     ///
     /// # Errors
     /// Returns a [`MeshError`] if the polygons do not form a mesh.
     pub fn from_polygons(positions: &[DVec3], polygons: &Polygons, crease_deg: f64) -> Result<Mesh, MeshError> {
-        check(positions, polygons)?;
+        // NaN does not count as within.
+        let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
+        if let Some(at) = positions.iter().position(|p| !within(p)) {
+            return Err(MeshError::NotFinite(at));
+        }
         let (mut triangles, mut normals, mut faces, mut given) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut paint = Paint { corners: Vec::new(), of_triangles: Vec::new(), coats: polygons.coats.clone() };
         for (face, range) in polygons.corners().into_iter().enumerate() {
@@ -220,11 +204,11 @@ impl Mesh {
                 }
             }
         }
-        match triangles.len() {
-            0 => return Err(MeshError::NoTriangles),
-            count if count > MAX_COUNT => return Err(MeshError::TooMany { positions: positions.len(), faces: count }),
-            count if normals.iter().all(|normal| *normal == DVec3::ZERO) => return Err(MeshError::NoArea(count)),
-            _ => {}
+        if triangles.is_empty() {
+            return Err(MeshError::NoTriangles);
+        }
+        if normals.iter().all(|normal| *normal == DVec3::ZERO) {
+            return Err(MeshError::NoArea(triangles.len()));
         }
         // If all normals are given, the search for creases is unnecessary.
         let all_given = !given.is_empty() && given.iter().flatten().all(Option::is_some);
@@ -233,24 +217,6 @@ impl Mesh {
         let mesh = if given.is_empty() { mesh } else { normals::replaced(&mesh, &given) };
         Ok(if paint.corners.is_empty() { mesh } else { mesh.painted(paint) })
     }
-}
-
-/// Checks whether the faces can form a mesh.
-fn check(positions: &[DVec3], polygons: &Polygons) -> Result<(), MeshError> {
-    let faces = polygons.ends.len();
-    if positions.len() > MAX_COUNT || faces > MAX_COUNT {
-        return Err(MeshError::TooMany { positions: positions.len(), faces });
-    }
-    // NaN does not count as within.
-    let within = |p: &DVec3| p.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE);
-    if let Some(at) = positions.iter().position(|p| !within(p)) {
-        return Err(MeshError::NotFinite(at));
-    }
-    if let Some(at) = polygons.sites.iter().position(|site| *site as usize >= positions.len()) {
-        let face = polygons.ends.partition_point(|end| *end <= at);
-        return Err(MeshError::OutOfRange { face, index: polygons.sites[at], positions: positions.len() });
-    }
-    Ok(())
 }
 
 /// Returns the triangles of a polygon as indices into its corners, in the polygon's own winding. There are always two

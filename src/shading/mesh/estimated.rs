@@ -34,16 +34,6 @@ const PASSES: usize = 2;
 /// the results hardly differ (`scripts/shading_table.py`).
 const TOLERANCE: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
-/// The weights of the triangles around a vertex.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Weights {
-    /// Each plane once.
-    Planes,
-    Max,
-    Angles,
-    Areas,
-}
-
 impl Mesh {
     /// Returns this mesh with normals from `normals`. Vertices that are split at a crease stay split, and only the
     /// triangles on its side count for each.
@@ -51,11 +41,12 @@ impl Mesh {
         if normals == Normals::Given {
             return self;
         }
-        let means = self.means(match normals {
-            Normals::Averaged => Weights::Planes,
-            Normals::Best => Weights::Angles,
-            _ => Weights::Max,
-        });
+        let means = match normals {
+            Normals::Averaged => self.means_of_planes(),
+            Normals::Best => self.means(|a, b| a.cross(b).normalize_or_zero() * a.cross(b).length().atan2(a.dot(b))),
+            // |a × b| = |a||b| sin α.
+            _ => self.means(|a, b| a.cross(b) / (a.length_squared() * b.length_squared())),
+        };
         for (vertex, mean) in self.vertices.iter_mut().zip(means) {
             vertex.normal = mean.normalize_or(vertex.normal);
         }
@@ -63,7 +54,7 @@ impl Mesh {
             return self;
         }
         let rings = rings(self.vertices.len(), self.triangles.iter().map(|corners| (*corners, *corners)));
-        let areas = (normals == Normals::Best).then(|| self.means(Weights::Areas));
+        let areas = (normals == Normals::Best).then(|| self.means(DVec3::cross));
         for _ in 0..PASSES {
             let fits: Vec<Option<Fit>> = rings.par_iter().enumerate().map(|(v, ring)| self.fitted(v, ring)).collect();
             for (v, (vertex, fit)) in self.vertices.iter_mut().zip(fits).enumerate() {
@@ -80,35 +71,33 @@ impl Mesh {
         self
     }
 
-    /// Returns the weighted sum of the normals of the triangles at each vertex.
-    fn means(&self, weights: Weights) -> Vec<DVec3> {
-        let is_unweighted = weights == Weights::Planes;
+    /// Returns the sum of the weighted normals of the triangles at each vertex; `weighted` gets the two sides there.
+    fn means(&self, weighted: impl Fn(DVec3, DVec3) -> DVec3) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; self.vertices.len()];
-        let mut counted: Vec<Vec<DVec3>> = vec![Vec::new(); if is_unweighted { sums.len() } else { 0 }];
         for (t, corners) in self.triangles.iter().enumerate() {
             let places = self.corners(t);
             for (k, v) in corners.iter().enumerate() {
-                let (a, b) = (places[(k + 1) % 3] - places[k], places[(k + 2) % 3] - places[k]);
-                let normal = a.cross(b);
-                let weighted = match weights {
-                    Weights::Planes => None,
-                    // |a × b| = |a||b| sin α.
-                    Weights::Max => Some(normal / (a.length_squared() * b.length_squared())),
-                    Weights::Angles => Some(normal.normalize_or_zero() * normal.length().atan2(a.dot(b))),
-                    Weights::Areas => Some(normal),
-                };
-                if let Some(weighted) = weighted {
-                    sums[*v as usize] += if weighted.is_finite() { weighted } else { DVec3::ZERO };
-                    continue;
-                }
-                let (unit, planes) = (normal.normalize_or_zero(), &mut counted[*v as usize]);
-                if planes.iter().all(|known| known.dot(unit) < 1.0 - 1e-9) {
-                    planes.push(unit);
-                    sums[*v as usize] += unit;
-                }
+                let normal = weighted(places[(k + 1) % 3] - places[k], places[(k + 2) % 3] - places[k]);
+                sums[*v as usize] += if normal.is_finite() { normal } else { DVec3::ZERO };
             }
         }
         sums
+    }
+
+    /// Returns the sum of the unit normals of the triangles at each vertex, each plane once.
+    fn means_of_planes(&self) -> Vec<DVec3> {
+        let mut planes: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let [a, b, c] = self.corners(t);
+            let unit = (b - a).cross(c - a).normalize_or_zero();
+            for v in corners {
+                let known = &mut planes[*v as usize];
+                if known.iter().all(|known| known.dot(unit) < 1.0 - 1e-9) {
+                    known.push(unit);
+                }
+            }
+        }
+        planes.into_iter().map(|planes| planes.into_iter().sum()).collect()
     }
 
     /// Returns the normal at vertex `v` of the surface z = g₁x + g₂y + a cubic polynomial without a constant, over the

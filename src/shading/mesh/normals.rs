@@ -5,7 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::triangles::{Edges, Mesh, Vertex};
-use crate::system::checkpoint;
+use crate::{
+    shading::cubic::{join, root},
+    system::checkpoint,
+};
 
 /// Returns Newell's normal of a polygon: it has unit length, and the polygon is counterclockwise as seen from its tip;
 /// zero for a polygon without area. Shoaff §3.5. For corners that are not in one plane, it is the normal of the plane
@@ -111,22 +114,6 @@ fn fans(triangles: &[[u32; 3]], normals: &[DVec3], crease_deg: f64) -> Vec<u32> 
         }
     }
     (0..parent.len() as u32).map(|corner| root(&mut parent, corner)).collect()
-}
-
-/// Joins the fans of two corners.
-pub(super) fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parent, a), root(parent, b));
-    // The lower index identifies the fan, whatever the order of the edges.
-    parent[a.max(b) as usize] = a.min(b);
-}
-
-/// Returns the corner that identifies the fan of a corner.
-pub(super) fn root(parent: &mut [u32], mut at: u32) -> u32 {
-    while parent[at as usize] != at {
-        parent[at as usize] = parent[parent[at as usize] as usize];
-        at = parent[at as usize];
-    }
-    at
 }
 
 /// Given normals at one site that differ by no more than this are merged, because files contain rounded normals.

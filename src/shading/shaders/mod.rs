@@ -17,8 +17,8 @@ use glam::DVec3;
 use self::{
     corrections::Corrections,
     interpolated::{Flat, Gouraud, Quadratic, weighted},
-    phong::{C1Phong, Painted, Phong, PixelLight},
-    strips::{Fixed, Gradient},
+    phong::{C1Phong, Phong},
+    strips::{Slope, Strips},
 };
 use crate::shading::frame::{Field, Frame, Patches};
 
@@ -27,16 +27,16 @@ fn kernel<'f>(frame: &'f Frame, shade: &Shade) -> Box<dyn ShaderKernel + 'f> {
     let (b, depth) = (shade.strip(), shade.depth);
     match shade.shader {
         Shader::Flat => Box::new(Flat::new(frame)),
-        Shader::Phong => Box::new(Phong(PixelLight::new(frame))),
+        Shader::Phong => Box::new(Phong(frame)),
         Shader::Quadratic => Box::new(Quadratic::new(frame)),
         Shader::Patch => Box::new(Patches::new(frame, Field::Light)),
         Shader::C1Phong => Box::new(C1Phong::new(frame)),
         Shader::Gouraud => Box::new(Gouraud),
         // Without strips, the other shaders are the same as Gouraud.
         _ if b <= 0.0 => Box::new(Gouraud),
-        Shader::Fixed => Box::new(Fixed::new(frame, b, depth)),
-        Shader::Gradient => Box::new(Gradient::new(frame, false, b, depth)),
-        Shader::GradientRepaired => Box::new(Gradient::new(frame, true, b, depth)),
+        Shader::Fixed => Box::new(Strips::new(frame, b, depth, Slope::Fixed)),
+        Shader::Gradient => Box::new(Strips::new(frame, b, depth, Slope::Printed)),
+        Shader::GradientRepaired => Box::new(Strips::new(frame, b, depth, Slope::Repaired)),
     }
 }
 
@@ -46,8 +46,8 @@ pub struct Shading<'f> {
     kernel: Box<dyn ShaderKernel + 'f>,
     /// Bangay's corrections, if any are enabled.
     corrections: Option<Corrections<'f>>,
-    /// The paint that multiplies the light, unless the shader lights every pixel and applies it itself.
-    paint: Option<Painted<'f>>,
+    /// True if paint multiplies the light: a shader that lights every pixel applies it itself.
+    is_multiplied: bool,
 }
 
 impl<'f> Shading<'f> {
@@ -58,7 +58,7 @@ impl<'f> Shading<'f> {
             frame,
             kernel: kernel(frame, shade),
             corrections: (!is_uncorrected).then(|| Corrections::new(frame, shade)),
-            paint: if shade.shader.lights_pixels() { None } else { Painted::of(frame) },
+            is_multiplied: frame.paint.is_some() && !shade.shader.lights_pixels(),
         }
     }
 
@@ -71,6 +71,7 @@ impl<'f> Shading<'f> {
         let gouraud = weighted(w, [a.light, b.light, c.light]);
         let light = self.kernel.light(triangle, w, gouraud);
         let light = self.corrections.as_ref().map_or(light, |corrections| corrections.corrected(triangle, w, light));
-        self.paint.as_ref().map_or(light, |paint| light * paint.color(triangle, w))
+        let color = self.is_multiplied.then(|| self.frame.paint_color(triangle, w)).flatten();
+        color.map_or(light, |color| light * color)
     }
 }

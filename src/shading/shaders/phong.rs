@@ -5,46 +5,59 @@ use glam::DVec3;
 use super::interpolated::{ShaderKernel, weighted};
 use crate::shading::{
     frame::{Field, Frame, FrameVertex, Patches},
-    mesh::{Coat, Paint, PaintedCorner},
+    mesh::{Coat, PaintedCorner},
 };
 
-/// The lighting of a frame, for any pixel whose normal is known.
-pub struct PixelLight<'f> {
-    pub(super) frame: &'f Frame,
-    paint: Option<Painted<'f>>,
-}
-
-impl<'f> PixelLight<'f> {
-    pub fn new(frame: &'f Frame) -> Self {
-        PixelLight { frame, paint: Painted::of(frame) }
-    }
-
+impl Frame {
     /// Returns the light at the weights `w` of a triangle, at a position with a unit normal and a unit vector toward the
     /// viewer, all in eye space.
-    pub fn light(&self, triangle: usize, w: [f64; 3], position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
-        let (color, normal) = match &self.paint {
-            Some(paint) => paint.surface(triangle, w, normal),
+    fn pixel(&self, triangle: usize, w: [f64; 3], position: DVec3, normal: DVec3, to_viewer: DVec3) -> DVec3 {
+        let (color, normal) = match self.paint_at(triangle, w) {
+            Some((coat, mut corner)) => {
+                // The back's normal is reversed; its textures stay where they are.
+                let side = if self.triangles[triangle].is_back { -1.0 } else { 1.0 };
+                let tangent = self.view.rotation * corner.tangent.truncate();
+                corner.tangent = tangent.extend(side * corner.tangent.w);
+                (coat.color(&corner), coat.normal(&corner, normal))
+            }
             None => (DVec3::ONE, normal),
         };
-        self.frame.lighting.painted(position, normal, to_viewer, color)
+        self.lighting.painted(position, normal, to_viewer, color)
+    }
+
+    /// Returns the color of the paint, if there is any, at the weights `w` of a triangle.
+    pub(super) fn paint_color(&self, triangle: usize, w: [f64; 3]) -> Option<DVec3> {
+        self.paint_at(triangle, w).map(|(coat, corner)| coat.color(&corner))
+    }
+
+    /// Interpolates the paint at the corners of a triangle with correction for perspective.
+    fn paint_at(&self, triangle: usize, w: [f64; 3]) -> Option<(&Coat, PaintedCorner)> {
+        let (paint, drawn) = (self.paint.as_deref()?, &self.triangles[triangle]);
+        let [a, b, c] = paint.corners[drawn.of_mesh as usize];
+        let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
+        let near = self.corners(triangle).map(|v| self.view.nearness(v.eye.z));
+        let weights = [0, 1, 2].map(|k| w[k] * near[k]);
+        let sum: f64 = weights.iter().sum();
+        let mean = PaintedCorner::mean(&corners, weights.map(|weight| weight / sum));
+        Some((&paint.coats[paint.of_triangles[drawn.of_mesh as usize] as usize], mean))
     }
 }
 
-/// Phong interpolates the normal and lights every pixel, Shoaff §3.4. The surface has the normalized normal Σ a_i·N_i at the position Σ a_i·P_i, where a_i are the weights on
-/// the flat triangle: as on graphics cards, w_i/z_i divided by their sum, with the weights w_i on the screen and the
-/// distances z_i from the eye's plane.
-pub struct Phong<'f>(pub PixelLight<'f>);
+/// Phong interpolates the normal and lights every pixel, Shoaff §3.4. The surface has the normalized normal Σ a_i·N_i at
+/// the position Σ a_i·P_i, where a_i are the weights on the flat triangle: as on graphics cards, w_i/z_i divided by their
+/// sum, with the weights w_i on the screen and the distances z_i from the eye's plane.
+pub struct Phong<'f>(pub &'f Frame);
 
 impl ShaderKernel for Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], _: DVec3) -> DVec3 {
-        let frame = self.0.frame;
+        let frame = self.0;
         let [a, b, c] = frame.corners(triangle);
         let near = |v: &FrameVertex| frame.view.nearness(v.eye.z);
         let on_surface = [w[0] * near(a), w[1] * near(b), w[2] * near(c)];
         let normal = weighted(on_surface, [a.normal, b.normal, c.normal]).normalize_or_zero();
-        let far = 1.0 / on_surface.iter().sum::<f64>();
+        let far = 1.0 / (on_surface[0] + on_surface[1] + on_surface[2]);
         let place = weighted(on_surface, [a.eye, b.eye, c.eye]) * far;
-        self.0.light(triangle, w, place, normal, frame.view.to_viewer(place))
+        frame.pixel(triangle, w, place, normal, frame.view.to_viewer(place))
     }
 }
 
@@ -60,7 +73,7 @@ pub struct C1Phong<'f> {
     places: Option<Patches>,
     /// Where the line of sight to each vertex meets the plane z = 0.
     sights: Vec<DVec3>,
-    pixel: PixelLight<'f>,
+    frame: &'f Frame,
 }
 
 impl<'f> C1Phong<'f> {
@@ -68,13 +81,13 @@ impl<'f> C1Phong<'f> {
     pub fn new(frame: &'f Frame) -> Self {
         let places = frame.lighting.has_near_lamps().then(|| Patches::new(frame, Field::Position));
         let sights = frame.vertices.iter().map(|v| frame.view.sight(v.screen).extend(0.0)).collect();
-        C1Phong { normals: Patches::new(frame, Field::Normal), places, sights, pixel: PixelLight::new(frame) }
+        C1Phong { normals: Patches::new(frame, Field::Normal), places, sights, frame }
     }
 }
 
 impl ShaderKernel for C1Phong<'_> {
     fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
-        let frame = self.pixel.frame;
+        let frame = self.frame;
         let normal = self.normals.light(triangle, w, gouraud).normalize_or_zero();
         let ([a, b, c], sight) = (frame.triangles[triangle].vertices, |v: u32| self.sights[v as usize]);
         let mut place = weighted(w, [sight(a), sight(b), sight(c)]);
@@ -85,47 +98,6 @@ impl ShaderKernel for C1Phong<'_> {
             let nearer = 1.0 - place.z / frame.view.distance;
             (place.x, place.y) = (place.x * nearer, place.y * nearer);
         }
-        self.pixel.light(triangle, w, place, normal, to_viewer)
-    }
-}
-
-/// The paint of a frame.
-pub struct Painted<'f> {
-    frame: &'f Frame,
-    paint: &'f Paint,
-}
-
-impl<'f> Painted<'f> {
-    /// Returns the paint of `frame`, if it has any.
-    pub fn of(frame: &'f Frame) -> Option<Self> {
-        Some(Painted { frame, paint: frame.paint.as_deref()? })
-    }
-
-    /// Returns the color at the weights `w` of a triangle.
-    pub fn color(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
-        let (coat, corner) = self.at(triangle, w);
-        coat.color(&corner)
-    }
-
-    /// Returns the color and the normal at the weights `w` of a triangle whose shader gives the unit normal `normal`.
-    pub fn surface(&self, triangle: usize, w: [f64; 3], normal: DVec3) -> (DVec3, DVec3) {
-        let (coat, mut corner) = self.at(triangle, w);
-        // The back's normal is reversed; its textures stay where they are.
-        let side = if self.frame.triangles[triangle].is_back { -1.0 } else { 1.0 };
-        let tangent = self.frame.view.rotation * corner.tangent.truncate();
-        corner.tangent = tangent.extend(side * corner.tangent.w);
-        (coat.color(&corner), coat.normal(&corner, normal))
-    }
-
-    /// Interpolates the corners of a triangle with correction for perspective.
-    fn at(&self, triangle: usize, w: [f64; 3]) -> (&Coat, PaintedCorner) {
-        let drawn = &self.frame.triangles[triangle];
-        let [a, b, c] = self.paint.corners[drawn.of_mesh as usize];
-        let corners = if drawn.is_back { [a, c, b] } else { [a, b, c] };
-        let near = self.frame.corners(triangle).map(|v| self.frame.view.nearness(v.eye.z));
-        let weights = [0, 1, 2].map(|k| w[k] * near[k]);
-        let sum: f64 = weights.iter().sum();
-        let mean = PaintedCorner::mean(&corners, weights.map(|weight| weight / sum));
-        (&self.paint.coats[self.paint.of_triangles[drawn.of_mesh as usize] as usize], mean)
+        frame.pixel(triangle, w, place, normal, to_viewer)
     }
 }

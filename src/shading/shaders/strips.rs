@@ -55,96 +55,69 @@ impl Curve {
     }
 }
 
-/// Bangay's fixed boundary shader, eq. 4, as printed: it flattens the light at every edge. The light is continuous and,
-/// at the edge, has no slope along the line from A. It is not C1 across the edge because these lines bend there. The
-/// shader flattens the edges of linear fields, too.
+/// Bangay's boundary shaders: in the strip of the smallest weight t, J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope
+/// + I_E, and elsewhere Gouraud's light. This follows the text of the paper; its pseudocode uses the first weight below b,
+/// which makes the light jump.
 ///
-/// The light is J(t) = t·I_n(t/b')·(I_A − I_E) + I_E, in the strip of the smallest weight t, and Gouraud's light
-/// elsewhere. This follows the text of the paper; its pseudocode uses the first weight below b, which makes the light
-/// jump.
-pub struct Fixed<'f> {
-    pub(super) frame: &'f Frame,
+/// The fixed shader, eq. 4, has no slope: it flattens the light at every edge, also that of linear fields. The light is
+/// continuous and, at the edge, has no slope along the line from A. It is not C1 across the edge because these lines bend
+/// there. The second shader, §4.2.1, is intended to give the light at an edge a slope between the slopes of the two
+/// triangles; at an edge without a neighbor, it is the fixed one.
+pub struct Strips<'f> {
+    frame: &'f Frame,
     strip: f64,
     /// I_n as printed.
-    pub(super) step: Curve,
+    step: Curve,
+    slope: Slope,
 }
 
-/// A point in the strip opposite a corner.
-pub(super) struct InStrip {
-    /// The relative position across the strip, t/b'; 0 at the corners, where the strip has no width.
-    pub across: f64,
-    /// I_E, the light where the line from the corner through the point meets the edge. Bangay eq. 3.
-    pub on_edge: DVec3,
-    /// The light J(t).
-    pub light: DVec3,
+/// The slope of the light at an edge.
+pub enum Slope {
+    /// 0.
+    Fixed,
+    /// (I_F − I_E)/2 leaves half of Gouraud's bend at the middle of an edge, and increases the bend elsewhere.
+    Printed,
+    /// (I_A − I_F)/2 is the mean of the two slopes, which makes the light C1 at the middle of the edges of parallelograms.
+    Repaired,
 }
 
-impl<'f> Fixed<'f> {
+impl<'f> Strips<'f> {
     /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
-    pub fn new(frame: &'f Frame, b: f64, depth: Depth) -> Self {
-        Fixed { frame, strip: b, step: Curve::printed(depth) }
+    pub fn new(frame: &'f Frame, b: f64, depth: Depth, slope: Slope) -> Self {
+        Strips { frame, strip: b, step: Curve::printed(depth), slope }
     }
 
-    /// Returns the corner opposite whose edge a point is in the strip: the one with the smallest weight, the first of
-    /// equal ones. `None` outside the strips.
-    pub(super) fn strip(&self, w: [f64; 3]) -> Option<usize> {
-        let least = least(w);
-        (0..3).find(|k| w[*k] <= least && least < self.strip)
-    }
-
-    /// Computes a point in the strip opposite corner `k`.
-    pub(super) fn in_strip(&self, triangle: usize, k: usize, w: [f64; 3]) -> InStrip {
-        let (i, j) = OTHERS[k];
-        let lights = self.frame.corners(triangle).map(|v| v.light);
-        let across = w[k] / narrowed(w, self.strip).max(MIN_WIDTH);
-        let on_edge = (w[i] * lights[i] + w[j] * lights[j]) * (1.0 / (1.0 - w[k]));
-        let light = on_edge + (lights[k] - on_edge) * (w[k] * self.step.value(across));
-        InStrip { across, on_edge, light }
-    }
-}
-
-impl ShaderKernel for Fixed<'_> {
-    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
-        self.strip(w).map_or(gouraud, |k| self.in_strip(triangle, k, w).light)
-    }
-}
-
-/// Bangay's second boundary shader, §4.2.1: it is intended to give the light at an edge a slope between the slopes of
-/// the two triangles.
-///
-/// J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope + I_E in the strip of the smallest weight. At an edge
-/// without a neighbor, it is the light of [`Fixed`].
-pub struct Gradient<'f> {
-    fixed: Fixed<'f>,
-    /// The slope at the edge. As printed, (I_F − I_E)/2 leaves half of Gouraud's bend at the middle of an edge, and
-    /// increases the bend elsewhere. Repaired, (I_A − I_F)/2 is the mean of the two slopes, which makes the light C1 at the
-    /// middle of the edges of parallelograms.
-    is_repaired: bool,
-}
-
-impl<'f> Gradient<'f> {
-    /// Prepares the shader for the triangles of `frame`, with strips of width `b`.
-    pub fn new(frame: &'f Frame, is_repaired: bool, b: f64, depth: Depth) -> Self {
-        Gradient { fixed: Fixed::new(frame, b, depth), is_repaired }
-    }
-}
-
-impl ShaderKernel for Gradient<'_> {
-    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
-        let Some(k) = self.fixed.strip(w) else { return gouraud };
-        let (strip, frame) = (self.fixed.in_strip(triangle, k, w), self.fixed.frame);
-        let Some(neighbor) = frame.triangles[triangle].across[k] else { return strip.light };
-        let apex = frame.vertices[neighbor.apex as usize].light;
-        let (i, j) = OTHERS[k];
-        let lights = frame.corners(triangle).map(|v| v.light);
-        // I_F, the light on the neighbor's far edge, Bangay eqs. 5 and 6: with f = 2a/(1+a) from B, or −2a/(1−a) from C
-        // if a = 2w_B/(w_B+w_C) − 1 is negative. This is exact only if D is the reflection of A through the midpoint of
-        // the edge.
+    /// Returns I_F, the light on the far edge of the neighbor across the edge opposite corner `k`, Bangay eqs. 5 and 6: with
+    /// f = 2a/(1+a) from B, or −2a/(1−a) from C if a = 2w_B/(w_B+w_C) − 1 is negative. This is exact only if D is the
+    /// reflection of A through the midpoint of the edge.
+    fn beyond(&self, triangle: usize, k: usize, w: [f64; 3]) -> Option<DVec3> {
+        let neighbor = self.frame.triangles[triangle].across[k]?;
+        let (apex, (i, j)) = (self.frame.vertices[neighbor.apex as usize].light, OTHERS[k]);
         let a = w[i] * 2.0 / (w[i] + w[j]) - 1.0;
         let size = a.abs();
         let f = size * 2.0 / (size + 1.0);
-        let beyond = (if a < 0.0 { lights[j] } else { lights[i] }) * f + (1.0 - f) * apex;
-        let slope = if self.is_repaired { lights[k] - beyond } else { beyond - strip.on_edge };
-        strip.light + slope * (w[k] * self.fixed.step.value(1.0 - strip.across) * 0.5)
+        Some(self.frame.corners(triangle)[if a < 0.0 { j } else { i }].light * f + (1.0 - f) * apex)
+    }
+}
+
+impl ShaderKernel for Strips<'_> {
+    fn light(&self, triangle: usize, w: [f64; 3], gouraud: DVec3) -> DVec3 {
+        let least = least(w);
+        // The first of equal weights.
+        let Some(k) = (0..3).find(|k| w[*k] <= least && least < self.strip) else { return gouraud };
+        let (i, j) = OTHERS[k];
+        let [a, b, c] = self.frame.corners(triangle);
+        let lights = [a.light, b.light, c.light];
+        // t/b'; 0 at the corners, where the strip has no width.
+        let across = w[k] / narrowed(w, self.strip).max(MIN_WIDTH);
+        // I_E, the light where the line from the corner through the point meets the edge. Bangay eq. 3.
+        let on_edge = (w[i] * lights[i] + w[j] * lights[j]) * (1.0 / (1.0 - w[k]));
+        let fixed = on_edge + (lights[k] - on_edge) * (w[k] * self.step.value(across));
+        let slope = match (&self.slope, self.beyond(triangle, k, w)) {
+            (Slope::Printed, Some(beyond)) => beyond - on_edge,
+            (Slope::Repaired, Some(beyond)) => lights[k] - beyond,
+            _ => return fixed,
+        };
+        fixed + slope * (w[k] * self.step.value(1.0 - across) * 0.5)
     }
 }

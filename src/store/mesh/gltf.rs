@@ -106,18 +106,26 @@ fn read(folder: Option<&Path>, content: &[u8], is_flat: bool) -> Result<Faces, S
     Ok(faces)
 }
 
-fn compressed_with(name: &str) -> String {
-    format!(
-        "its meshes are compressed with {name}, which machband does not read; expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
-    )
-}
-
 /// Checks the extensions that a file requires, and returns the names of those that are ignored.
 fn extensions(json: &mut json::Root) -> Result<Vec<String>, String> {
-    let required = &mut json.extensions_required;
-    if let Some(name) = required.iter().find(|name| COMPRESSION.contains(&name.as_str())) {
-        return Err(compressed_with(name));
+    let is_elsewhere = |index: &json::Index<json::Accessor>| {
+        json.accessors.get(index.value()).is_some_and(|it| it.buffer_view.is_none() && it.sparse.is_none())
+    };
+    let compressed = |name: &&&str| {
+        let is_required = json.extensions_required.iter().any(|required| required == **name);
+        let mut primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        is_required
+            || primitives.any(|primitive| {
+                let is_used = primitive.extensions.as_ref().is_some_and(|all| all.others.contains_key(**name));
+                is_used && primitive.attributes.values().any(is_elsewhere)
+            })
+    };
+    if let Some(name) = COMPRESSION.iter().find(compressed) {
+        return Err(format!(
+            "its meshes are compressed with {name}, which machband does not read; expected them without compression, as \"gltf-transform copy in.glb out.glb\" writes them"
+        ));
     }
+    let required = &mut json.extensions_required;
     // The crate does not know that these are read.
     required.retain(|name| !KNOWN.contains(&name.as_str()));
     if !required.is_empty() {
@@ -141,15 +149,6 @@ fn check(json: &json::Root) -> Result<(), String> {
     for (mesh, primitive) in primitives {
         if primitive.attributes.get(&position).is_some_and(|accessor| accessor.value() >= json.accessors.len()) {
             return Err(format!("mesh {mesh} has positions that do not exist; expected the index of an accessor"));
-        }
-        let has_data = |index: &json::Index<json::Accessor>| {
-            let accessor = json.accessors.get(index.value());
-            accessor.is_none_or(|accessor| accessor.buffer_view.is_some() || accessor.sparse.is_some())
-        };
-        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
-        let compressed = COMPRESSION.iter().find(|name| others.is_some_and(|others| others.contains_key(**name)));
-        if let Some(name) = compressed.filter(|_| !primitive.attributes.values().all(has_data)) {
-            return Err(compressed_with(name));
         }
     }
     for (i, image) in json.images.iter().enumerate() {

@@ -176,7 +176,7 @@ impl ShadingPage {
         let label = format!("Surface: {} on the left, {} on the right", titles[0], titles[1]);
         self.dragging = canvas::interact(ui, rect, &mut self.compared, &mut self.settings, &label);
         self.update(ui.ctx(), size);
-        self.draw(ui, rect, size);
+        self.draw(ui, rect);
         canvas::draw_marks(ui, rect, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
@@ -290,6 +290,14 @@ impl ShadingPage {
             self.load(ctx, self.compared.mesh.clone());
         }
         let Some((_, surface)) = &self.surface else { return };
+        // What turns with the pointer is drawn with a quarter of the pixels, so that it keeps up.
+        let size = match &self.pictures {
+            Some(drawn) if self.dragging && !self.settings.scan => {
+                let is_turned = drawn.compared != self.compared;
+                if is_turned { size.map(|side| side.div_ceil(2)) } else { drawn.size() }
+            }
+            _ => size,
+        };
         let pictures =
             Pictures::updated(ctx, self.pictures.take(), surface, (&self.compared, &self.display.transfers), size);
         if !self.dragging {
@@ -314,7 +322,7 @@ impl ShadingPage {
         }
     }
 
-    fn draw(&self, ui: &egui::Ui, rect: Rect, size: [u32; 2]) {
+    fn draw(&self, ui: &egui::Ui, rect: Rect) {
         let Some(pictures) = &self.pictures else { return };
         let textures = match (self.settings.layer, &self.difference, self.visible.textures(pictures.edition)) {
             (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
@@ -323,7 +331,7 @@ impl ShadingPage {
             // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
-        canvas::draw(ui, rect, textures, size, &self.settings);
+        canvas::draw(ui, rect, textures, pictures.size(), &self.settings);
     }
 
     /// Draws the table of visible differences.

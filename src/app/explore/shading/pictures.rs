@@ -55,6 +55,11 @@ pub struct Pictures {
 }
 
 impl Pictures {
+    /// Returns their width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.frame.width, self.frame.height]
+    }
+
     /// Returns the pictures of `compared`, or `before` if it is up to date.
     pub fn updated(
         ctx: &egui::Context,
@@ -66,7 +71,7 @@ impl Pictures {
         let edition = before.as_ref().map_or(0, |before| before.edition + 1);
         let is_right = |p: &Pictures| {
             let same = p.compared == *compared && p.transfers == *transfers;
-            same && [p.frame.width, p.frame.height] == size && Arc::ptr_eq(&p.surface, surface)
+            same && p.size() == size && Arc::ptr_eq(&p.surface, surface)
         };
         if let Some(before) = before.filter(is_right) {
             return before;
@@ -143,7 +148,7 @@ impl Measurement {
         let edition = pictures.edition;
         self.latest.want(ctx, edition, || {
             let (compared, surface) = (pictures.compared.clone(), Arc::clone(&pictures.surface));
-            let size = [pictures.frame.width, pictures.frame.height];
+            let size = pictures.size();
             move || visible(&compared, &surface, size)
         });
         if let Some(Ok(measured)) = self.latest.get(&edition)
