@@ -127,6 +127,7 @@ const ERROR_PX: f64 = 1e-6;
 const ERROR_LIGHT: f64 = 1e-12;
 /// The search for runs stops at this fraction of a pixel.
 const MIN_RUN_PX: f64 = 1.0 / 128.0;
+
 /// A range of positions along a row that all have the same code, in pixels from where the center line crosses the row.
 struct Run {
     from: f64,

@@ -68,7 +68,9 @@ pub fn check_large(name_or_path: impl AsRef<Path>, pixels: u64) -> Result<Checke
                 let channels: Vec<&str> = readings.channels().iter().map(|channel| channel.name()).collect();
                 format!("{} photometer readings, {}", readings.all().len(), channels.join(", ")).into()
             }
-            Ok(names) if names.first().is_some_and(|name| name == "event") => format!("{} visual matches of a display", matches::open(path)?.len()).into(),
+            Ok(names) if names.first().is_some_and(|name| name == "event") => {
+                format!("{} visual matches of a display", matches::open(path)?.len()).into()
+            }
             Err(error @ StoreError::Io { .. }) => return Err(error),
             // What is no table has the errors of a result file.
             _ => check_results(path)?,

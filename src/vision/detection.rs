@@ -2,11 +2,9 @@
 
 use super::{
     error::{VisionError, check},
-    eye::Eye,
-    eye::Sensitivity,
+    eye::{Eye, Sensitivity},
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
-    transforms::Cosines,
-    transforms::next_fast_length,
+    transforms::{Cosines, next_fast_length},
 };
 
 /// The picture stands on an endless field of its mean light. This is how much of that field is computed, degrees.

@@ -5,11 +5,9 @@ use rustfft::num_complex::Complex64;
 
 use super::{
     error::{VisionError, check, check_extent},
-    eye::Eye,
-    eye::Sensitivity,
+    eye::{Eye, Sensitivity},
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser},
-    transforms::Cosines,
-    transforms::{next_fast_length, transform},
+    transforms::{Cosines, next_fast_length, transform},
 };
 use crate::system::checkpoint;
 

@@ -24,9 +24,7 @@ mod transforms;
 
 pub use detection::ContrastSpectrum;
 pub use error::{MAX_DEG, VisionError, check_extent};
-pub use eye::Criterion;
-pub use eye::Sensitivity;
-pub use eye::{Eye, Masking, luminance, luminances};
+pub use eye::{Criterion, Eye, Masking, Sensitivity, luminance, luminances};
 pub use judge::{Difference, DifferenceMap, Judge, Place};
 pub use ramp::RampBands;
 pub use steps::unrounded;

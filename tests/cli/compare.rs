@@ -302,6 +302,23 @@ fn steps_are_those_of_the_bits_that_codes_have() {
     assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
 }
 
+/// Codes that are skipped evenly, as after posterizing, are steps as large as they are; colors that are only few are none.
+#[test]
+fn steps_are_those_between_the_codes_that_occur() {
+    let pictures = Pictures::new();
+    let ramp = |i: u32| 12.0 + 225.0 * f64::from(i % 512) / 512.0;
+    pictures.gray("tens.png", [512, 64], |i| ((ramp(i) / 10.0).floor() * 10.0 + 4.0) as u8);
+    pictures.gray_16("fine.png", [512, 64], |i| ((ramp(i) - 1.0) * 257.0).round() as u16, |_| {});
+    pictures.gray("few.png", [512, 64], |i| [17, 30, 96, 133, 150, 201, 222, 255][(i % 512 / 64 * 5 % 8) as usize]);
+    let steps = |name: &str| {
+        let (found, _) = pictures.run(&format!("compare {name} --steps --window 30 --json"));
+        found["steps"].as_f64().unwrap()
+    };
+    let (truth, _) = pictures.run("compare tens.png fine.png --window 30 --json");
+    let [tens, few] = ["tens.png", "few.png"].map(steps);
+    assert!((tens / times(&truth) - 1.0).abs() < 0.3 && few < 1.0, "{tens}, expected {truth}; {few}");
+}
+
 #[test]
 fn impossible_comparisons_are_refused() {
     let pictures = Pictures::new();

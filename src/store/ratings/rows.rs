@@ -124,7 +124,11 @@ impl Rows {
             } else if let Some(what) = incomplete {
                 match &input.sidecar {
                     Some(sidecar) if !sidecar.is_sealed() => rows.interrupted = Some(row.place(0).0),
-                    _ => rows.errors.add(None, None, || FileError::at(&input.name, row.place(0), format!("the last row {what}, as after an interrupted write; expected a complete row (this one is left out)"))),
+                    _ => rows.errors.add(None, None, || {
+                        let expected = "expected a complete row (this one is left out)";
+                        let message = format!("the last row {what}, as after an interrupted write; {expected}");
+                        FileError::at(&input.name, row.place(0), message)
+                    }),
                 }
             } else {
                 let index = rows.status.len();

@@ -67,7 +67,7 @@ impl SessionPaths {
         Self {
             csv: data.join(format!("{stem}{DATA_FILE}")),
             sidecar: data.join(format!("{stem}{SIDECAR_SUFFIX}")),
-            frames: data.join(format!("{stem}{}", FRAMES_SUFFIX)),
+            frames: data.join(format!("{stem}{FRAMES_SUFFIX}")),
             dataset,
         }
     }

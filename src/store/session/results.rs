@@ -1,5 +1,5 @@
-//! The result file of a session: a CSV file with one row per trial. Each row is on disk before the next trial is shown. And its
-//! frames file.
+//! The result file of a session, a CSV file with one row per trial, each of which is on disk before the next trial is shown;
+//! and its frames file.
 
 use std::path::Path;
 
