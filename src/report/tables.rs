@@ -184,7 +184,7 @@ fn tests(results: &Results) -> Table {
                 (None, Some(number)) => format!("p from {number} {draws}"),
                 (None, None) => format!("p from the chi-squared distribution{scope}"),
             };
-            let numbers = [test.lr, Some(test.df as f64), p, p_corrected];
+            let numbers = [test.chi_squared, Some(test.df as f64), p, p_corrected];
             rows.push(test_row([name, &test.term.to_string(), "", ""], report.model.nobs, &numbers, "", &note));
         };
         for (name, tests) in [("likelihood-ratio", &report.terms), ("proportional-odds", &report.proportional_odds)] {

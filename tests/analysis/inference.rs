@@ -338,7 +338,7 @@ proptest! {
             tally.iter().filter(|count| **count > 0).map(move |&count| count as f64 * (count as f64 / n as f64).ln())
         }).sum();
         for test in &report.proportional_odds {
-            let Some(lr) = test.lr else { continue };
+            let Some(lr) = test.chi_squared else { continue };
             let most = 2.0 * (saturated - report.model.loglik);
             prop_assert!(lr <= most + 1e-6, "{lr} of {most}");
             // With one factor, the wider model is the saturated one.

@@ -134,7 +134,7 @@ fn an_empty_cell_makes_no_test_depend_on_the_order_of_levels() {
         assert!(html.contains("No p for a and b: it is an average over the factors with which it interacts"));
     }
     assert_eq!(simple(&first), simple(&second));
-    let lr = |results: &Results| results.model.as_ref().unwrap().terms[2].lr.unwrap();
+    let lr = |results: &Results| results.model.as_ref().unwrap().terms[2].chi_squared.unwrap();
     assert!((lr(&first) - lr(&second)).abs() < 1e-4);
 }
 
@@ -247,7 +247,7 @@ fn units_and_origins_do_not_matter() {
             let interval = coefficient.interval.unwrap();
             let numbers = [coefficient.estimate, coefficient.se.unwrap(), interval.low, interval.high];
             let multiplied = finding.split("multiplied by ").nth(1).unwrap().to_owned();
-            (numbers.map(|number| number * unit), report.terms[0].p, report.terms[0].lr.unwrap(), multiplied)
+            (numbers.map(|number| number * unit), report.terms[0].p, report.terms[0].chi_squared.unwrap(), multiplied)
         };
         let (numbers, p, lr, text) = of(0, 0.0);
         assert!(numbers.iter().all(|number| number.is_finite()) && p.unwrap() < 0.05, "{numbers:?} {p:?}");

@@ -177,7 +177,7 @@ pub fn fit_calibrated(
 /// Withholds tests whose distribution is not accurate even if it is simulated.
 fn withhold(full: &Fitted, report: &mut ModelReport) {
     let parameters = full.frame.categories.len() - 1 + full.rank();
-    for test in report.proportional_odds.iter_mut().filter(|test| test.lr.is_some()) {
+    for test in report.proportional_odds.iter_mut().filter(|test| test.chi_squared.is_some()) {
         let are_few = full.frame.total() < LEAST_FOR_ODDS * (parameters + test.df) as u64;
         let of_people = (full.frame.subjects.len() > 1).then_some(Withheld::OwnThresholds);
         if let Some(reason) = if are_few { Some(Withheld::FewRatings) } else { of_people } {
@@ -202,7 +202,7 @@ fn calibrate_tests(full: &Fitted, tests: &mut [TermTest], limits: &mut Limits, c
     let ratio = |place: usize| {
         let test = &tests[place];
         let is_simulated = test.withheld.is_none() && is_uncertain(test) && needs_simulation(&full.frame, terms[place]);
-        test.lr.filter(|_| is_simulated).map(|lr| (place, lr))
+        test.chi_squared.filter(|_| is_simulated).map(|lr| (place, lr))
     };
     let places: Vec<(usize, f64)> = (0..terms.len()).filter_map(ratio).collect();
     if places.is_empty() {

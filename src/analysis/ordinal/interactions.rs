@@ -114,7 +114,7 @@ fn by_signs(full: &Fitted, pairs: Vec<Pair>, seed: u64) -> Vec<Interaction> {
             let reaching = least.iter().filter(|least| **least <= own + 1e-12).count();
             let df = scores.enlarged.nrows();
             let chi_squared = statistic * df as f64 / scores.enlarged.norm_squared();
-            (test.lr, test.df, test.draws) = (Some(chi_squared), df, Some(patterns));
+            (test.chi_squared, test.df, test.draws) = (Some(chi_squared), df, Some(patterns));
             (test.p, test.withheld) = (Some(reaching as f64 / patterns as f64), None);
         }
         tested.push(pair);
@@ -250,7 +250,7 @@ fn by_ratios(full: &Fitted, pairs: Vec<Pair>, settings: Resampling) -> Vec<Inter
         let Ok((mut own, wider)) = wider.and_then(|wider| Ok((without_term(&wider, term)?, wider))) else {
             return test;
         };
-        if let Some(lr) = own.lr {
+        if let Some(lr) = own.chi_squared {
             own.calibrate(&simulate(&wider, &[(term, lr)], settings, &|| ())[0]);
         }
         own

@@ -14,12 +14,13 @@ use super::{
 };
 use crate::statistics::{chi_squared_quantile, chi_squared_tail};
 
-/// A likelihood-ratio test of one term.
+/// A test of one term: of the likelihood ratio or, for interactions that people's signs test, of scores.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TermTest {
     pub term: Term,
-    /// Twice the difference of the log-likelihoods; `None` if one of the models has no maximum.
-    pub lr: Option<f64>,
+    /// Twice the difference of the log-likelihoods, or the statistic of a score test; `None` if one of the models has no
+    /// maximum.
+    pub chi_squared: Option<f64>,
     /// The difference in the number of parameters.
     pub df: usize,
     /// Probability of a ratio at least as large if the smaller model were true: from the χ² distribution or, if `draws`
@@ -215,7 +216,7 @@ impl TermTest {
         let lr = difference.filter(|_| df > 0).map(|difference| (2.0 * difference).max(0.0));
         Self {
             term: term.clone(),
-            lr,
+            chi_squared: lr,
             df,
             p: lr.map(|lr| chi_squared_tail(lr, df)),
             draws: None,
@@ -227,7 +228,7 @@ impl TermTest {
 
     /// Replaces the probability by that from simulated ratios.
     pub(crate) fn calibrate(&mut self, ratios: &[f64]) {
-        let Some(lr) = self.lr else { return };
+        let Some(lr) = self.chi_squared else { return };
         let simulated = probability(ratios, lr);
         self.p = simulated.map(|(p, _)| p);
         self.draws = simulated.map(|(_, draws)| draws);

@@ -251,7 +251,7 @@ fn compare(
     };
     let ratio = |level: u32, lower: u32| match scope {
         Scope::All(_) if is_whole => ratio_at_zero(fitted, quantity(level, lower)?),
-        Scope::Average(test) if test.df == 1 => test.lr,
+        Scope::Average(test) if test.df == 1 => test.chi_squared,
         _ => None,
     };
     let interval = |levels: [u32; 2], estimate: f64, se: f64| match (scope, quantity(levels[0], levels[1])?) {

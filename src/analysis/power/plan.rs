@@ -205,7 +205,7 @@ impl Plan {
             let fitted = fit_counts(&counts, &self.spec, false).ok();
             let test = fitted.and_then(|fitted| without_term(&fitted, term).ok());
             progress(people.into());
-            test.and_then(|test| test.lr).unwrap_or(f64::NAN)
+            test.and_then(|test| test.chi_squared).unwrap_or(f64::NAN)
         };
         (0..studies).into_par_iter().map(ratio).collect()
     }

@@ -284,7 +284,7 @@ pub(super) fn evidence(results: &Results, factor: &FactorResults) -> Option<Evid
 /// Returns the test with its statistic.
 pub(super) fn ratio_test(test: &TermTest) -> String {
     let simulated = test.draws.map_or_else(String::new, |draws| format!(", p from {draws} simulated studies"));
-    format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(test.lr, 1))
+    format!("likelihood-ratio test{simulated}: χ²({}) = {}", test.df, fixed(test.chi_squared, 1))
 }
 
 pub(super) fn likelihood_ratio<'a>(results: &'a Results, term: &Term) -> Option<&'a TermTest> {

@@ -39,7 +39,7 @@ impl Dependence<'_> {
 
     /// Returns the test with its statistic.
     fn statistic(&self) -> String {
-        let TermTest { df, lr, .. } = self.test;
+        let TermTest { df, chi_squared: lr, .. } = self.test;
         match self.by_signs {
             true => format!("score test over the participants’ signs: χ²({df}) = {}", fixed(*lr, 1)),
             false => ratio_test(self.test),

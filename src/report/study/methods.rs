@@ -158,7 +158,7 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
     let mut text = String::new();
     if !report.terms.is_empty() {
         let tests: Vec<String> = (report.terms.iter())
-            .map(|test| match (names::term(results, &test.term), test.lr, test.p) {
+            .map(|test| match (names::term(results, &test.term), test.chi_squared, test.p) {
                 (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
                 (term, ..) => format!("{term}, not tested"),
             })
@@ -199,7 +199,7 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
 fn interactions_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
     let tested: Vec<String> = (report.interactions.iter())
         .filter_map(|own| {
-            let (name, TermTest { lr, df, p, .. }) = (names::term(results, &own.test.term), &own.test);
+            let (name, TermTest { chi_squared: lr, df, p, .. }) = (names::term(results, &own.test.term), &own.test);
             Some(format!("{name}, χ²({df}) = {}, {}", fixed(*lr, 2), p_is((*p)?)))
         })
         .collect();

@@ -379,7 +379,7 @@ fn tests(
     section.text(about);
     let mut table = TableOf::new(caption, tests)
         .text("Term", |test| names::term(results, &test.term))
-        .number("χ²", |test| fixed(test.lr, 2))
+        .number("χ²", |test| fixed(test.chi_squared, 2))
         .number("df", |test| whole(test.df as u64));
     for (head, of) in p {
         table = table.number(*head, move |test| probability(of(test)));
