@@ -302,6 +302,36 @@ fn steps_are_those_of_the_bits_that_codes_have() {
     assert!(smooth["bits"] == 16 && smooth["steps"].as_f64().unwrap() < 0.1, "{smooth}");
 }
 
+/// Codes that are skipped evenly, as after posterizing or stretching the contrast, are steps as large as they are; colors
+/// that are only few are none.
+#[test]
+fn steps_are_those_between_the_codes_that_occur() {
+    let pictures = Pictures::new();
+    let ramp = |i: u32| 12.0 + 225.0 * f64::from(i % 512) / 512.0;
+    let gray = |name: &str, code: &dyn Fn(u32) -> f64| {
+        pictures.gray(name, [512, 64], |i| code(i).round().clamp(0.0, 255.0) as u8);
+    };
+    for (by, scale, shift) in
+        [(2.0, 1.0, 0.0), (5.0, 1.0, 2.0), (16.0, 1.0, 7.0), (32.0, 1.0, 15.0), (1.0, 1.7, -102.0)]
+    {
+        gray("coarse.png", &|i| (ramp(i) / by).floor() * by * scale + shift);
+        let fine = |i: u32| (((ramp(i) - by / 2.0) * scale + shift).clamp(0.0, 255.0) * 257.0).round() as u16;
+        pictures.gray_16("fine.png", [512, 64], fine, |_| {});
+        let (found, _) = pictures.run("compare coarse.png --steps --window 30 --json");
+        let (truth, _) = pictures.run("compare coarse.png fine.png --window 30 --json");
+        let (steps, truth) = (found["steps"].as_f64().unwrap(), times(&truth));
+        assert!((steps / truth - 1.0).abs() < 0.3, "{by} {scale}: {steps}, expected {truth}");
+    }
+    // Few levels may be colors: nothing is said about the steps between them.
+    gray("few.png", &|i| f64::from(112 + i % 512 / 128 * 4));
+    let few = machband(pictures.0.path(), &split("compare few.png --steps --window 30"));
+    assert!(!text(&few.stdout).contains("no dither") && text(&few.stderr).contains("not judged"), "{few:?}");
+    let colors = [17.0, 30.0, 96.0, 133.0, 150.0, 201.0, 222.0, 255.0];
+    gray("flat.png", &|i| colors[(i % 512 / 64 * 5 % 8) as usize]);
+    let (flat, _) = pictures.run("compare flat.png --steps --window 30 --json");
+    assert!(flat["steps"].as_f64().unwrap() < 1.0, "{flat}");
+}
+
 #[test]
 fn impossible_comparisons_are_refused() {
     let pictures = Pictures::new();
@@ -321,7 +351,23 @@ fn impossible_comparisons_are_refused() {
     with("turned.png", gray, &waves, |info| {
         info.exif_metadata = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0".as_slice().into());
     });
-    fs::write(at("text.png"), "no picture").unwrap();
+    let file = fs::File::create(at("hdr.png")).unwrap();
+    let mut writer = png::Encoder::with_info(file, png::Info::with_size(64, 64)).unwrap().write_header().unwrap();
+    writer.write_chunk(png::chunk::cICP, &[9, 16, 0, 1]).unwrap();
+    writer.write_image_data(&waves).unwrap();
+    drop(writer);
+    // What the curve of a profile says is not repaired; one number is an exponent, whichever it is.
+    for (name, points) in
+        [("falling.png", &[65535, 30000, 0][..]), ("dark.png", &[0, 10000, 30000]), ("power.png", &[461])]
+    {
+        let mut profile = moxcms::ColorProfile::new_gray_with_gamma(1.0);
+        profile.gray_trc = Some(moxcms::ToneReprCurve::Lut(points.to_vec()));
+        let profile = profile.encode().unwrap();
+        png(&at(name), [64; 2], gray, &waves, |info| info.icc_profile = Some(profile.into()));
+    }
+    png(&at("gama.png"), [64; 2], gray, &waves, |info| info.source_gamma = Some(png::ScaledFloat::from_scaled(55_531)));
+    let (same, _) = pictures.run("compare power.png gama.png --window 2 --json");
+    assert!(times(&same) < 0.1, "{same}");
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
     with("colored.png", png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
     ["empty", "one"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
@@ -333,6 +379,9 @@ fn impossible_comparisons_are_refused() {
         2: gray.png gray.png --window 2 --max=-1 => outside 0…1000000
         1: alpha.png gray.png --window 2 => transparent pixels
         1: profile.png gray.png --window 2 => has a color profile that is damaged
+        1: hdr.png gray.png --window 2 => has a cICP chunk (primaries 9, transfer 16), which is not supported
+        1: falling.png gray.png --window 2 => whose curve does not rise from 0 to 1
+        1: dark.png gray.png --window 2 => whose curve does not rise from 0 to 1
         1: palette.png gray.png --window 2 => has a pixel whose color is not in its palette
         1: turned.png gray.png --window 2 --transfer srgb => orientation 6 in its eXIf chunk
         1: text.png gray.png --window 2 => text.png: is not a PNG; expected a PNG

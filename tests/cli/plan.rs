@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{fails, golden_path, records, refuses, split, succeeds, table};
+use crate::common::{command, fails, golden_path, records, refuses, split, succeeds, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -144,6 +144,25 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
 /// Returns what `machband plan` prints.
 fn planned(folder: &Path, line: &str) -> String {
     succeeds(folder, &split(&format!("plan {line}")))
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_plan() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = |threads: &str, options: &str| {
+        let line =
+            format!("plan quick --studies 3 --effect oblique=1 --terms orientation_deg --out p.csv --force {options}");
+        let output = command(folder.path(), &split(&line)).env("RAYON_NUM_THREADS", threads).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let table = fs::read_to_string(folder.path().join("p.csv")).unwrap();
+        let three = table.lines().filter(|line| line.starts_with("quick,3,")).map(str::to_owned).collect::<Vec<_>>();
+        (text(&output.stdout), table, three)
+    };
+    let one = plan("1", "--participants 3,2,3");
+    assert_eq!(one, plan("3", "--participants 3,2,3"));
+    // The result for three participants does not depend on which other numbers are planned.
+    let alone = plan("2", "--participants 3");
+    assert_eq!((&alone.2, alone.2.len()), (&one.2, 2));
 }
 
 #[test]
