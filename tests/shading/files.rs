@@ -449,6 +449,31 @@ fn seams_are_joined_or_told() {
     }
 }
 
+/// A sphere whose vertices at a pole differ by rounding alone, as sin 180° is not quite 0, is the sphere with one vertex
+/// at each pole. A small part has small edges.
+#[test]
+fn edges_without_a_length_have_one_vertex() {
+    let [exact, rounded] = [0.0, 1.2e-16].map(|rounding| {
+        let (mut obj, count) = (String::new(), 12);
+        for (row, column) in (0..7 * count).map(|i| (i / count, i % count)) {
+            let (sin, cos) = (f64::from(column) * std::f64::consts::TAU / f64::from(count)).sin_cos();
+            let (across, up) = (f64::from(row) * std::f64::consts::PI / 6.0).sin_cos();
+            let across = if row % 6 == 0 { rounding } else { across };
+            obj += &format!("v {} {} {up}\n", across * cos, across * sin);
+        }
+        for (row, column) in (0..6 * count).map(|i| (i / count, i % count)) {
+            let [a, b] = [column, (column + 1) % count].map(|column| row * count + column + 1);
+            obj += &format!("f {a} {} {} {b}\n", a + count, b + count);
+        }
+        parsed(obj.as_bytes())
+    });
+    assert_eq!((rounded.mesh.vertices.len(), rounded.mesh.triangles.len()), (62, 120));
+    assert_eq!((exact.mesh.triangles, exact.notes), (rounded.mesh.triangles, Vec::new()));
+    assert_eq!(rounded.notes, ["22 vertices were joined with others within a thousandth of an edge"]);
+    let small = "v 0 0 0\nv 1e-9 0 0\nv 0 1e-9 0\nv 1 1 0\nv 2 1 0\nv 1 2 0\nv 2 2 0\nf 1 2 3\nf 4 5 7 6\n";
+    assert_eq!(parsed(small.as_bytes()).mesh.vertices.len(), 7);
+}
+
 #[test]
 fn obj_vertices_may_have_colors_and_ply_files_strips() {
     let obj = b"v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0.5 0\nf 1 2 3\n";
