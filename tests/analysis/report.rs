@@ -175,6 +175,15 @@ fn sentences_follow_the_direction_of_the_data() {
             assert!(!same.contains(part), "{same}");
         }
     }
+    // A pair of levels is the later one and the earlier one, whichever is rated higher.
+    for reversed in [false, true] {
+        let results = results(8, &DEPTHS, reversed);
+        for pair in &results.model.as_ref().unwrap().comparisons {
+            let levels = &results.measured.counts.factor(&pair.factor).unwrap().1.levels;
+            let place = |level: &String| levels.iter().position(|known| known == level);
+            assert!(place(&pair.level) > place(&pair.other), "{pair:?}");
+        }
+    }
     let odds = |summary: &Summary, higher: &str, lower: &str| -> f64 {
         let text = finding(summary, "with depth");
         assert_parts(text, &[&format!("at {higher} are an estimated"), &format!("times those at {lower}")]);

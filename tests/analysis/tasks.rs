@@ -306,6 +306,29 @@ fn means_and_differences_of_populations_are_covered() {
     }
 }
 
+/// Where all functions rise between the same two levels, nothing says where. A guess rate of 0 with a low threshold is a
+/// maximum of its own: 8 people whose rate is ½ and whose thresholds are about 0.
+#[test]
+fn what_answers_do_not_determine_is_not_told() {
+    let own = |right: u32| -> Vec<Point> {
+        (0..7).map(|level| Point { x: level.into(), correct: if level < 3 { right } else { 60 }, total: 60 }).collect()
+    };
+    let model = Model { range: Some([0.0, 6.0]), ..MODEL };
+    let population = population::fit(&[30, 33, 27, 30].map(own), &model).unwrap();
+    assert!(population.interval.is_none() && (2.0..3.0).contains(&population.function.threshold), "{population:?}");
+    let model = Model { guess: Guess::Free, overdispersed: false, range: Some([-0.602, 0.903]), ..MODEL };
+    let right = "14 10 13 20 23 24|11 10 21 23 23 24|10 17 12 19 24 23|10 14 20 22 24 23|14 12 21 23 24 24|11 20 20 23 24 22|\
+                 10 18 21 23 23 22|11 11 13 19 23 24";
+    let own = |right: &str| -> Vec<Point> {
+        let right = right.split(' ').map(|count| count.parse().unwrap());
+        let x = [-0.602, -0.301, 0.0, 0.301, 0.602, 0.903].into_iter();
+        x.zip(right).map(|(x, correct)| Point { x, correct, total: 24 }).collect()
+    };
+    let people: Vec<Vec<Point>> = right.split('|').map(own).collect();
+    let function = population::fit(&people, &model).unwrap().function;
+    assert!(function.guess > 0.3 && function.threshold.abs() < 0.1, "{function:?}");
+}
+
 /// Without them, the levels of an adaptive method, most of which are seen, say next to nothing about the guess rate.
 #[test]
 fn catch_trials_tell_the_guess_rate() {

@@ -42,7 +42,7 @@ fn a_copy_is_edited_and_saved() {
     // Errors appear next to their fields, and saving waits until they are corrected.
     type_into(&mut window, "Levels of width", "0.05, wide, 0.05");
     window.get_by_label_contains("Width \"wide\" is not a number; expected");
-    window.get_by_label_contains("level 0.05 of width appears twice");
+    window.get_by_label_contains("Level 0.05 of width appears twice");
     window.get_by_label_contains("2 errors, first in Width.");
     type_into(&mut window, "Levels of width", "0.05, 0.5, 1");
     assert!(window.query_by_label_contains("appears twice").is_none());

@@ -468,11 +468,11 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     let folder = tempfile::tempdir().unwrap();
     let row = |i: usize| {
         let rating = if i % 40 == 7 { "-99".to_owned() } else { ((i * 7 % 11 + i % 2 * 4) / 4).to_string() };
-        format!("p{},{},{rating},{}\n", i % 8, ["a", "b", "c"][i % 3], if i % 60 == 1 { 0.1 } else { 2.5 })
+        format!("p{},{},{rating},{}\n", i % 8, ["a", "b", "c"][i % 3], [2.5, 0.1, 9.0].get(i % 60).unwrap_or(&2.5))
     };
     let rows: String = (0..240).map(row).collect();
     fs::write(folder.path().join("d.csv"), format!("subj,group,answer,rt\n{rows}")).unwrap();
-    let line = "analyze d.csv --subject subj --response answer --terms group --time rt --min-time 0.2 --only group=a,b --exclude p3 \
+    let line = "analyze d.csv --subject subj --response answer --terms group --time rt --min-time 0.2 --max-time 8 --only group=a,b --exclude p3 \
                 --draws 99 --out";
     let error = fails(folder.path(), &split(&format!("{line} x")), 2);
     assert!(
@@ -482,13 +482,13 @@ fn what_is_left_out_is_told_and_too_many_errors_stop_the_analysis() {
     let output = machband(folder.path(), &split(&format!("{line} a --missing -99")));
     let (output, warnings) = (text(&output.stdout), text(&output.stderr));
     assert!(warnings.contains("warning: d.csv: 6 of 240 rows have no response ("), "{warnings}");
-    assert!(output.contains("; 10 rows left out"), "{output}");
+    assert!(output.contains("; 14 rows left out"), "{output}");
     let report = fs::read_to_string(folder.path().join("a/report.html")).unwrap();
     let left_out = report.split("What was left out, and why").nth(1).and_then(|rest| rest.split("</table>").next());
     let cells = left_out.unwrap().split('<').filter_map(|tag| tag.split_once('>')).map(|(_, text)| text.trim());
     let cells = cells.filter(|text| !text.is_empty()).collect::<Vec<_>>().join("|");
     let expected = "Left out|Number|Participants|rows without a response|6|1|rows answered too fast|4|2|\
-                    ratings by p3|30|1|ratings at other levels of group|68|7";
+                    rows answered too slowly|4|2|ratings by p3|30|1|ratings at other levels of group|64|7";
     assert_eq!(cells, expected);
     assert!(report.contains("answered in less than 0.2 s were left out on request (4 trials by "), "{report}");
     assert!(report.contains("--min-time 0.2"), "the command repeats the analysis");

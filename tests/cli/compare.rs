@@ -338,7 +338,23 @@ fn impossible_comparisons_are_refused() {
     with("turned.png", gray, &waves, |info| {
         info.exif_metadata = Some(b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0".as_slice().into());
     });
-    fs::write(at("text.png"), "no picture").unwrap();
+    let file = fs::File::create(at("hdr.png")).unwrap();
+    let mut writer = png::Encoder::with_info(file, png::Info::with_size(64, 64)).unwrap().write_header().unwrap();
+    writer.write_chunk(png::chunk::cICP, &[9, 16, 0, 1]).unwrap();
+    writer.write_image_data(&waves).unwrap();
+    drop(writer);
+    // What the curve of a profile says is not repaired; one number is an exponent, whichever it is.
+    for (name, points) in
+        [("falling.png", &[65535, 30000, 0][..]), ("dark.png", &[0, 10000, 30000]), ("power.png", &[461])]
+    {
+        let mut profile = moxcms::ColorProfile::new_gray_with_gamma(1.0);
+        profile.gray_trc = Some(moxcms::ToneReprCurve::Lut(points.to_vec()));
+        let profile = profile.encode().unwrap();
+        png(&at(name), [64; 2], gray, &waves, |info| info.icc_profile = Some(profile.into()));
+    }
+    png(&at("gama.png"), [64; 2], gray, &waves, |info| info.source_gamma = Some(png::ScaledFloat::from_scaled(55_531)));
+    let (same, _) = pictures.run("compare power.png gama.png --window 2 --json");
+    assert!(times(&same) < 0.1, "{same}");
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
     with("colored.png", png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
     ["empty", "one"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
@@ -350,6 +366,9 @@ fn impossible_comparisons_are_refused() {
         2: gray.png gray.png --window 2 --max=-1 => outside 0…1000000
         1: alpha.png gray.png --window 2 => transparent pixels
         1: profile.png gray.png --window 2 => has a color profile that is damaged
+        1: hdr.png gray.png --window 2 => has a cICP chunk (primaries 9, transfer 16), which is not supported
+        1: falling.png gray.png --window 2 => whose curve does not rise from 0 to 1
+        1: dark.png gray.png --window 2 => whose curve does not rise from 0 to 1
         1: palette.png gray.png --window 2 => has a pixel whose color is not in its palette
         1: turned.png gray.png --window 2 --transfer srgb => orientation 6 in its eXIf chunk
         1: text.png gray.png --window 2 => text.png: is not a PNG; expected a PNG

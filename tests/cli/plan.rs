@@ -14,7 +14,7 @@ use machband::{
     store::definition,
 };
 
-use crate::common::{fails, golden_path, records, refuses, split, succeeds, table};
+use crate::common::{command, fails, golden_path, records, refuses, split, succeeds, table, text};
 
 const DESIGN: &str = include_str!("../golden/power.toml");
 
@@ -144,6 +144,18 @@ fn without_an_effect_the_false_alarm_rate_is_alpha() {
 /// Returns what `machband plan` prints.
 fn planned(folder: &Path, line: &str) -> String {
     succeeds(folder, &split(&format!("plan {line}")))
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_plan() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, three] = ["1", "3"].map(|threads| {
+        let line =
+            "plan quick --participants 3,2 --studies 3 --effect oblique=1 --terms orientation_deg --out p.csv --force";
+        let output = command(folder.path(), &split(line)).env("RAYON_NUM_THREADS", threads).output().unwrap();
+        (text(&output.stdout), fs::read_to_string(folder.path().join("p.csv")).unwrap())
+    });
+    assert_eq!(one, three);
 }
 
 #[test]

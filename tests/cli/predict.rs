@@ -99,3 +99,23 @@ fn impossible_predictions_are_reported() {
     refuses(folder.path(), "predict {}", cases);
     succeeds(folder.path(), &split("predict --width 0.2 --window 359"));
 }
+
+/// What the table of a study's own pictures says is a level as it is written, and sessions know their pictures by hashes.
+#[test]
+fn own_pictures_have_levels_and_hashes() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| succeeds(folder.path(), &split(line));
+    fs::create_dir(folder.path().join("p")).unwrap();
+    for name in ["a", "b", "c"] {
+        run(&format!("stimulus --kind cornsweet --size 32 --out p/{name}.png"));
+    }
+    fs::write(folder.path().join("p/pictures.csv"), "file,code\na.png,007\nb.png,7\nc.png,7.0\n").unwrap();
+    let definition = "schema = 1\nname = \"own\"\n[stimulus]\nkind = \"image\"\nfiles = \"p/*.png\"\n";
+    fs::write(folder.path().join("own.toml"), definition).unwrap();
+    assert_eq!(column(&run("predict own.toml"), "code"), ["007", "7", "7.0"]);
+    run("simulate own.toml --participants 4 --results r");
+    assert!(run("verify r").contains("4 sessions verified; no errors"));
+    run("stimulus --kind cornsweet --size 64 --out p/a.png --force");
+    let error = fails(folder.path(), &split("predict own.toml --fit r"), 2);
+    assert!(error.contains("those of own in another version; expected those of own"), "{error}");
+}

@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Coat, Creases, EdgeKind, Frame, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface, Texture,
-        Wrap, coverage, image, shapes,
+        Coat, Creases, EdgeKind, Frame, Lighting, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface,
+        Texture, Wrap, coverage, image, shapes,
     },
     store::mesh::{self, MeshFile},
 };
@@ -379,9 +379,9 @@ fn textures_of_glb_files_wrap_and_what_is_ignored_is_named() {
     }
 }
 
-/// At each pixel, the paint is the one of the point of the triangle that the line of sight meets.
+/// At each pixel, the paint and Phong's normal are those of the point of the triangle that the line of sight meets.
 #[test]
-fn paint_follows_perspective() {
+fn paint_and_normals_follow_perspective() {
     let mesh = parsed(&glb(|json| {
         json["materials"] = json!([{}]);
     }));
@@ -394,6 +394,9 @@ fn paint_follows_perspective() {
         ..Scene::default()
     };
     let frame: Frame = scene.frame(&Surface::new(mesh.mesh), 120, 120);
+    let mut lit = Frame { paint: None, lighting: Lighting::standard(), ..frame.clone() };
+    lit.vertices.iter_mut().for_each(|vertex| vertex.normal = (DVec3::Z + 0.7 * vertex.eye).normalize());
+    let phong = image(&lit, &Shade::new(Shader::Phong));
     let (image, visible) = (image(&frame, &Shade::new(Shader::Gouraud)), coverage::visible(&frame));
     let mut seen = 0;
     for (i, t) in visible.iter().enumerate().filter(|(_, t)| **t != coverage::NONE) {
@@ -409,6 +412,9 @@ fn paint_follows_perspective() {
         let red: f64 = corners.iter().zip(weights).map(|(corner, w)| corner.color.x * w).sum();
         let shown = f64::from(image.pixel((i % 120) as u32, (i / 120) as u32)[0]);
         assert!((shown - red).abs() < 5e-3, "{center}: {shown}, not {red}");
+        let normal: DVec3 = lit.corners(*t as usize).iter().zip(weights).map(|(corner, w)| corner.normal * w).sum();
+        let (shown, light) = (phong.pixel((i % 120) as u32, (i / 120) as u32)[0], lit.lit(point, normal.normalize()).x);
+        assert!((f64::from(shown) - light).abs() < 5e-3, "{center}: {shown}, not {light}");
         seen += 1;
     }
     assert!(seen > 2000);
@@ -447,6 +453,29 @@ fn seams_are_joined_or_told() {
         let notes = found.notes.join("; ");
         assert!(notes.is_empty() == told.is_empty() && notes.contains(told), "{gap}: {notes}");
     }
+}
+
+/// A sphere whose vertices at a pole differ by rounding alone, as sin 180° is not quite 0, is the sphere with one vertex
+/// at each pole.
+#[test]
+fn edges_without_a_length_have_one_vertex() {
+    let [exact, rounded] = [0.0, 1.2e-16].map(|rounding| {
+        let (mut obj, count) = (String::new(), 12);
+        for (row, column) in (0..7 * count).map(|i| (i / count, i % count)) {
+            let (sin, cos) = (f64::from(column) * std::f64::consts::TAU / f64::from(count)).sin_cos();
+            let (across, up) = (f64::from(row) * std::f64::consts::PI / 6.0).sin_cos();
+            let across = if row % 6 == 0 { rounding } else { across };
+            obj += &format!("v {} {} {up}\n", across * cos, across * sin);
+        }
+        for (row, column) in (0..6 * count).map(|i| (i / count, i % count)) {
+            let [a, b] = [column, (column + 1) % count].map(|column| row * count + column + 1);
+            obj += &format!("f {a} {} {} {b}\n", a + count, b + count);
+        }
+        parsed(obj.as_bytes())
+    });
+    assert_eq!((rounded.mesh.vertices.len(), rounded.mesh.triangles.len()), (62, 120));
+    assert_eq!((exact.mesh.triangles, exact.notes), (rounded.mesh.triangles, Vec::new()));
+    assert_eq!(rounded.notes, ["22 vertices were joined with others within a thousandth of an edge"]);
 }
 
 #[test]

@@ -351,6 +351,29 @@ fn an_unchanged_session_is_confirmed_and_another_picture_is_named() {
     assert!(text(&machband(folder.path(), &["verify", "results"]).stdout).contains("could not be read; 3 errors"));
 }
 
+/// Without a seal, the hash of the definition still shows that it was changed.
+#[test]
+fn a_changed_definition_is_noticed_without_a_seal() {
+    let (folder, csv) = recorded();
+    edit_sidecar(&csv, |sidecar| {
+        let sitting = &mut sidecar.sittings[0];
+        (sitting.complete, sitting.ended_at, sitting.seal) = (false, None, None);
+    });
+    edit(&csv, |text| text.lines().take(9).map(|line| format!("{line}\n")).collect());
+    assert_eq!(error_texts(&csv), [""; 0]);
+    edit(&csv.with_extension("json"), |text| text.replacen("\"duration_s\": 2.0", "\"duration_s\": 3.0", 1));
+    assert!(matches!(&error_texts(&csv)[..], [error] if error.contains("the definition has sha256")));
+    for (command, status) in [
+        (&["counts", "results", "--out", "c.csv"][..], 0),
+        (&["export", "results", "--format", "bids", "--out", "out"], 1),
+        (&["simulate", "quick", "--seed", "5", "--resume"], 1),
+    ] {
+        let output = machband(folder.path(), command);
+        let is_said = text(&output.stderr).contains("the definition has sha256");
+        assert!(output.status.code() == Some(status) && is_said, "{command:?}: {output:?}");
+    }
+}
+
 #[test]
 fn interrupted_sessions_cause_notes_and_stray_files_cause_errors() {
     let (_folder, csv) = recorded();

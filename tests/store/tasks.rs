@@ -217,6 +217,25 @@ fn an_altered_answer_is_found_by_the_trials_that_no_longer_follow() {
 }
 
 #[test]
+fn a_wrong_level_target_or_mark_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    sit(folder.path(), &protocol(&tasks().remove(0).1), usize::MAX);
+    let csv = csv(folder.path());
+    let (text, rows) = (fs::read_to_string(&csv).unwrap(), records(&csv));
+    for change in ["level 0.16", "level 0.03", "correct 0", "target 3", "response 5", "response yes"] {
+        let (column, value) = change.split_once(' ').unwrap();
+        let line = 2 + (4..rows.len()).find(|row| rows[*row][column] != value).unwrap();
+        fs::write(&csv, &text).unwrap();
+        set_cell(&csv, line, column, value);
+        let errors = verified(&csv).errors;
+        let of_row = errors.iter().filter(|error| error.position.is_some_and(|at| at.0 == line));
+        let of_row: String = of_row.map(|error| error.message.as_str()).collect();
+        assert!(of_row.contains(&format!(" {column} ")), "{change}: {errors:?}");
+        assert_eq!(of_row.contains("contradicts its response; expected \"1\""), column == "correct", "{errors:?}");
+    }
+}
+
+#[test]
 fn sides_places_and_catch_trials_are_balanced() {
     for (name, body) in tasks() {
         let protocol = protocol(&body);

@@ -85,11 +85,7 @@ impl std::str::FromStr for Terms {
         }
         let mut terms = Vec::new();
         for item in unquoted(text, ',') {
-            let empty = || {
-                format!(
-                    "{text}: an empty name; expected a factor, num:NAME, or such names joined by : or *; a name with , : or * is quoted, as \"a:b\""
-                )
-            };
+            let empty = || format!("{text}: an empty name; expected names, joined by , : or *");
             terms.extend(expand(item).ok_or_else(empty)?);
         }
         let terms = Self::new(terms);
