@@ -394,7 +394,7 @@ fn paint_and_normals_follow_perspective() {
         ..Scene::default()
     };
     let frame: Frame = scene.frame(&Surface::new(mesh.mesh), 120, 120);
-    let mut lit = Frame { paint: None, lighting: Lighting::standard(), ..frame.clone() };
+    let mut lit = Frame { paint: None, lighting: Scene::default().lighting(), ..frame.clone() };
     lit.vertices.iter_mut().for_each(|vertex| vertex.normal = (DVec3::Z + 0.7 * vertex.eye).normalize());
     let phong = image(&lit, &Shade::new(Shader::Phong));
     let (image, visible) = (image(&frame, &Shade::new(Shader::Gouraud)), coverage::visible(&frame));
