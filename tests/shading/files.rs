@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 use machband::{
     light::Transfer,
     shading::{
-        Coat, Creases, EdgeKind, Frame, Lighting, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface,
-        Texture, Wrap, coverage, image, shapes,
+        Coat, Creases, EdgeKind, Frame, Mesh, Normals, Paint, PaintedCorner, Scene, Shade, Shader, Surface, Texture,
+        Wrap, coverage, image, shapes,
     },
     store::mesh::{self, MeshFile},
 };
