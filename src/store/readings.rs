@@ -164,7 +164,7 @@ fn of_other_program(file: &str, text: &str) -> Option<Result<Vec<Found>, FileErr
 fn cgats(text: &str) -> Result<Vec<Found>, String> {
     let mut fields: Vec<&str> = Vec::new();
     let (mut in_format, mut in_data, mut is_whole) = (false, false, false);
-    let (mut white_cd_m2, mut relative) = (None, false);
+    let (mut white_cd_m2, mut relative, mut sets) = (None, false, None);
     let mut rows: Vec<([f64; 3], f64, usize)> = Vec::new();
     for (line, content) in (1..).zip(text.lines()) {
         let words: Vec<&str> = content.split_whitespace().collect();
@@ -180,6 +180,7 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
             Some("LUMINANCE_XYZ_CDM2") => {
                 white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
             }
+            Some("NUMBER_OF_SETS") => sets = words.get(1).and_then(|sets| sets.parse::<usize>().ok()),
             Some("NORMALIZED_TO_Y_100") => relative = content.contains("YES"),
             Some(_) if in_format => fields.extend(words),
             Some(_) if in_data => {
@@ -201,6 +202,9 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
     }
     if !is_whole {
         return Err("ends within its data; expected END_DATA".to_owned());
+    }
+    if let Some(sets) = sets.filter(|sets| *sets != rows.len()) {
+        return Err(format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len()));
     }
     let scale = match (relative, white_cd_m2) {
         (false, _) => 1.0,
@@ -259,6 +263,10 @@ fn psychopy(text: &str) -> Result<Vec<Found>, String> {
     let levels = numbers(&calibration["levelsPre"]).ok_or("levelsPre is not a list of numbers")?;
     let rows = list(&calibration["lumsPre"]).ok_or("lumsPre is not a list")?;
     let rows = if rows.iter().all(Value::is_number) { vec![calibration["lumsPre"].clone()] } else { rows };
+    if ![1, 4].contains(&rows.len()) {
+        let expected = "expected one row for gray, or four for gray, red, green and blue";
+        return Err(format!("the number of rows in lumsPre is {}; {expected}", rows.len()));
+    }
     let mut found = Vec::new();
     for (channel, row) in [Channel::Gray, Channel::Red, Channel::Green, Channel::Blue].into_iter().zip(&rows) {
         let lums = numbers(row).filter(|lums| lums.len() == levels.len());

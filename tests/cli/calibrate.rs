@@ -122,7 +122,7 @@ fn readings_of_other_programs() {
     let mut ti3 =
         "CTI3\n\nDEVICE_CLASS \"DISPLAY\"\nLUMINANCE_XYZ_CDM2 \"95.0 100.0 108.9\"\nNORMALIZED_TO_Y_100 \"YES\"\n\
         NUMBER_OF_FIELDS 7\nBEGIN_DATA_FORMAT\nSAMPLE_ID RGB_R RGB_G RGB_B XYZ_X XYZ_Y XYZ_Z\nEND_DATA_FORMAT\n\
-        NUMBER_OF_SETS 11\nBEGIN_DATA\n"
+        NUMBER_OF_SETS 19\nBEGIN_DATA\n"
             .to_owned();
     for (index, level) in levels.iter().enumerate() {
         let (code, y) = (100.0 * level, luminance(*level));
@@ -159,7 +159,9 @@ fn readings_of_other_programs() {
         ("CTI3\nBEGIN_DATA_FORMAT\nRGB_R LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n0 1\nEND_DATA", "has no field"),
         ("CGATS.17\n", "has no data"),
         (&ti3[..ti3.len() - "END_DATA\n".len()], "expected END_DATA"),
+        (&ti3.replace("SETS 19", "SETS 20"), "has 19 rows of data; expected 20"),
         ("{\"name\": {}}", "levelsPre"),
+        ("{\"levelsPre\": [0, 255], \"lumsPre\": [[1, 9], [1, 3]]}", "the number of rows in lumsPre is 2"),
     ] {
         let told = readings::parse("other", text).unwrap_err().to_string();
         assert!(told.contains(expected), "{told}");
