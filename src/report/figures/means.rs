@@ -268,6 +268,9 @@ fn effects_caption(model: &Model) -> String {
         model.link,
         labels::fitted(model)
     );
+    if model.coefficients.iter().any(|own| own.estimate.is_finite() && own.interval.is_none()) {
+        text += " A marker without a line has no interval: with these data, none would be right often enough.";
+    }
     if model.coefficients.iter().any(|coefficient| !coefficient.estimate.is_finite()) {
         text += " An arrow without a marker means that there is no finite estimate.";
     }
