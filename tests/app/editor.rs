@@ -58,7 +58,7 @@ fn a_copy_is_edited_and_saved() {
     click(&mut window, "Remove orientation");
     choose(&mut window, "Add a factor", "High");
     type_into(&mut window, "Levels of high", "0.2, 0.75");
-    window.get_by_label_contains("high 0.2 is below low, which is 0.25");
+    window.get_by_label_contains("High 0.2 is below low, which is 0.25");
     type_into(&mut window, "Levels of high", "0.75");
     choose(&mut window, "Order", "Blocks by depth, Latin square");
     type_into(&mut window, "Label of rating 1", "Broad, weak band");

@@ -356,6 +356,7 @@ fn impossible_comparisons_are_refused() {
     let (same, _) = pictures.run("compare power.png gama.png --window 2 --json");
     assert!(times(&same) < 0.1, "{same}");
     fs::write(at("photo.png"), b"\xff\xd8\xff\xe0").unwrap();
+    fs::write(at("text.png"), "no picture").unwrap();
     with("colored.png", png::ColorType::Rgb, &[255, 0, 0].repeat(64 * 64), |_| {});
     ["empty", "one"].iter().for_each(|name| fs::create_dir(at(name)).unwrap());
     fs::copy(at("gray.png"), at("one/gray.png")).unwrap();

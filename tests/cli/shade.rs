@@ -29,7 +29,7 @@ fn the_picture_matches_the_library() {
     assert_eq!(parameters["shader"], "patch");
     assert_eq!(parameters["depth"], 1);
     assert_eq!(parameters["mesh"], "torus");
-    succeeds(folder.path(), &split("shade --shader phong --highlight cook-torrance --facet-slope .2 --out c.png"));
+    succeeds(folder.path(), &split("shade --shader phong --highlight cook-torrance --facet-slope .4 --out c.png"));
 }
 
 /// All documented fields are present. The meshes have 622 and 1538 triangles. `patch` has no
