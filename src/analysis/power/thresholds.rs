@@ -217,7 +217,7 @@ impl ThresholdPlan {
                     quantity: quantity.clone(),
                     studies: all().count(),
                     found: known().filter(|(_, interval, _)| interval.as_ref().is_some_and(excludes)).count(),
-                    missing: all().filter(|one| one.as_ref().is_none_or(|one| lacks_interval(one))).count(),
+                    missing: all().filter(|one| one.as_ref().is_none_or(&lacks_interval)).count(),
                     half_width: median(known().filter_map(half).collect()),
                     error: (!errors.is_empty()).then_some(mean.sqrt()),
                 }

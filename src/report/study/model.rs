@@ -83,8 +83,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         &[("Corrected p", |test| test.p)],
     );
     let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
-    let of_odds: [(&str, fn(&TermTest) -> Option<f64>); 2] =
-        [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
+    let of_odds: [(&str, Probability); 2] = [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
     tests(
         &mut section,
         results,
@@ -364,13 +363,16 @@ fn meaning(results: &Results, model: &Model) -> String {
     text
 }
 
+/// One of the probabilities of a test.
+type Probability = fn(&TermTest) -> Option<f64>;
+
 /// Adds a table of tests, if there are any, with these probabilities.
 fn tests(
     section: &mut Section,
     results: &Results,
     [heading, about, caption]: [&str; 3],
     tests: &[&TermTest],
-    p: &[(&str, fn(&TermTest) -> Option<f64>)],
+    p: &[(&str, Probability)],
 ) {
     if tests.is_empty() {
         return;

@@ -55,8 +55,8 @@ impl Curve {
     }
 }
 
-/// Bangay's boundary shaders: in the strip of the smallest weight t, J(t) = t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope
-/// + I_E, and elsewhere Gouraud's light. This follows the text of the paper; its pseudocode uses the first weight below b,
+/// Bangay's boundary shaders: in the strip of the smallest weight t,
+/// J(t) = I_E + t·I_n(t/b')·(I_A − I_E) + t·I_n((b'−t)/b')·slope, and elsewhere Gouraud's light. This follows the text of the paper; its pseudocode uses the first weight below b,
 /// which makes the light jump.
 ///
 /// The fixed shader, eq. 4, has no slope: it flattens the light at every edge, also that of linear fields. The light is

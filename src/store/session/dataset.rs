@@ -492,15 +492,17 @@ fn described_participants(dataset: &Path) -> Result<Map<String, Value>, StoreErr
     found.map_or_else(|| Ok(Map::new()), |text| Ok(parse_json(&path, &text, "a description of columns")?))
 }
 
-/// Collects what several data sets say about these participants of theirs: a row for each, the description of the columns, and
-/// notes about values that differ.
+/// The rows of participants, the description of the columns, and notes about values that differ.
+type Collected = (Participants, Map<String, Value>, Vec<String>);
+
+/// Collects what several data sets say about these participants of theirs.
 ///
 /// # Errors
 /// The files cannot be read; a spreadsheet would interpret a cell as a formula; or data sets describe a column with
 /// different units or levels.
 pub(in crate::store) fn collect<'a>(
     datasets: impl IntoIterator<Item = (PathBuf, BTreeSet<&'a str>)>,
-) -> Result<(Participants, Map<String, Value>, Vec<String>), StoreError> {
+) -> Result<Collected, StoreError> {
     let mut participants = Participants { columns: vec![ID.to_owned()], rows: Vec::new() };
     let (mut descriptions, mut notes) = (Map::new(), Vec::new());
     for (dataset, subjects) in datasets {
