@@ -68,6 +68,8 @@ pub fn set<'a>(command: &'a mut Command, faults: &[Fault], under: &Path, log: &P
         .env("MACHBAND_FAULT", spec.join(","))
         .env("MACHBAND_FAULT_UNDER", under)
         .env("MACHBAND_FAULT_LOG", log)
+        // The standard library waits for itself if memory runs out while it records a backtrace.
+        .env("RUST_BACKTRACE", "0")
 }
 
 fn read(text: &str) -> Log {
