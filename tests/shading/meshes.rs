@@ -255,7 +255,7 @@ p 1
 
 #[test]
 fn cube_of_quads_is_the_cube() {
-    // A comment does not go on in the next line.
+    // A comment does not continue in the next line.
     let continued =
         CUBE.replace("3 7 8", "3 7 \\\n8").replace("cube.mtl\n", "cube.mtl \\\n").replace("main\n", "main \\\n");
     let returned = CUBE.replace('\n', "\r");

@@ -29,8 +29,9 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     let mut lines: Vec<(usize, Cow<'_, [u8]>)> = Vec::new();
     for (number, line) in (1..).zip(content.split(|byte| *byte == end)) {
         match lines.last_mut() {
-            Some((_, before)) if is_read(keyword(before)) && before.trim_ascii_end().ends_with(CONTINUED) => {
-                before.to_mut().extend(line);
+            Some((_, before)) if is_continued(before) => {
+                let start = before.trim_ascii_end().len() - 1;
+                before.to_mut().splice(start.., line.iter().copied());
             }
             _ => lines.push((number, line.into())),
         }
@@ -45,8 +46,10 @@ pub(super) fn parse(file: &str, content: &[u8]) -> Result<Faces, FileErrors> {
     Ok(reader.faces())
 }
 
-/// What ends a line that goes on in the next one.
-const CONTINUED: &[u8] = b" \\";
+/// Returns whether the statement of a line that is read continues in the next line; a comment does not.
+fn is_continued(line: &[u8]) -> bool {
+    is_read(keyword(line)) && line.trim_ascii_end().ends_with(b" \\") && !line.contains(&b'#')
+}
 
 fn is_read(keyword: &[u8]) -> bool {
     matches!(keyword, b"v" | b"vn" | b"f")
@@ -86,7 +89,7 @@ impl Reader {
         })?;
         let statement = Statement { file, number, text };
         // A comment may follow the numbers.
-        let words = text.split_ascii_whitespace().skip(1).filter(|word| *word != "\\");
+        let words = text.split_ascii_whitespace().skip(1);
         let words = words.take_while(|word| !word.starts_with('#'));
         let words: Vec<&str> = words.take(MAX_CORNERS + 1).collect();
         match keyword {
