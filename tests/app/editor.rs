@@ -63,7 +63,7 @@ fn a_copy_is_edited_and_saved() {
     choose(&mut window, "Order", "Blocks by depth, Latin square");
     type_into(&mut window, "Label of rating 1", "Broad, weak band");
     type_into(&mut window, "Key for rating 3", "s");
-    window.get_by_label_contains("key 's' cannot be an answer");
+    window.get_by_label_contains("Key 's' cannot be an answer");
     type_into(&mut window, "Key for rating 3", "4");
     click(&mut window, "What participants read");
     type_into(&mut window, "Welcome", "Willkommen");
