@@ -180,7 +180,7 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
             Some("LUMINANCE_XYZ_CDM2") => {
                 white_cd_m2 = words.get(2).and_then(|y| y.trim_matches('"').parse::<f64>().ok());
             }
-            Some("NUMBER_OF_SETS") => sets = words.get(1).and_then(|sets| sets.parse::<usize>().ok()),
+            Some("NUMBER_OF_SETS") => sets = words.get(1).copied(),
             Some("NORMALIZED_TO_Y_100") => relative = content.contains("YES"),
             Some(_) if in_format => fields.extend(words),
             Some(_) if in_data => {
@@ -203,7 +203,7 @@ fn cgats(text: &str) -> Result<Vec<Found>, String> {
     if !is_whole {
         return Err("ends within its data; expected END_DATA".to_owned());
     }
-    if let Some(sets) = sets.filter(|sets| *sets != rows.len()) {
+    if let Some(sets) = sets.filter(|sets| *sets != rows.len().to_string()) {
         return Err(format!("has {} rows of data; expected {sets}, as NUMBER_OF_SETS says", rows.len()));
     }
     let scale = match (relative, white_cd_m2) {

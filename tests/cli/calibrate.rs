@@ -160,6 +160,7 @@ fn readings_of_other_programs() {
         ("CGATS.17\n", "has no data"),
         (&ti3[..ti3.len() - "END_DATA\n".len()], "expected END_DATA"),
         (&ti3.replace("SETS 19", "SETS 20"), "has 19 rows of data; expected 20"),
+        (&ti3.replace("SETS 19", "SETS 1g"), "has 19 rows of data; expected 1g"),
         ("{\"name\": {}}", "levelsPre"),
         ("{\"levelsPre\": [0, 255], \"lumsPre\": [[1, 9], [1, 3]]}", "the number of rows in lumsPre is 2"),
     ] {

@@ -242,8 +242,7 @@ pub struct ReadOptions {
     /// Participants to exclude.
     #[arg(long, value_name = "ID,…")]
     pub exclude: Option<List>,
-    /// Analyze only these levels of a factor; NA means a missing value. Several factors can be
-    /// given.
+    /// Analyze only these levels of a factor; NA means a missing value. Several factors can be given.
     #[arg(long, value_name = "FACTOR=LEVEL,…", value_parser = levels)]
     #[serde(serialize_with = "as_text")]
     pub only: Vec<Levels>,
