@@ -143,25 +143,6 @@ const fn binomial(n: usize, k: usize) -> u128 {
     result
 }
 
-/// Coefficients c_j of u^(n+j), j = 0 … n−1, of the polynomial I_N(u) on 0…1: `[3, −2]` for N = 2,
-/// `[10, −15, 6]` for N = 3.
-///
-/// Intended for shaders and other code that needs a plain polynomial. The terms cancel more and more as N grows;
-/// [`Interpolation::value`] has no such cancellation. Does not compile for N outside 1…32.
-pub const fn coefficients<const N: usize>() -> [f64; N] {
-    const { assert!(N >= 1 && N <= MAX, "depth outside 1…32") }
-    // (2n−1)·C(2n−2, n−1)·C(n−1, j)/(n+j) is a whole number below 2^93 for n ≤ 32.
-    let scale = (2 * N as u128 - 1) * binomial(2 * N - 2, N - 1);
-    let mut c = [0.0; N];
-    let mut j = 0;
-    while j < N {
-        let magnitude = (scale * binomial(N - 1, j) / (N + j) as u128) as f64;
-        c[j] = if j % 2 == 0 { magnitude } else { -magnitude };
-        j += 1;
-    }
-    c
-}
-
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Interpolation {
