@@ -197,18 +197,18 @@ impl Plan {
             spec.link,
             spec.slopes,
         );
-        let of_each = |say: fn(&Planned, &Hypothesis) -> String| {
-            bullets(planned.effects().map(|hypothesis| say(planned, hypothesis)).collect())
-        };
+        let hypotheses = format!(
+            "{}\n\nAny other result is inconclusive; it will not be called evidence of no effect.",
+            bullets(planned.effects().map(|effect| planned.expected(effect)).collect())
+        );
         let mut text = format!("# Preregistration: {title}\n");
         for (heading, body) in [
             ("Data collection", "[State whether data have been collected, and who has seen them.]".to_owned()),
-            ("Hypotheses", of_each(hypothesis)),
+            ("Hypotheses, and what each result would mean", hypotheses),
             ("Design", planned.design()),
             ("Sample size", planned.sample_size()),
             ("Exclusions", EXCLUSIONS.to_owned()),
             ("Analysis", planned.analysis()),
-            ("What each result would mean", of_each(meaning)),
             ("Programs", programs),
         ] {
             // Writing to a string cannot fail.
@@ -229,6 +229,23 @@ impl Planned {
         let all = &self.plan.hypotheses;
         let is_of_model = |own: &Hypothesis| own.test == Test::LikelihoodRatio;
         all.iter().filter(move |own| is_of_model(own) || !all.iter().any(|o| is_of_model(o) && o.term == own.term))
+    }
+
+    /// Says what is expected of a term, and what would count as which result.
+    fn expected(&self, Hypothesis { term, effect, .. }: &Hypothesis) -> String {
+        let (name, alpha) = (self.in_words(term), self.sampling.alpha);
+        let Some(Effect { logits, above, below }) = effect else {
+            return format!(
+                "{name}: no effect is predicted. p below {alpha} indicates an effect that was not predicted."
+            );
+        };
+        let known = Some(self.protocol.stimulus.parameters());
+        let [above, below] = [above, below].map(|level| names::level(known, term.name(), level));
+        let size = logits.map_or_else(String::new, |logits| format!(" The effect planned for is {logits:.2} logits."));
+        format!(
+            "{name}: ratings at {above} are higher than at {below}.{size} p below {alpha} with a higher estimate at {above} than at \
+             {below} supports the hypothesis, and p below {alpha} with the opposite order contradicts it."
+        )
     }
 
     fn design(&self) -> String {
@@ -271,22 +288,17 @@ impl Planned {
         let mut tried: Vec<u32> = self.powers.iter().map(|power| power.participants).collect();
         tried.dedup();
         let numbers = list(&tried.iter().map(ToString::to_string).collect::<Vec<_>>());
-        let target = format!("{:.0} %", 100.0 * self.target);
+        let found = format!(
+            "({numbers}) at which the 95 % interval of the power lies at or above {} for every test of every effect above.",
+            percent(self.target)
+        );
         // More people can only help, so a number is enough if all larger ones are.
-        let least = tried.iter().rev().take_while(enough).last();
-        let decision = match least {
+        let decision = match tried.iter().rev().take_while(enough).last() {
             _ if self.effects().all(|hypothesis| hypothesis.effect.is_none()) => {
                 "[N] participants will be tested. No effect is planned for, so no power decides the number.".to_owned()
             }
-            Some(people) => format!(
-                "{} will be tested: the smallest number tried ({numbers}) at which the 95 % interval of the power lies at or above \
-                 {target} for every test of every effect above.",
-                count((*people).into(), "participant")
-            ),
-            None => format!(
-                "[N] participants will be tested. At no number tried ({numbers}) does the 95 % interval of the power lie at or above \
-                 {target} for every test of every effect above."
-            ),
+            Some(people) => format!("{} will be tested: the smallest number tried {found}", self::people(*people)),
+            None => format!("[N] participants will be tested. There is no number tried {found}"),
         };
         format!(
             "{decision} The data are not analyzed before all have been tested. [Say why effects of this size are of interest.] The \
@@ -332,40 +344,6 @@ impl Planned {
     }
 }
 
-const UNDECIDED: &str = "Otherwise, the study is inconclusive; this will not be called evidence of no effect.";
-
 fn bullets(items: Vec<String>) -> String {
     items.iter().map(|item| format!("- {item}")).collect::<Vec<_>>().join("\n")
-}
-
-/// Returns the term of a hypothesis in words, and the levels that are rated higher and lower.
-fn in_words(planned: &Planned, hypothesis: &Hypothesis) -> (String, [String; 2]) {
-    let known = Some(planned.protocol.stimulus.parameters());
-    let level = |level: &String| names::level(known, hypothesis.term.name(), level).to_string();
-    let levels = hypothesis.effect.as_ref().map(|Effect { above, below, .. }| [above, below].map(level));
-    (names::term(known, &hypothesis.term), levels.unwrap_or_default())
-}
-
-fn hypothesis(planned: &Planned, hypothesis: &Hypothesis) -> String {
-    let (term, [above, below]) = in_words(planned, hypothesis);
-    match &hypothesis.effect {
-        Some(Effect { logits, .. }) => {
-            let size =
-                logits.map_or_else(String::new, |logits| format!(" The effect planned for is {logits:.2} logits."));
-            format!("{term}: ratings at {above} are higher than at {below}.{size}")
-        }
-        None => format!("{term}: no effect is predicted."),
-    }
-}
-
-/// Says what would count as which result.
-fn meaning(planned: &Planned, hypothesis: &Hypothesis) -> String {
-    let (alpha, (term, [above, below])) = (planned.sampling.alpha, in_words(planned, hypothesis));
-    match &hypothesis.effect {
-        Some(_) => format!(
-            "{term}: p below {alpha} with a higher estimate at {above} than at {below} supports the hypothesis, and p below {alpha} \
-             with the opposite order contradicts it. {UNDECIDED}"
-        ),
-        None => format!("{term}: p below {alpha} indicates an effect that was not predicted. {UNDECIDED}"),
-    }
 }
