@@ -150,8 +150,6 @@ impl Parameter {
 pub(super) enum Range {
     /// Finite numbers from the first to the second.
     Within(f64, f64),
-    /// Numbers above 0 and up to this maximum.
-    UpTo(f64),
     /// A direction in degrees: any finite number. Directions are circular: 350° is near 10°.
     Direction,
     /// Any value of the type.
@@ -174,9 +172,6 @@ fn number(parameter: &Parameter, range: Range, value: &ParameterValue) -> Result
         _ if !number.is_finite() => Err(parameter.error(number, "is not a finite number")),
         Range::Within(least, most) if !(least..=most).contains(number) => {
             Err(parameter.error(number, format!("is outside {least}…{most}")))
-        }
-        Range::UpTo(most) if !(*number > 0.0 && *number <= most) => {
-            Err(parameter.error(number, format!("is not above 0 and at most {most}")))
         }
         _ => Ok(*number),
     }

@@ -26,8 +26,8 @@ impl ContrastSpectrum {
     /// its luminance, row by row; the unit does not matter.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the light has the wrong length, if the number of pixels per degree is not above 0, if
-    /// a light value is negative or not finite, or if the picture is all black.
+    /// Returns a [`VisionError`] if the number of pixels per degree is not above 0, if a light value is negative or not
+    /// finite, or if the picture is all black.
     pub fn new(light: &[f64], size: [usize; 2], px_per_deg: f64) -> Result<ContrastSpectrum, VisionError> {
         check(light, size[0], size[1], px_per_deg)?;
         let mean = light.iter().sum::<f64>() / light.len() as f64;

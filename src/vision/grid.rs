@@ -70,7 +70,11 @@ pub(super) fn coarser(size: [usize; 2], ratio: f64) -> [usize; 2] {
 }
 
 /// Averages a picture of `size` over fewer pixels that divide it equally.
+///
+/// # Panics
+/// Panics if the picture does not have this size.
 pub(super) fn averaged(picture: Vec<f64>, size: [usize; 2], to: [usize; 2]) -> Vec<f64> {
+    assert_eq!(picture.len(), size[0] * size[1], "there is one value for each pixel");
     if size == to {
         return picture;
     }

@@ -126,8 +126,10 @@ impl Judge {
     /// far a difference counts at each pixel; without it, it counts everywhere.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the pictures do not have the judge's size, or if their light is not a positive
-    /// number.
+    /// Returns a [`VisionError`] if their light is not a positive number.
+    ///
+    /// # Panics
+    /// Panics if the pictures or the share do not have the judge's size.
     pub fn difference(
         &self,
         shown: &[f64],
@@ -160,9 +162,6 @@ impl Judge {
                 return Err(VisionError::Black { x: i % width, y: i / width });
             }
             check(light, width, height, width as f64 / self.grid.extent[0])?;
-        }
-        if let Some(share) = share.filter(|share| share.len() != width * height) {
-            return Err(VisionError::Count { found: share.len(), expected: width * height });
         }
         let (mut shown, mut reference) = (self.averaged(shown), self.averaged(reference));
         let both = shown.par_iter().zip(&reference).map(|(a, b)| 0.5 * (a + b)).collect();

@@ -465,25 +465,21 @@ fn smooth(picture: &Picture, levels: Levels) -> (LinearImage, bool) {
         Samples::Eight(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
         Samples::Sixteen(codes) => codes.iter().map(|code| level(u32::from(*code))).collect(),
     };
-    let channel = |channel: usize| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>();
-    let mut is_edges = false;
-    let mut smooth = |own: &[f64]| {
-        let (reaches, has_edges) = reaches(own, size[0]);
-        is_edges |= has_edges;
-        unrounded(own, size, |level: f64| reaches[level as usize])
-    };
-    let first = channel(0);
-    let smooth_first = smooth(&first);
-    let others = [1, 2].map(|k| {
-        let own = channel(k);
-        if own == first { smooth_first.clone() } else { smooth(&own) }
-    });
+    let own = [0, 1, 2].map(|channel| codes.iter().skip(channel).step_by(3).copied().collect::<Vec<f64>>());
+    let mut smooth: Vec<(Vec<f64>, bool)> = Vec::new();
+    for k in 0..3 {
+        // Gray is smoothed once.
+        smooth.push(if k > 0 && own[k] == own[0] {
+            smooth[0].clone()
+        } else {
+            let (reaches, is_edges) = reaches(&own[k], size[0]);
+            (unrounded(&own[k], size, |level: f64| reaches[level as usize]), is_edges)
+        });
+    }
     let transfers: &[Transfer; 3] = picture.transfers.channels();
     let light = |k: usize, value: f64| transfers[k].linear_from_encoded(levels.encoded(value).clamp(0.0, 1.0)) as f32;
-    let data = (0..first.len())
-        .flat_map(|i| [light(0, smooth_first[i]), light(1, others[0][i]), light(2, others[1][i])])
-        .collect();
-    (LinearImage { width: *width, height: *height, data }, is_edges)
+    let data = (0..own[0].len()).flat_map(|i| [0, 1, 2].map(|k| light(k, smooth[k].0[i]))).collect();
+    (LinearImage { width: *width, height: *height, data }, smooth.iter().any(|(_, is_edges)| *is_edges))
 }
 
 /// Returns the names of the PNG files in a folder, in order, and of what else is visible in it.

@@ -60,10 +60,9 @@ fn images_read_back_and_can_be_verified() {
                     let recipe = Recipe { stimulus, transfers, bits, dither, seed: 7, ..recipe("mach-band") };
                     let quantizer = recipe.quantizer();
                     image::write_recipe(&replacing(), &path, &recipe, &quantizer).unwrap();
-                    let read = image::read(&path).unwrap();
-                    assert_eq!(read.image, recipe.codes(&quantizer), "{recipe:?}");
+                    let read = image::read_picture(&path, Some(&recipe.transfers), image::MAX_PIXELS).unwrap();
+                    assert_eq!(read.codes, recipe.codes(&quantizer), "{recipe:?}");
                     // The text of a random dither has no seed; the seed of the recipe applies.
-                    assert!(read.recipe == recipe || matches!(recipe.dither, Dither::Random { .. }));
                     image::verify(&path, image::MAX_PIXELS).unwrap();
                 }
             }
@@ -113,7 +112,7 @@ fn a_changed_image_is_detected() {
     encoder.add_text_chunk("machband".to_owned(), image::describe(&recipe)).unwrap();
     encoder.write_header().unwrap().write_image_data(&codes).unwrap();
     let message = image::verify(&path, image::MAX_PIXELS).unwrap_err().to_string();
-    assert!(message.contains("pixels that differ from the recipe: 1,") && message.contains("(3, 3)"), "{message}");
+    assert!(message.contains("has other codes than its recipe makes"), "{message}");
 
     for (content, expected) in [
         (&b"no image at all"[..], "is not a PNG; expected a PNG"),
