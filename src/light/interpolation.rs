@@ -39,20 +39,18 @@ impl Depth {
     pub fn finite(n: u32) -> Result<Depth, DepthError> {
         match u8::try_from(n) {
             Ok(n @ 1..=Depth::MAX_FINITE) => Ok(Depth::Finite(n)),
-            _ => Err(DepthError::OutOfRange(n.to_string())),
+            _ => Err(DepthError { depth: n.to_string(), problem: "is outside 1…32" }),
         }
     }
 }
 
-/// Why a value is not a valid [`Depth`].
+/// The error for a value that is not a [`Depth`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum DepthError {
-    /// A whole number that is not supported.
-    #[error("depth {0} is outside 1…32; expected a whole number from 1 to 32, or inf")]
-    OutOfRange(String),
-    /// Not a whole number.
-    #[error("depth {0} is not a whole number; expected a whole number from 1 to 32, or inf")]
-    NotWhole(String),
+#[error("depth {depth} {problem}; expected a whole number from 1 to 32, or inf")]
+pub struct DepthError {
+    depth: String,
+    /// The problem, as a phrase that begins with a verb.
+    pub problem: &'static str,
 }
 
 impl fmt::Display for Depth {
@@ -72,9 +70,11 @@ impl FromStr for Depth {
         if text == "inf" {
             return Ok(Depth::Infinite);
         }
-        match text.parse::<i128>() {
-            Ok(n) => u32::try_from(n).map_err(|_| DepthError::OutOfRange(text.to_owned())).and_then(Depth::finite),
-            Err(_) => Err(DepthError::NotWhole(format!("{text:?}"))),
+        // What is out of range stays so.
+        let n = text.parse::<i128>().map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+        match n.map(Depth::finite) {
+            Ok(found) => found.map_err(|error| DepthError { depth: text.to_owned(), ..error }),
+            Err(_) => Err(DepthError { depth: format!("{text:?}"), problem: "is not a whole number" }),
         }
     }
 }

@@ -204,10 +204,7 @@ impl ParameterType for Depth {
     fn read(parameter: &Parameter, _: Range, value: &ParameterValue) -> Result<Self, ParameterError> {
         let text = value.to_string();
         let shown = if let ParameterValue::Text(text) = value { format!("{text:?}") } else { text.clone() };
-        text.parse().map_err(|error| match error {
-            DepthError::OutOfRange(_) => parameter.error(shown, "is outside 1…32"),
-            DepthError::NotWhole(_) => parameter.error(shown, "is not a whole number"),
-        })
+        text.parse().map_err(|error: DepthError| parameter.error(shown, error.problem))
     }
     fn write(&self) -> ParameterValue {
         match self {

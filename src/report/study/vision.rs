@@ -1,7 +1,7 @@
 //! The section about the vision model's predictions: predicted and measured versions of the paper's Figure 4, the
 //! agreement in rank order.
 
-use super::{health, names};
+use super::health;
 use crate::{
     analysis::{Results, counts::Counts},
     report::{
@@ -9,6 +9,7 @@ use crate::{
         figures::Figure,
         prediction::{Comparison, StudyPrediction},
     },
+    stimulus::ViewingConditions,
     store::{ratings::Source, sidecar::SimulatedObserver},
 };
 
@@ -28,15 +29,24 @@ pub(super) fn section(
         }
     };
     let (counts, comparison) = (&results.measured.counts, &prediction.comparison);
+    let is_ramp = source.protocol.as_ref().is_some_and(|protocol| protocol.stimulus.is_line());
+    let what = if is_ramp {
+        "how different the bright side of the ramp is from the nearest smooth edge"
+    } else {
+        "how different the picture is from that of the smooth surface"
+    };
+    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| significant(*t, *t, *t)).collect();
+    let ViewingConditions { window_deg, white_cd_m2, .. } = prediction.viewing;
     section.text(format!(
-        "A model of early vision receives the stimulus of every condition, in a window {} wide on a screen with a \
-         white of {} cd/m². It computes {}, in times threshold: at 1, people just see the difference in a choice \
-         between the two. It does not use the ratings; only the criterion is fitted to them: {}. The model was fitted \
-         to thresholds, not to ratings of bands; this section examines whether it orders bands as people do.",
-        degrees(prediction),
-        fixed(prediction.viewing.white_cd_m2, 0),
-        what(source),
-        criterion(results, comparison)
+        "A model of early vision receives the stimulus of every condition, in a window {}° wide on a screen with a white \
+         of {} cd/m². It computes {what}, in times threshold: at 1, people just see the difference in a choice between the \
+         two. It does not use the ratings; only the criterion is fitted to them: half of the ratings are above each of the \
+         first three categories at {} times threshold, with a spread of {} in the logarithm. The model was fitted to thresholds, \
+         not to ratings of bands; this section examines whether it orders bands as people do.",
+        significant(window_deg, window_deg, window_deg),
+        fixed(white_cd_m2, 0),
+        list(&thresholds),
+        fixed(comparison.criterion.spread, 2)
     ));
     section.figures(figures, &["figure4a", "figure4a_predicted", "figure4b", "figure4b_predicted"]);
     section.text(order(comparison, counts));
@@ -48,35 +58,6 @@ pub(super) fn section(
         );
     }
     section
-}
-
-/// Says what the model computes for the stimuli of this study.
-fn what(source: &Source) -> &'static str {
-    let is_ramp = source.protocol.as_ref().is_some_and(|protocol| protocol.stimulus.is_line());
-    if is_ramp {
-        "how different the bright side of the ramp is from the nearest smooth edge"
-    } else {
-        "how different the picture is from that of the smooth surface"
-    }
-}
-
-/// Formats the width of the window with its unit.
-fn degrees(prediction: &StudyPrediction) -> String {
-    let text = fixed(prediction.viewing.window_deg, 2);
-    format!("{}°", text.trim_end_matches('0').trim_end_matches('.'))
-}
-
-fn criterion(results: &Results, comparison: &Comparison) -> String {
-    let counts = &results.measured.counts;
-    let below: Vec<Shown> =
-        counts.categories.iter().take(3).map(|category| names::level(results, "", category)).collect();
-    let thresholds: Vec<Shown> = comparison.criterion.thresholds.iter().map(|t| significant(*t, *t, *t)).collect();
-    format!(
-        "half of the ratings are above {} at {} times threshold, with a spread of {} in the logarithm",
-        list(&below),
-        list(&thresholds),
-        fixed(comparison.criterion.spread, 2)
-    )
 }
 
 fn order(comparison: &Comparison, counts: &Counts) -> String {

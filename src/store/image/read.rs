@@ -49,7 +49,7 @@ pub(super) fn decode(
         fail(format!("is not a complete PNG: {reason}; expected an image"))
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(content), Limits { bytes: 512 << 20 });
-    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_transformations(Transformations::EXPAND | Transformations::ALPHA);
     // A color profile may expand a thousandfold when it is decompressed.
     decoder.set_ignore_iccp_chunk(!profile);
     let mut reader = decoder.read_info().map_err(broken)?;
@@ -66,18 +66,13 @@ pub(super) fn decode(
         return Err(fail("is animated; expected one picture".to_owned()));
     }
     let (color, depth) = reader.output_color_type();
-    // Samples per pixel, and how often the first of them is repeated.
-    let (channels, copies, is_opaque) = match color {
-        ColorType::Grayscale => (1, 3, true),
-        ColorType::GrayscaleAlpha => (2, 3, false),
-        ColorType::Rgba => (4, 1, false),
-        _ => (3, 1, true),
-    };
+    // Samples per pixel with its alpha, and how often each of the others is repeated.
+    let (channels, copies) = if color == ColorType::GrayscaleAlpha { (2, 3) } else { (4, 1) };
     // Without this check, a small file that claims to contain a huge image would exhaust the memory.
-    let size = reader.output_buffer_size().filter(|size| *size <= content.len().saturating_mul(MAX_EXPANSION));
-    let Some(size) = size else {
+    if info.raw_bytes() > content.len().saturating_mul(MAX_EXPANSION) {
         return Err(fail(format!("is too short for {width} × {height} pixels; expected a complete PNG")));
-    };
+    }
+    let size = reader.output_buffer_size().unwrap_or_default();
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(broken)?;
     if is_beyond_palette(content, &info).map_err(broken)? {
@@ -86,10 +81,10 @@ pub(super) fn decode(
     let transparent =
         || fail("has transparent pixels, and their background is not known; expected an opaque image".to_owned());
     let samples = if depth == BitDepth::Sixteen {
-        let codes = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
-        Samples::Sixteen(colors(codes, channels, copies, is_opaque, u16::MAX).ok_or_else(transparent)?)
+        let codes: Vec<u16> = raw.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
+        Samples::Sixteen(colors(&codes, channels, copies, u16::MAX).ok_or_else(transparent)?)
     } else {
-        Samples::Eight(colors(raw, channels, copies, is_opaque, u8::MAX).ok_or_else(transparent)?)
+        Samples::Eight(colors(&raw, channels, copies, u8::MAX).ok_or_else(transparent)?)
     };
     Ok((CodeImage { width, height, samples }, info))
 }
@@ -113,22 +108,14 @@ fn is_beyond_palette(content: &[u8], info: &Info<'_>) -> Result<bool, DecodingEr
 }
 
 /// Returns red, green and blue of each pixel without its alpha; `None` if a pixel is not opaque.
-fn colors<T: Copy + PartialEq>(
-    samples: Vec<T>,
-    channels: usize,
-    copies: usize,
-    is_opaque: bool,
-    opaque: T,
-) -> Option<Vec<T>> {
-    let colors = channels - usize::from(!is_opaque);
-    if !is_opaque && samples.chunks_exact(channels).any(|pixel| pixel[colors] != opaque) {
+fn colors<T: Copy + PartialEq>(samples: &[T], channels: usize, copies: usize, opaque: T) -> Option<Vec<T>> {
+    let pixels = samples.chunks_exact(channels);
+    if pixels.clone().any(|pixel| pixel[channels - 1] != opaque) {
         return None;
     }
-    if channels == 3 {
-        return Some(samples);
-    }
-    let pixels = samples.chunks_exact(channels);
-    Some(pixels.flat_map(|pixel| &pixel[..colors]).flat_map(|code| std::iter::repeat_n(*code, copies)).collect())
+    let mut colors = Vec::with_capacity(3 * pixels.len());
+    pixels.for_each(|pixel| colors.extend([0, 1, 2].map(|channel| pixel[channel / copies])));
+    Some(colors)
 }
 
 fn text(info: &Info<'_>, keyword: &str) -> Option<String> {

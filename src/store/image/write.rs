@@ -155,7 +155,8 @@ fn with_meaning(
         Some(Transfer::Linear) => Some(1.0),
         Some(Transfer::Gamma(gamma)) => Some(*gamma),
         Some(Transfer::Gog(_) | Transfer::Table(_)) | None => {
-            info.icc_profile = profile(transfers, gray).map(Cow::Owned);
+            let profile = profile(transfers, gray).map_err(std::io::Error::other)?;
+            info.icc_profile = Some(Cow::Owned(profile));
             None
         }
     };
@@ -204,7 +205,7 @@ fn raw_samples(samples: &Samples, gray: bool) -> Cow<'_, [u8]> {
 }
 
 /// Returns the measured transfer functions as an ICC profile with the sRGB primaries.
-fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
+fn profile(transfers: &Transfers, gray: bool) -> Result<Vec<u8>, moxcms::CmsError> {
     let curve = |transfer: &Transfer| {
         let points = (0..CURVE_POINTS).map(|i| {
             let linear = transfer.linear_from_encoded(f64::from(i) / f64::from(CURVE_POINTS - 1));
@@ -223,8 +224,8 @@ fn profile(transfers: &Transfers, gray: bool) -> Option<Vec<u8>> {
         profile.green_trc = curve(green);
         profile.blue_trc = curve(blue);
     }
-    let mut bytes = profile.encode().ok()?;
+    let mut bytes = profile.encode()?;
     // The crate writes the present time. A fixed date, so that the same input always gives the same bytes.
-    bytes.get_mut(PROFILE_DATE)?.copy_from_slice(&[0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0]);
-    Some(bytes)
+    bytes[PROFILE_DATE].copy_from_slice(&[0x07, 0xea, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0]);
+    Ok(bytes)
 }
