@@ -116,32 +116,21 @@ pub const TANH_K: f64 = 5.0;
 
 const MAX: usize = Depth::MAX_FINITE as usize;
 
-/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel.
+/// `SUMS[n][k]` = C(n−1+k, k): the coefficients of the sum whose terms do not cancel. From Pascal's triangle, which is exact.
 static SUMS: [[f64; MAX]; MAX + 1] = {
-    let mut table = [[0.0; MAX]; MAX + 1];
-    let mut n = 1;
+    let (mut exact, mut table) = ([[1_u64; MAX]; MAX + 1], [[1.0; MAX]; MAX + 1]);
+    let mut n = 2;
     while n <= MAX {
-        let mut k = 0;
-        while k < n {
-            table[n][k] = binomial(n - 1 + k, k) as f64;
+        let mut k = 1;
+        while k < MAX {
+            exact[n][k] = exact[n - 1][k] + exact[n][k - 1];
+            table[n][k] = exact[n][k] as f64;
             k += 1;
         }
         n += 1;
     }
     table
 };
-
-/// C(n, k), exact for n ≤ 64.
-const fn binomial(n: usize, k: usize) -> u128 {
-    let mut result = 1u128;
-    let mut i = 0;
-    while i < k {
-        // The division is exact at every step: the product so far is C(n, i + 1).
-        result = result * (n - i) as u128 / (i as u128 + 1);
-        i += 1;
-    }
-    result
-}
 
 /// I_n for one depth, prepared for repeated evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,6 +8,7 @@ use super::{
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
+use crate::light::image::shares;
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
@@ -336,23 +337,18 @@ impl DifferenceMap {
 
     /// Returns the map with one value for each pixel of the picture, row by row.
     pub fn enlarged(&self) -> Vec<f64> {
-        let ([columns, rows], [width, height]) = (self.places, self.size);
-        let near = |pixel: usize, side: usize, n: usize| {
-            let at = ((pixel as f64 + 0.5) * n as f64 / side as f64 - 0.5).clamp(0.0, (n - 1) as f64);
-            (at as usize, (at as usize + 1).min(n - 1), at.fract())
+        let [[columns, width], [rows, height]] = [0, 1].map(|axis| [self.places[axis], self.size[axis]]);
+        let taps = |from: usize, to: usize| (0..to as u32).map(|at| shares(at, to as u32, from as u32)).collect();
+        let (across, down): (Vec<_>, Vec<_>) = (taps(columns, width), taps(rows, height));
+        let row = |down: &Vec<(u32, f64)>| -> Vec<f64> {
+            let column = |(row, by): &(u32, f64), (column, bx): &(u32, f64)| {
+                by * bx * self.times[*row as usize * columns + *column as usize]
+            };
+            let value = |across: &Vec<(u32, f64)>| {
+                down.iter().map(|row| across.iter().map(|place| column(row, place)).sum::<f64>()).sum()
+            };
+            across.iter().map(value).collect()
         };
-        let mut values = vec![0.0; width * height];
-        values.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            let (top, bottom, down) = near(y, height, rows);
-            for (x, value) in row.iter_mut().enumerate() {
-                let (left, right, part) = near(x, width, columns);
-                let at = |row: usize| {
-                    let row = &self.times[row * columns..][..columns];
-                    row[left] + (row[right] - row[left]) * part
-                };
-                *value = at(top) + (at(bottom) - at(top)) * down;
-            }
-        });
-        values
+        down.par_iter().flat_map_iter(row).collect()
     }
 }
