@@ -114,10 +114,8 @@ fn judged(arguments: &Arguments, writer: &Writer, is_folder: bool, bar: &Bar) ->
             let option = if request.steps { "steps" } else { "map" };
             return Err(RequestError::value(option, "is for one picture; expected no folders").into());
         }
-        let (found, left_out) = request.folders(bar)?;
-        left_out.iter().for_each(|what| message("warning", what));
         let of = |(name, found)| Case::of_pair(&request.picture.join(&name), name, found);
-        return found.into_iter().map(of).collect();
+        return request.folders(bar)?.into_iter().map(of).collect();
     }
     if request.steps {
         let found = request.steps(None, bar)?;
