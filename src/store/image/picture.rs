@@ -110,21 +110,17 @@ pub fn parse_picture(
 
 /// Refuses a file with a chunk about its codes that could not be read: what is damaged is not absent.
 fn undamaged(content: &[u8], info: &Info<'_>) -> Result<(), String> {
-    for (kind, _) in chunks(content) {
-        let is_read = match kind {
-            b"iCCP" => info.icc_profile.is_some(),
-            b"sRGB" => info.srgb.is_some(),
-            b"gAMA" => info.gama_chunk.is_some(),
-            b"cHRM" => info.chrm_chunk.is_some(),
-            b"cICP" => info.coding_independent_code_points.is_some(),
-            _ => true,
-        };
-        if !is_read {
-            let name = String::from_utf8_lossy(kind);
-            return Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"));
-        }
-    }
-    Ok(())
+    let known = [
+        ("iCCP", info.icc_profile.is_some()),
+        ("sRGB", info.srgb.is_some()),
+        ("gAMA", info.gama_chunk.is_some()),
+        ("cHRM", info.chrm_chunk.is_some()),
+        ("cICP", info.coding_independent_code_points.is_some()),
+    ];
+    let is_there = |name: &str| chunks(content).any(|(kind, _)| kind == name.as_bytes());
+    known.into_iter().find(|(name, is_read)| !is_read && is_there(name)).map_or(Ok(()), |(name, _)| {
+        Err(format!("has a damaged {name} chunk; expected what its codes mean, or --transfer"))
+    })
 }
 
 /// Returns the name and the data of each chunk of a PNG.
