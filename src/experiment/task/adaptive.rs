@@ -211,7 +211,7 @@ impl Track {
     pub fn is_over(&self) -> bool {
         match self {
             Self::Stairs(staircase, _, stairs) => stairs.is_over(staircase),
-            Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width() <= width),
+            Self::Quest(options, quest) => options.stop_width.is_some_and(|width| quest.width <= width),
             Self::Levels(levels, done) => *done >= levels.len(),
             Self::Ranking(_) => false,
         }
@@ -221,7 +221,7 @@ impl Track {
     pub fn pick(&self, draw: f64) -> Pick {
         match self {
             Self::Stairs(.., stairs) => Pick::Level(stairs.level, None),
-            Self::Quest(options, quest) => level(options, quest.choose()),
+            Self::Quest(options, quest) => options.picks()[quest.choose()],
             Self::Levels(levels, done) => levels.get(*done).map_or(Pick::Planned, |level| Pick::Level(*level, None)),
             Self::Ranking(ranking) => Pick::Pair(ranking.choose(draw)),
         }
@@ -232,8 +232,9 @@ impl Track {
         match (self, pick) {
             (Self::Quest(_, quest), _) if is_catch => quest.learn(None, outcome),
             (Self::Stairs(staircase, common, stairs), _) if !is_catch => stairs.answer(outcome, staircase, common),
-            (Self::Quest(options, quest), Pick::Level(x, y)) => {
-                index(options, x, y).into_iter().for_each(|index| quest.learn(Some(index), outcome));
+            (Self::Quest(options, quest), _) => {
+                let place = options.picks().iter().position(|other| *other == pick);
+                place.into_iter().for_each(|place| quest.learn(Some(place), outcome));
             }
             (Self::Levels(_, done), _) if !is_catch => *done += 1,
             (Self::Ranking(ranking), Pick::Pair([left, right])) => {
@@ -242,26 +243,5 @@ impl Track {
             }
             _ => {}
         }
-    }
-}
-
-/// Returns the level with a number in QUEST+.
-fn level(quest: &QuestPlus, index: usize) -> Pick {
-    match &quest.second {
-        None => Pick::Level(quest.levels[index], None),
-        Some(second) => {
-            let count = second.levels.len();
-            Pick::Level(quest.levels[index / count], Some(second.levels[index % count]))
-        }
-    }
-}
-
-/// Returns the number of a level in QUEST+.
-fn index(quest: &QuestPlus, x: f64, y: Option<f64>) -> Option<usize> {
-    let place = |levels: &[f64], of: f64| levels.iter().position(|level| *level == of);
-    let first = place(&quest.levels, x)?;
-    match (&quest.second, y) {
-        (Some(second), Some(y)) => Some(first * second.levels.len() + place(&second.levels, y)?),
-        _ => Some(first),
     }
 }
