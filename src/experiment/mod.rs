@@ -33,7 +33,7 @@ pub use record::{
     TrialRecord, columns, columns_by_header, is_reserved,
 };
 pub use replay::{Replay, Replayed};
-pub use scale::{CATEGORIES, Category, ResponseScale, default_key};
+pub use scale::{CATEGORIES, Category, ResponseScale};
 pub use schedule::{GENERATOR, Phase, Schedule, ScheduleError, Trial, session_seed};
 pub use session::{Effect, Event, FrameCount, Progress, Resumed, Session, SessionOptions, State, TrialResponse};
 pub use texts::Texts;

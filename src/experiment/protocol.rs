@@ -338,8 +338,7 @@ impl Definition {
         adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
     }
 
-    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one, or if the reference is
-    /// the target.
+    /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.
     fn check_shown(&self, conditions: &[Condition], errors: &mut DefinitionErrors) {
         if self.task.is_default() {
             return;
@@ -358,12 +357,6 @@ impl Definition {
             if let Some((path, error)) = shown.into_iter().find_map(wrong) {
                 return errors.add(path, error.to_string());
             }
-        }
-        let Some(reference) = self.task.reference() else { return };
-        let is_same = |target: Stimulus| reference.apply(&target).is_ok_and(|other| other == target);
-        if conditions.iter().any(|condition| targets(condition, &picks).all(is_same)) {
-            let message = "all stimuli of a trial are the same; expected a reference that differs from the target";
-            errors.add("task.reference", message);
         }
     }
 

@@ -11,7 +11,7 @@ use crate::{
         theme::{self, Icon},
     },
     experiment::{
-        CATEGORIES, ResponseScale, default_key,
+        CATEGORIES,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
     report::names::{self, capitalized},
@@ -298,19 +298,15 @@ fn settings(form: &mut DefinitionForm, ui: &mut Ui, option: &TaskOption, key: &s
 /// Draws the question and the answers.
 fn answers(form: &mut DefinitionForm, ui: &mut Ui, task: &Task) {
     ui::section(ui, "Answers");
-    let ResponseScale { question, categories } = task.scale();
-    form.text(ui, "Question", "response.question", &question, "Shown next to the scale.");
-    let mut labels = form.draft().texts("response.labels").unwrap_or_default();
-    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
+    let scale = task.scale();
+    form.text(ui, "Question", "response.question", &scale.question, "Shown next to the scale.");
     // A definition without labels or keys uses the defaults.
-    let own: Vec<String> = categories.iter().map(|category| category.key.into()).collect();
-    if labels.is_empty() {
-        labels = categories.into_iter().map(|category| category.label).collect();
-    }
+    let labels = || scale.categories.iter().map(|category| category.label.clone()).collect();
+    let mut labels = form.draft().texts("response.labels").filter(|own| !own.is_empty()).unwrap_or_else(labels);
+    let mut keys = form.draft().texts("response.keys").unwrap_or_default();
     let has_keys = task.dial().is_none();
-    let default = |answer: usize| own.get(answer).cloned().filter(|_| own.len() == labels.len());
-    let default = |answer| default(answer).or_else(|| default_key(answer).map(String::from)).unwrap_or_default();
     keys.truncate(labels.len());
+    let default = |answer| scale.default_key(answer, labels.len()).map(String::from).unwrap_or_default();
     keys.extend((keys.len()..labels.len()).map(default));
     // Ratings are counted from 0, as in the data.
     let named = |answer: usize| match (has_keys, answer) {
