@@ -335,7 +335,7 @@ impl Definition {
             );
             errors.add("adaptive", message);
         }
-        adaptive.check(&self.stimulus, &self.factors, &*self.task, errors);
+        adaptive.check(&given, &*self.task, errors);
     }
 
     /// Adds an error if a parameter that the task or the adaptive method sets contradicts another one.

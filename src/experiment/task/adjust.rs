@@ -4,10 +4,15 @@ use super::{
     kind::{Answer, Dial, Given, Kind, Measures, Presentation, Senses, Turn, at_level},
     options::{OptionValue, options},
 };
-use crate::experiment::{faults::DefinitionErrors, scale::ResponseScale};
+use crate::{
+    experiment::{faults::DefinitionErrors, scale::ResponseScale},
+    stimulus::is_direction,
+};
 
 /// The share of the range, at either end, in which an adjustment begins.
 const START: f64 = 0.3;
+/// Directions that span this or more, degrees, have no mean.
+const HALF_TURN: f64 = 180.0;
 /// Number of steps between the values that a simulated observer tries.
 const TRIED: u32 = 40;
 
@@ -39,13 +44,17 @@ impl Kind for Adjust {
     }
 
     fn check(&self, given: &Given<'_>, errors: &mut DefinitionErrors) {
-        if self.parameter.is_empty() {
-            let names: Vec<&str> = given.stimulus.parameters().iter().map(|parameter| parameter.name).collect();
-            let message = format!("task.parameter is missing; expected one of {}", names.join(", "));
-            errors.add("task.parameter", message);
+        let Self { parameter, low, high, step, log } = self;
+        if !given.check_parameter("task.parameter", parameter, errors) {
             return;
         }
-        given.check_dial(&self.own_dial(), errors);
+        given.check_span("task", (parameter, *log), [*low, *high], [("task.step".to_owned(), *step)], errors);
+        if high - low >= HALF_TURN && is_direction(parameter) {
+            let message = format!(
+                "{parameter} from {low} to {high} goes around half a turn or more, where settings have no mean; expected less than {HALF_TURN}°"
+            );
+            errors.add("task.high", message);
+        }
     }
 
     fn dial(&self) -> Option<Dial> {
