@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     display::DisplayProfile,
-    experiment::{Identity, Protocol, Schedule},
+    experiment::{Identity, OrderedLogit, Protocol, Schedule, VisionRater},
     shading::Composition,
     system::{fonts, found},
 };
@@ -105,11 +105,11 @@ fn check_toml(path: &Path, file: &str, text: &str) -> Result<Checked, StoreError
         return Ok(Checked { sentence, profile: Some(profile), warning: None });
     }
     if document.has("spread") {
-        observer::parse_vision(file, text)?;
+        observer::parse::<VisionRater>(file, text)?;
         return Ok("parameters of the vision observer".to_owned().into());
     }
     if document.has("thresholds") {
-        observer::parse(file, text)?;
+        observer::parse::<OrderedLogit>(file, text)?;
         return Ok("parameters of the ordered-logit observer".to_owned().into());
     }
     check_definition(definition::parse(file, text)?)

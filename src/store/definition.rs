@@ -272,6 +272,11 @@ impl Written {
             match path.as_str() {
                 "task" | "task.kind" => unknown.extend(["task", "adaptive", "response"]),
                 "adaptive" | "adaptive.method" => unknown.push("adaptive"),
+                // Pictures bring their factors.
+                "stimulus" | "stimulus.files" => {
+                    unknown.push("factors");
+                    unread.extend(["design.order", "task.along"].map(str::to_owned));
+                }
                 _ => {}
             }
         }

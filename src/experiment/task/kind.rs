@@ -224,16 +224,13 @@ pub struct Given<'a> {
     pub stimulus: &'a Stimulus,
     /// The factors.
     pub factors: &'a [Factor],
+    /// The number of conditions.
+    pub conditions: usize,
     /// The parameters that an adaptive method varies.
     pub adapted: Vec<&'a str>,
 }
 
 impl Given<'_> {
-    /// Returns whether the conditions are listed, as pictures are, so that factors are not crossed.
-    pub fn is_listed(&self) -> bool {
-        matches!(self.stimulus, Stimulus::Image(_))
-    }
-
     /// Adds an error for each parameter of a reference that the stimulus lacks or that cannot have its value. A factor
     /// can be one of them: then the reference has the same level of it in all conditions.
     pub fn check_reference(&self, reference: &Settings, errors: &mut DefinitionErrors) {
