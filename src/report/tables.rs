@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::{
     analysis::{
         Interaction, Link, Model, ModelReport, Results, TermTest,
-        counts::{CountRow, Counts, Factor, Quartiles},
+        counts::{CountRow, Counts, Factor},
         number_of,
         rank_tests::PMethod,
         results::FactorResults,
@@ -117,9 +117,9 @@ fn with_summary<'a, R>(rows: Rows<'a, R>, counts: &Counts, of: impl Fn(&'a R) ->
 }
 
 /// Adds the median response time of each row.
-fn with_times<R>(rows: Rows<'_, R>, of: impl Fn(&R) -> Option<Quartiles>) -> Table {
+fn with_times<R>(rows: Rows<'_, R>, of: impl Fn(&R) -> Option<f64>) -> Table {
     let about = "Median time from the onset of the stimulus to the rating.";
-    rows.column("response_time_median_s", about, |row| of(row).map(|times| times.median)).in_unit("s", 1).table()
+    rows.column("response_time_median_s", about, of).in_unit("s", 1).table()
 }
 
 /// Lists every cell of the design.
@@ -133,7 +133,7 @@ fn cells(results: &Results) -> Table {
 fn by_factor(results: &Results, factor: &FactorResults) -> Table {
     let counts = &results.measured.counts;
     let factors: Vec<Factor> = counts.factors.iter().filter(|known| known.name == factor.name).cloned().collect();
-    let rows: Vec<(&Group, Option<Quartiles>)> = factor.levels.iter().zip(factor.times.iter().copied()).collect();
+    let rows: Vec<(&Group, Option<f64>)> = factor.levels.iter().zip(factor.times.iter().copied()).collect();
     let rows = with_levels(&rows, &factors, |(group, _)| &group.names);
     with_times(with_summary(rows, counts, |(group, _)| &group.summary), |(_, times)| *times)
 }
@@ -144,7 +144,7 @@ fn subjects(results: &Results) -> Table {
     let rows = with_summary(rows, &results.measured.counts, |own| &own.group.summary)
         .column("retests", "Number of conditions that the participant rated at least twice.", |own| own.retests)
         .column("kappa", "Quadratically weighted κ of first and second ratings.", |own| own.kappa);
-    with_times(rows, |own| own.times)
+    with_times(rows, |own| own.time)
 }
 
 /// Lists Friedman's tests, the likelihood-ratio tests and the comparisons of levels. For a single participant, Friedman's

@@ -254,13 +254,12 @@ fn problems_with_the_data_are_reported() {
     }];
     let wrong = text(&page(&source, &results));
     let expected = [
-        "Some of these data are simulated: the ratings of 1 of 2 participants (S002) come from a program",
-        "1 of 2 sessions is unfinished",
+        "Some of these data are simulated: 60 of 60 ratings of 1 of 2 participants (S002) come from a program",
+        "Of 2 sessions, 1 is known to be finished",
         "unfinished, 30 missing",
         "Frames are not steady. (1 sitting)",
         "S002, session 1: the folder was moved",
-        "Sittings differ in observer and viewing distance",
-        "50 cm (1 sitting); 70 cm (1 sitting)",
+        "sittings differ in observer and viewing distance",
         "S002.csv:3:9: rating 4; expected 0…3",
     ];
     assert_parts(&wrong, &expected);
@@ -277,7 +276,7 @@ fn problems_with_the_data_are_reported() {
     let left = analyze(results.measured.narrowed(&exclusions).unwrap(), &options());
     let [total, n] = [&results, &left].map(|results| results.measured.counts.total());
     let left = text(&page(&source, &left));
-    let excluded = format!("Participant S002 ({}) was left out on request.", count(total - n, "rating"));
+    let excluded = format!("{} by participant S002 were left out.", count(total - n, "rating"));
     let rest = format!("All numbers are about the remaining {} by 1 participant.", count(n, "rating"));
     assert_eq!((left.matches(&excluded).count(), left.matches(&rest).count()), (3, 3), "{left}");
     assert_parts(&left, &["1 simulated observer gave", "all ratings come from a program"]);

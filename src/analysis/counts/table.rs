@@ -6,7 +6,6 @@ use std::{
     collections::{BTreeSet, HashMap},
 };
 
-use serde::Serialize;
 use thiserror::Error;
 
 use crate::{analysis::levels, text::names::expected_one_of};
@@ -330,16 +329,16 @@ impl Measured {
         retests
     }
 
-    /// Returns the quartiles of the response times in each group. Each time goes into the group that `group_of` returns, if
+    /// Returns the median response time in each group, in seconds. Each time goes into the group that `group_of` returns, if
     /// any.
-    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<Quartiles>> {
+    pub fn times_by(&self, groups: usize, group_of: impl Fn(&Trial) -> Option<usize>) -> Vec<Option<f64>> {
         let mut times = vec![Vec::new(); groups];
         for row in &self.trials {
             if let Some((group, seconds)) = group_of(row).zip(row.seconds) {
                 times[group].push(seconds);
             }
         }
-        times.into_iter().map(quartiles).collect()
+        times.into_iter().map(median).collect()
     }
 
     /// Returns the ratings without some factors, given by index: conditions that differ only in them are one.
@@ -417,26 +416,10 @@ impl Kept {
     }
 }
 
-/// Quartiles of response times in seconds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Quartiles {
-    /// Number of times.
-    pub n: u64,
-    /// A quarter of the times are shorter.
-    pub lower: f64,
-    /// Half of the times are shorter.
-    pub median: f64,
-    /// Three quarters of the times are shorter.
-    pub upper: f64,
-}
-
-/// Returns the quartiles of response times, or `None` if there are no times.
-fn quartiles(mut times: Vec<f64>) -> Option<Quartiles> {
+/// Returns the smallest response time that at least half of the times do not exceed, or `None` if there are no times.
+fn median(mut times: Vec<f64>) -> Option<f64> {
     times.sort_unstable_by(f64::total_cmp);
-    // The smallest time that at least this share of the times does not exceed.
-    let quantile = |share: f64| times.get(((share * times.len() as f64).ceil() as usize).checked_sub(1)?).copied();
-    let (lower, median, upper) = (quantile(0.25)?, quantile(0.5)?, quantile(0.75)?);
-    Some(Quartiles { n: times.len() as u64, lower, median, upper })
+    times.get(times.len().div_ceil(2).checked_sub(1)?).copied()
 }
 
 // The largest study that is analyzed unless the user asks for more. Tests of all pairs of levels take quadratic time,

@@ -199,7 +199,7 @@ pub fn document(source: &Source, results: &Results, parts: Parts<'_>) -> Documen
         description::agreement(results),
     ];
     sections.extend(prediction.map(|prediction| vision::section(source, results, prediction, figures)));
-    sections.extend([description::times(results, figures), methods, references]);
+    sections.extend([methods, references]);
     sections.extend(provenance.map(|provenance| provenance::section(source, results, provenance)));
     let (title, subtitle) = match &source.protocol {
         Some(protocol) => {

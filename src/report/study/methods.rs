@@ -1,4 +1,4 @@
-//! The methods and results sections for a paper, with numbers and references.
+//! The methods section for a paper, with references.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use crate::{
         ModelReport, RandomSlope, Results, TermTest, rank_tests::PMethod, results::FactorResults, terms::Variable,
     },
     experiment::{Protocol, ResponseScale},
-    report::document::{Section, count, fixed, list, p_is, times, unit, with_interval},
+    report::document::{Section, count, fixed, list, times},
     store::ratings::Source,
 };
 
@@ -62,7 +62,7 @@ fn procedure(cited: &mut Cited, source: &Source, results: &Results) -> String {
         levels.collect::<Vec<_>>().join(", ")
     });
     let shown = source.protocol.as_ref().map(|protocol| shown(cited, protocol)).unwrap_or_default();
-    let excluded: String = health::exclusions(source, results).iter().map(|sentence| format!(" {sentence}")).collect();
+    let excluded = health::exclusions(source, results).map_or_else(String::new, |sentence| format!(" {sentence}"));
     format!("{rated}{excluded}{shown}")
 }
 
@@ -119,13 +119,11 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     };
     let mut text = format!(
         "Because ratings are ordered categories ({ordinal}), they were modeled with a cumulative-link {mixed}model ({family}) \
-         with a {link} link{terms}{how} to {} (log-likelihood {}, AIC {}).",
-        count(model.nobs, "rating"),
-        fixed(model.loglik, 2),
-        fixed(model.aic(), 2)
+         with a {link} link{terms}{how} to {}.",
+        count(model.nobs, "rating")
     );
     text += &terms_tested(cited, results, report);
-    text += &interactions_tested(cited, results, report);
+    text += &interactions_tested(cited, report);
     text += &limits(report);
     if report.proportional_odds.iter().any(|test| test.p.is_some()) {
         text += " Proportional odds were tested with likelihood ratios of models without random effects, with p values from the \
@@ -155,20 +153,16 @@ fn ignoring(results: &Results) -> &'static str {
 
 /// Says how the terms of the model were tested.
 fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
-    let mut text = String::new();
-    if !report.terms.is_empty() {
-        let tests: Vec<String> = (report.terms.iter())
-            .map(|test| match (names::term(results, &test.term), test.chi_squared, test.p) {
-                (term, Some(lr), Some(p)) => format!("{term}, χ²({}) = {}, {}", test.df, fixed(lr, 2), p_is(p)),
-                (term, ..) => format!("{term}, not tested"),
-            })
-            .collect();
-        text += &format!(" Terms were tested with likelihood-ratio tests: {}.{}", tests.join("; "), ignoring(results));
+    let tested: Vec<&TermTest> = report.terms.iter().filter(|test| test.p.is_some()).collect();
+    if tested.is_empty() {
+        return String::new();
     }
-    if let Some(draws) = report.terms.iter().filter_map(|test| test.draws).max() {
-        let others = report.terms.iter().filter(|test| test.draws.is_none() && test.p.is_some());
-        let others: Vec<String> = others.map(|test| names::term(results, &test.term)).collect();
-        let error = report.terms.iter().filter_map(|test| test.p_error).reduce(f64::max);
+    let names =
+        |tests: &[&TermTest]| list(&tests.iter().map(|test| names::term(results, &test.term)).collect::<Vec<_>>());
+    let mut text = format!(" Likelihood-ratio tests were computed for {}.{}", names(&tested), ignoring(results));
+    if let Some(draws) = tested.iter().filter_map(|test| test.draws).max() {
+        let others: Vec<&TermTest> = tested.iter().copied().filter(|test| test.draws.is_none()).collect();
+        let error = tested.iter().filter_map(|test| test.p_error).reduce(f64::max);
         let error_is = |error: f64| {
             let most = if error < 1e-4 { "below 0.0001".to_owned() } else { format!("at most {}", fixed(error, 4)) };
             format!(" The Monte Carlo standard error of p, where it was not extrapolated, is {most}.")
@@ -176,7 +170,7 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
         let whose = if others.is_empty() {
             "Their p values come".to_owned()
         } else {
-            format!("The p values of {} come from the χ² distribution, the others come", list(&others))
+            format!("The p values of {} come from the χ² distribution, the others come", names(&others))
         };
         text += &format!(
             " {whose} from a parametric bootstrap ({}): up to {draws} studies were simulated from the fitted model \
@@ -196,33 +190,25 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
 }
 
 /// Says how the interactions that the model does not have were tested.
-fn interactions_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
-    let tested: Vec<String> = (report.interactions.iter())
-        .filter_map(|own| {
-            let (name, TermTest { chi_squared: lr, df, p, .. }) = (names::term(results, &own.test.term), &own.test);
-            Some(format!("{name}, χ²({df}) = {}, {}", fixed(*lr, 2), p_is((*p)?)))
-        })
-        .collect();
-    let left_out =
-        |by_signs: bool| report.interactions.iter().any(|own| own.test.p.is_some() && own.by_signs == by_signs);
-    if left_out(true) {
-        let corrected = match tested.len() {
-            1 => String::new(),
-            _ => format!(", corrected with the minimum-p method ({})", cited.cite("Westfall & Young, 1993")),
-        };
-        format!(
+fn interactions_tested(cited: &mut Cited, report: &ModelReport) -> String {
+    let tested = |by_signs: bool| {
+        let own = report.interactions.iter().filter(|own| own.test.p.is_some() && own.by_signs == by_signs);
+        own.count()
+    };
+    match (tested(true), tested(false)) {
+        (0, 0) => String::new(),
+        (0, _) => " The two-way interactions left out of the model were tested with likelihood ratios in studies simulated from \
+                   the wider models, corrected with Holm’s method."
+            .to_owned(),
+        (number, _) => format!(
             " The two-way interactions left out of the model were tested with score tests: p is the proportion of patterns of \
-             the signs of the participants’ residual scores with a statistic at least as large{corrected} ({}).",
-            tested.join("; ")
-        )
-    } else if left_out(false) {
-        format!(
-            " The two-way interactions left out of the model were tested with likelihood ratios in studies simulated from the \
-             wider models, corrected with Holm’s method ({}).",
-            tested.join("; ")
-        )
-    } else {
-        String::new()
+             the signs of the participants’ residual scores with a statistic at least as large{}.",
+            if number == 1 {
+                String::new()
+            } else {
+                format!(", corrected with the minimum-p method ({})", cited.cite("Westfall & Young, 1993"))
+            }
+        ),
     }
 }
 
@@ -242,25 +228,16 @@ fn limits(report: &ModelReport) -> String {
 }
 
 fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
-    let tested: Vec<String> = (results.factors.iter())
-        .filter_map(|factor| {
-            let (f, name) = (factor.friedman?, names::factor(results, &factor.name));
-            Some(format!("{name}, χ²({}) = {}, {}, W = {}", f.df, fixed(f.chi_squared, 2), p_is(f.p), unit(f.w)))
-        })
-        .collect();
-    if tested.is_empty() {
-        return None;
-    }
-    let mut methods: Vec<&str> = (results.factors.iter().filter_map(|factor| factor.friedman))
+    let methods: BTreeSet<&str> = (results.factors.iter().filter_map(|factor| factor.friedman))
         .map(|test| match test.method {
             PMethod::Exact => "exact",
             PMethod::Permutations => "random-permutation",
             PMethod::ChiSquared => "χ²",
         })
         .collect();
-    methods.sort_unstable();
-    methods.dedup();
-    let methods = list(&methods);
+    if methods.is_empty() {
+        return None;
+    }
     let leads = (results.factors.iter())
         .filter(|_| results.model.is_ok())
         .filter(|factor| findings::evidence(results, factor).is_some_and(|evidence| evidence.is_rank_test));
@@ -276,30 +253,24 @@ fn tests(cited: &mut Cited, results: &Results) -> Option<String> {
     Some(format!(
         "Participants’ mean ratings at the levels of each factor, over those conditions of the other factors that a participant \
          rated at every level, were compared with Friedman’s test, with {} p values, and \
-         Kendall’s coefficient of concordance ({}): {}.{rest}",
-        methods,
-        cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939"),
-        tested.join("; ")
+         Kendall’s coefficient of concordance ({}).{rest}",
+        list(&Vec::from_iter(methods)),
+        cited.cite("Friedman, 1937; Kendall & Babington Smith, 1939")
     ))
 }
 
 fn agreement(cited: &mut Cited, results: &Results) -> Option<String> {
-    let alpha = results.alpha.map(|alpha| {
+    let alpha = results.alpha.map(|_| {
         format!(
             "Agreement between participants was measured with Krippendorff’s ordinal α ({}), \
-             without comparing repeated ratings by the same participant: α = {}{}.",
-            cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019"),
-            unit(alpha.alpha),
-            with_interval(alpha.interval, unit)
+             without comparing repeated ratings by the same participant.",
+            cited.cite("Hayes & Krippendorff, 2007; Krippendorff, 2019")
         )
     });
-    let kappa = results.kappa.map(|(kappa, interval)| {
+    let kappa = results.kappa.map(|_| {
         format!(
-            "Agreement between first and second ratings was measured with Cohen’s κ with quadratic weights ({}): κ = {}{}{}.",
-            cited.cite("Cohen, 1968"),
-            unit(kappa),
-            if results.is_inferential() { " on average" } else { "" },
-            with_interval(interval, unit)
+            "Agreement between first and second ratings was measured with Cohen’s κ with quadratic weights ({}).",
+            cited.cite("Cohen, 1968")
         )
     });
     let parts: Vec<String> = alpha.into_iter().chain(kappa).collect();

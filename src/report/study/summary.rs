@@ -154,17 +154,16 @@ fn simulated(source: &Source, results: &Results) -> Option<String> {
     if simulated.is_empty() {
         return None;
     }
-    let is_whole = simulated.values().all(health::all_simulated);
     let [from_program, all] = [0, 1].map(|which| simulated.values().map(|counts| counts[which]).sum());
-    let ratings =
-        if is_whole { "the ratings".to_owned() } else { format!("{} of {} ratings", whole(from_program), whole(all)) };
-    Some(if is_whole && simulated.len() >= results.people() {
+    Some(if simulated.values().all(health::all_simulated) && simulated.len() >= results.people() {
         "These data are simulated: all ratings come from a program, and the results say nothing about people."
             .to_owned()
     } else {
         format!(
-            "Some of these data are simulated: {ratings} of {} of {} ({}) come from a program. The results combine them \
+            "Some of these data are simulated: {} of {} ratings of {} of {} ({}) come from a program. The results combine them \
              with ratings from people.",
+            whole(from_program),
+            whole(all),
             simulated.len(),
             count(results.people() as u64, "participant"),
             short_list(&Vec::from_iter(simulated.into_keys()), MAX_NAMES)
@@ -284,7 +283,7 @@ fn unusual_behavior(results: &Results) -> Vec<String> {
     let subjects = &results.subjects;
     let mut sentences = one_category(results);
     // Participants with the same peculiarity are named in one sentence.
-    let median = |subject: &SubjectResults| Some(subject.times?.median);
+    let median = |subject: &SubjectResults| subject.time;
     if let Some((who, least, _)) = odd(subjects, |own| median(own).filter(|median| *median > LONG_S)) {
         sentences.push(format!(
             "{who} took at least {} s for half of the answers: are the times in milliseconds? They are read as seconds.",
