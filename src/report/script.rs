@@ -15,12 +15,6 @@ use crate::{
 /// Levels that `clmm` needs at least in a grouping factor.
 const FEWEST_PEOPLE: usize = 3;
 
-/// Returns the call that fits the same model in R.
-pub(super) fn call(results: &Results, model: &Model) -> String {
-    let function = if model.random.is_some() { "clmm" } else { "clm" };
-    format!("{function}({}, link = \"{}\")", Names::new(results).formula(results, model), model.link)
-}
-
 /// Writes the script. If there is no model, or R cannot fit it, the script says why and does nothing.
 pub(super) fn script(shape: &Shape, results: &Results) -> String {
     let introduction = format!(
@@ -37,19 +31,24 @@ pub(super) fn script(shape: &Shape, results: &Results) -> String {
     if model.random.is_some() && model.subjects < FEWEST_PEOPLE {
         return nothing("clmm needs at least three participants");
     }
-    let call = call(results, model).replace(", link", ",\n  data = data, weights = count, link");
-    let data = Names::new(results).data(shape, results, model);
+    let names = Names::new(results);
+    let (data, formula) = (names.data(shape, results, model), names.formula(results, model));
+    let function = if model.random.is_some() { "clmm" } else { "clm" };
     let about = if has_numbers(results) {
         "# Numbers are divided by their range, so their coefficients are over the range; those whose names end in _c are also about\n\
          # their means, so the thresholds differ from those of the report. Otherwise, clmm may not find the maximum.\n"
     } else {
         ""
     };
-    format!("{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {call}\nprint(summary(fit))\n")
+    format!(
+        "{introduction}\nlibrary(ordinal)\n\n{data}\n{about}fit <- {function}({formula},\n  data = data, weights = count, \
+             link = \"{}\")\nprint(summary(fit))\n",
+        model.link
+    )
 }
 
 /// Returns whether the call has numbers, whose unit and origin in R are others.
-pub(super) fn has_numbers(results: &Results) -> bool {
+fn has_numbers(results: &Results) -> bool {
     let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
     variables.any(|variable| matches!(variable, Variable::Number(_)))
 }

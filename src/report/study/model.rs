@@ -13,7 +13,6 @@ use crate::{
             with_interval,
         },
         figures::Figure,
-        script,
     },
 };
 
@@ -170,13 +169,6 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
         let columns = names.iter().enumerate();
         columns.fold(table, |table, (place, name)| table.number(*name, |(_, row)| unit(row[place]))).add_to(section);
     }
-    if results.is_inferential() && random.sd > 0.0 {
-        TableOf::new("Shift of each participant; positive values mean higher ratings", &random.subjects)
-            .text("Participant", |own| &own.subject)
-            .number("Shift", |own| fixed(own.mode, 2))
-            .number("Conditional SD", |own| fixed(own.sd, 2))
-            .add_to(section);
-    }
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
@@ -187,9 +179,7 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
     section.text(format!(
         "Differences on the latent scale, in the model. Their p values and intervals come from the likelihood ratio of each \
          difference{}; the intervals are those of its profile where there is one.{} Holm’s method corrects p for all comparisons \
-         of a factor; the intervals are not corrected. Superiority is the probability that a rating at the first level is higher \
-         on the latent scale, where there are no ties; d is the difference divided by the residual standard deviation, that of \
-         ratings of the same stimulus by the same participant.",
+         of a factor; the intervals are not corrected.",
         if report.terms.iter().any(|test| test.draws.is_some()) {
             ", scaled by the limit that simulated studies give for its term"
         } else {
@@ -203,7 +193,6 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
              coefficients above."
         )
     ));
-    let link = report.model.link;
     let level = |c: &Comparison, level: &str| names::level(results, &c.factor, level);
     let at = |(factor, level): &(String, String)| {
         format!("{} {}", names::factor(results, factor), names::level(results, factor, level))
@@ -220,8 +209,6 @@ fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {
         .number("95\u{a0}% interval", |c| range(c.interval, |x| fixed(x, 2)))
         .number("p", |c| probability(c.p))
         .number("Holm-corrected p", |c| probability(c.p_holm))
-        .number("Superiority", |c| unit(link.superiority(c.estimate)))
-        .number("d", |c| fixed(c.estimate / link.sd(), 2))
         .add_to(section);
     for of_factor in report.comparisons.chunk_by(|a, b| a.factor == b.factor) {
         if let Some((comparison, reason)) = of_factor.first().and_then(|first| Some((first, first.withheld?))) {
@@ -270,17 +257,20 @@ fn if_interacting<'a>(results: &Results, text: &'a str) -> &'a str {
 }
 
 fn formula(section: &mut Section, results: &Results, model: &Model) {
-    let mixed = model.random.is_some();
     let cdf = match model.link {
         Link::Logit => "logistic",
         Link::Probit => "normal",
     };
     let (who, shift, effects) = match &model.random {
-        None => ("", "", ""),
-        Some(random) if random.items.is_some() => {
-            (" and every participant", " − u", ", and u the random effects of the participant and the item")
+        None => ("", "", " and β the coefficients"),
+        Some(random) if random.items.is_some() => (
+            " and every participant",
+            " − u",
+            ", β the coefficients, and u the random effects of the participant and the item",
+        ),
+        Some(_) => {
+            (" and every participant", " − u", ", β the coefficients, and u the random effects of the participant")
         }
-        Some(_) => (" and every participant", " − u", ", and u the random effects of the participant"),
     };
     section.text(format!(
         "Ratings are ordered, but the steps between categories are not necessarily equal. The model therefore does not \
@@ -288,34 +278,23 @@ fn formula(section: &mut Section, results: &Results, model: &Model) {
          scale. A positive shift means higher ratings."
     ));
     section.code(format!("P(rating ≤ j) = F(θ[j] − x·β{shift})"));
-    section.text(format!(
-        "F is the {cdf} distribution function, θ are the thresholds, β the coefficients{effects}. In R’s notation:"
-    ));
-    section.code(script::call(results, model));
-    if script::has_numbers(results) {
-        section.note(
-            "In this call, numbers are divided by their range, and those ending in _c are about their means, so R’s coefficients of \
-             numbers and thresholds differ from those below.",
-        );
-    }
     let slopes = model.random.iter().flat_map(|random| &random.slopes);
     let slopes: Vec<String> = slopes.map(|slope| names::slope(results, model, slope)).collect();
-    if !slopes.is_empty() {
-        section.text(format!(
-            "The model also lets participants differ in their effects ({}), so tests and intervals of these effects allow for \
-             differences between people.",
-            list(&slopes)
-        ));
-    } else if mixed && results.is_inferential() {
-        section.text(format!(
-            "In this model, participants differ only in how high they rate; every effect is the same for all.{}",
-            if results.spec.slopes == Slopes::None {
-                " Tests of interactions and of differences in them do not allow for people who differ in the effects."
-            } else {
-                ""
-            }
-        ));
-    }
+    let differ = match (&slopes[..], results.spec.slopes) {
+        _ if model.random.is_none() || !results.is_inferential() => String::new(),
+        ([], Slopes::None) => {
+            " Participants differ only in how high they rate, so tests of interactions and of differences in them do \
+                               not allow for people who differ in the effects."
+                .to_owned()
+        }
+        ([], _) => " Participants differ only in how high they rate; every effect is the same for all.".to_owned(),
+        (slopes, _) => format!(
+            " Participants also differ in the effects of {}, so tests and intervals of these effects allow for differences \
+             between people.",
+            list(slopes)
+        ),
+    };
+    section.text(format!("F is the {cdf} distribution function, θ are the thresholds{effects}.{differ}"));
 }
 
 fn coefficients(section: &mut Section, results: &Results, model: &Model) {
@@ -399,46 +378,28 @@ fn tests(
 /// Says how well the model describes the data.
 fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
     section.heading("Does the model describe the ratings?");
-    section.text(
-        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
-         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
-    );
-    let is_outside = |p: &&Proportion| p.is_outside();
-    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
-    let far = checks.cells.iter().filter(is_outside).count();
-    let lie = |number: usize| match number {
+    let outside = |all: &[Proportion]| match all.iter().filter(|own| own.is_outside()).count() {
         0 => "none lies".to_owned(),
         1 => "one lies".to_owned(),
         n => format!("{} lie", whole(n as u64)),
     };
-    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
-    section.text(format!(
-        "Of {} at the levels of the factors, {} outside{}.",
+    let mut text = format!(
+        "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
+         model does not describe these ratings. Because it was fitted to them, few should lie outside. Of {} at the levels of the \
+         factors, {} outside.",
         count(checks.proportions.len() as u64, "proportion"),
-        lie(outside.len()),
-        if checks.cells.is_empty() { poor } else { "" }
-    ));
+        outside(&checks.proportions)
+    );
     if !checks.cells.is_empty() {
-        section.text(format!(
-            "Of {} in the single combinations of {}, {} outside{}.",
+        text += &format!(
+            " Of {} in the single combinations of {}, {} outside.",
             count(checks.cells.len() as u64, "proportion"),
             list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
-            lie(far),
-            if checks.is_poor() { poor } else { ": no more than chance allows" }
-        ));
+            outside(&checks.cells)
+        );
     }
-    /// More rows would not be read.
-    const MOST: usize = 24;
-    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
-    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
-    if !rows.is_empty() {
-        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
-            .text("Factor", |own| names::factor(results, &own.factor))
-            .text("Level", |own| names::level(results, &own.factor, &own.level))
-            .text("Rating", |own| &own.category)
-            .number("Observed", |own| unit(own.observed))
-            .number("Expected", |own| unit(own.expected))
-            .number("Middle 95\u{a0}%", |own| range(Some(own.range), unit))
-            .add_to(section);
+    if checks.is_poor() {
+        text += " These are more than chance allows, so the model does not describe the ratings.";
     }
+    section.text(text);
 }

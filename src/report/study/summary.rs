@@ -12,8 +12,7 @@ use crate::{
         Checks, ModelReport, Note, Results,
         results::{FactorResults, SubjectResults},
     },
-    report::document::{Section, count, either, fixed, list, mean, p_is, percent, short_list, unit, whole},
-    statistics::mean_and_sd,
+    report::document::{Section, count, either, fixed, list, p_is, percent, short_list, unit, whole},
     store::{FileError, ratings::Source},
 };
 
@@ -86,11 +85,6 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
             }
             _ => format!("{}{positions}.", names::capitalized(&ratings)),
         });
-    }
-    if counts.total() > 0 {
-        // As in every mean, each participant counts equally.
-        let of_people: Vec<f64> = results.subjects.iter().map(|subject| subject.group.summary.mean).collect();
-        lead.push(format!("Their overall mean is {}.", mean(mean_and_sd(&of_people).0)));
     }
     if (2..FEW_PEOPLE).contains(&results.people()) {
         lead.push(format!("With only {who}, intervals are wide, and only large and consistent effects can be found."));
