@@ -216,7 +216,6 @@ fn session(protocol: &Protocol, subject: &str, sitting: Sitting) -> SessionRead 
         planned: Some(90),
         rated: 90,
         skipped: 0,
-        dropped: Some(0),
         sidecar: Some(Sidecar::new(protocol, 1, sitting).into()),
     }
 }
@@ -243,7 +242,7 @@ fn problems_with_the_data_are_reported() {
         incidents: vec!["the folder was moved".to_owned()],
         ..Sitting::default()
     };
-    source.sessions[1] = SessionRead { rated: 60, dropped: Some(7), ..session(&protocol, "S002", other) };
+    source.sessions[1] = SessionRead { rated: 60, ..session(&protocol, "S002", other) };
     let message = "rating 4; expected 0…3".to_owned();
     source.errors = vec![FileError {
         file: "S002.csv".to_owned(),
@@ -256,7 +255,6 @@ fn problems_with_the_data_are_reported() {
     let expected = [
         "Some of these data are simulated: 60 of 60 ratings of 1 of 2 participants (S002) come from a program",
         "Of 2 sessions, 1 is known to be finished",
-        "unfinished, 30 missing",
         "Frames are not steady. (1 sitting)",
         "S002, session 1: the folder was moved",
         "sittings differ in observer and viewing distance",
@@ -296,8 +294,8 @@ fn participants_with_unusual_answers_are_named() {
     }
     let numbers = Options { terms: Some("num:width".parse().unwrap()), ..options() };
     let cautions = study::summary(&source(&["width"]), &analyze(builder.finish(), &numbers)).cautions.join("\n");
-    let ben = "\nParticipant ben used only one category: all their ratings are 2.\n";
-    assert_parts(&cautions, &[ben, "cyd gave half of the answers within 0.2"]);
+    let ben = "\nParticipant ben used one category for at least 90\u{a0}% of their ratings.\n";
+    assert_parts(&cautions, &[ben, "Participant cyd gave half of the answers within 0.3"]);
 }
 
 /// The report says in one sentence why there is no prediction, or else shows the prediction.

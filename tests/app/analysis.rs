@@ -125,7 +125,7 @@ fn enter_terms(window: &mut Window, terms: &str) {
 fn assert_document(window: &mut Window, study: &Study, results: &Results) {
     let figures = figures::all(results);
     let document = document(&study.source, results, Parts { figures: &figures, ..Parts::default() });
-    assert!(document.sections.len() > 8 && figures.len() > 4);
+    assert!(document.sections.len() > 6 && figures.len() > 4);
     for section in &document.sections {
         click_and_rest(window, section.heading);
         for block in &section.blocks {

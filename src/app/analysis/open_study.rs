@@ -72,7 +72,7 @@ enum State {
 }
 
 /// The sections that need no model, so that they are shown at once. Numbers in them are final.
-const DRAFTED: [&str; 4] = ["design", "health", "description", "agreement"];
+const DRAFTED: [&str; 3] = ["health", "description", "agreement"];
 
 /// The results of an analysis, without the document.
 struct Outcome {

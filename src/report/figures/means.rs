@@ -16,7 +16,7 @@ use crate::{
     analysis::{
         Coefficient, Results,
         counts::{CountRow, Factor},
-        summary::{Group, by_levels, means_by_subject},
+        summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
     report::names,
     statistics::Interval,
@@ -56,23 +56,7 @@ pub(super) fn figures(results: &Results) -> Vec<Figure> {
 pub fn predicted(results: &Results, expected: &[Option<f64>]) -> Vec<Figure> {
     let counts = &results.measured.counts;
     let factors = chosen(counts);
-    let mut sums: HashMap<Vec<String>, HashMap<u32, (f64, f64)>> = HashMap::new();
-    for cell in counts.rows.chunk_by(|l, r| (l.subject, l.condition) == (r.subject, r.condition)) {
-        let Some(rating) = expected.get(cell[0].condition as usize).copied().flatten() else { continue };
-        let levels = counts.level_names(cell[0].condition);
-        let of_people = sums.entry(factors.iter().map(|&factor| levels[factor].to_owned()).collect()).or_default();
-        let (sum, n) = of_people.entry(cell[0].subject).or_default();
-        *sum += rating;
-        *n += 1.0;
-    }
-    let mean = |people: HashMap<u32, (f64, f64)>| {
-        let n = people.len() as f64;
-        let mut means: Vec<f64> = people.into_values().map(|(sum, n)| sum / n).collect();
-        // Summed in a fixed order, so that the last digit does not depend on that of the map.
-        means.sort_by(f64::total_cmp);
-        means.iter().sum::<f64>() / n
-    };
-    let means = sums.into_iter().map(|(levels, people)| (levels, (mean(people), None))).collect();
+    let means = of_groups(by_levels_as(counts, &factors, expected));
     let names = ["figure4a_predicted", "figure4b_predicted"];
     let source = "by the vision model, with its criterion fitted to the ratings";
     charts(results, &factors, &means, names, "Predicted mean rating", source)

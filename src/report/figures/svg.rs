@@ -25,29 +25,18 @@ pub(super) enum Anchor {
 /// The style of a text.
 #[derive(Clone, Copy)]
 pub(super) struct Font {
-    anchor: Anchor,
-    bold: bool,
-    upright: bool,
-    below: bool,
+    pub anchor: Anchor,
+    pub bold: bool,
+    /// Whether the text runs from bottom to top.
+    pub upright: bool,
+    /// Whether the top of the text is at its position.
+    pub below: bool,
 }
 
 impl Font {
+    /// Returns plain text that is vertically centered at its position.
     pub const fn new(anchor: Anchor) -> Self {
         Self { anchor, bold: false, upright: false, below: false }
-    }
-
-    pub const fn bold(self) -> Self {
-        Self { bold: true, ..self }
-    }
-
-    /// Makes the text run from bottom to top.
-    pub const fn upright(self) -> Self {
-        Self { upright: true, ..self }
-    }
-
-    /// Puts the top of the text at its position; other text is vertically centered there.
-    pub const fn below(self) -> Self {
-        Self { below: true, ..self }
     }
 }
 

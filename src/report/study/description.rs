@@ -1,45 +1,13 @@
-//! The sections about the design, the ratings as they are, and agreement.
+//! The sections about the ratings as they are, and agreement.
 
 use super::names::{self, participant};
 use crate::{
-    analysis::{Results, counts::Factor, summary::Group},
+    analysis::{Results, summary::Group},
     report::{
         document::{Section, Shown, TableOf, count, fixed, mean, range, unit, whole, with_interval},
         figures::Figure,
     },
-    store::ratings::Source,
 };
-
-/// Describes the design: what was varied, and how much was completed.
-pub(super) fn design(source: &Source, results: &Results) -> Section {
-    let mut section = Section::new("design", "Design");
-    let counts = &results.measured.counts;
-    if counts.factors.is_empty() {
-        section.text("No factor was varied, so all ratings belong to one condition.");
-        return section;
-    }
-    let planned = |name: &str| {
-        let factor = source.protocol.as_ref()?.factors.iter().find(|factor| factor.name == name)?;
-        Some(factor.levels.len() as f64)
-    };
-    let levels = |factor: &Factor| {
-        let levels = factor.levels.iter().map(|level| names::level(results, &factor.name, level).to_string());
-        levels.collect::<Vec<_>>().join(", ")
-    };
-    TableOf::new("Factors and their levels", &counts.factors)
-        .text("Factor", |factor| names::factor(results, &factor.name))
-        .text("Levels rated", levels)
-        .number("Number", |factor| whole(factor.levels.len() as u64))
-        .number("Planned", |factor| fixed(planned(&factor.name), 0))
-        .add_to(&mut section);
-    let possible = counts.factors.iter().map(|factor| factor.levels.len() as u64).product();
-    let found = counts.complete_conditions();
-    if found < possible {
-        let combinations = count(possible, "possible combination");
-        section.text(format!("Of {combinations} of these levels, {} were rated.", whole(found)));
-    }
-    section
-}
 
 /// Lists descriptive statistics by factor, condition and participant.
 pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
@@ -101,15 +69,6 @@ fn ratings(section: &mut Section, results: &Results, caption: &str, heads: &[Str
     table.add_to(section);
 }
 
-/// Counts what agreement is about: conditions, items, or items in conditions.
-fn units(results: &Results, number: u64) -> String {
-    match &results.spec.items {
-        None => count(number, "condition"),
-        Some(_) if names::varied(results).next().is_none() => count(number, "item"),
-        Some(items) => format!("{} of {} and condition", count(number, "combination"), names::factor(results, items)),
-    }
-}
-
 /// Describes agreement between and within participants.
 pub(super) fn agreement(results: &Results) -> Section {
     let mut section = Section::new("agreement", "Agreement");
@@ -118,17 +77,15 @@ pub(super) fn agreement(results: &Results) -> Section {
         Some(alpha) => {
             section.text(format!(
                 "Krippendorff’s ordinal α is {}{}, from {} of {} that two or more participants rated. 1 is perfect \
-                 agreement; 0 is agreement by chance.",
+                 agreement; 0 is agreement by chance, also if the conditions hardly differ.",
                 unit(alpha.alpha),
                 with_interval(alpha.interval, unit),
                 count(alpha.ratings, "rating"),
-                units(results, alpha.units as u64),
+                match results.spec.items {
+                    None => count(alpha.units as u64, "condition"),
+                    Some(_) => format!("{} (each an item in a condition)", count(alpha.units as u64, "unit")),
+                },
             ));
-            section.note(
-                "Krippendorff’s limits of .800 and .667 are meant for coders who apply a rule. Participants may differ \
-                 because they see differently; in that case, a low α is a finding and not an error. α is also near 0 if the \
-                 conditions hardly differ.",
-            );
         }
         None if results.is_inferential() => section.text(
             "Fewer than two conditions were rated by two participants, or all ratings are the same: agreement cannot be computed.",

@@ -53,19 +53,19 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.warning("These files were analyzed despite the following warnings.");
         section.list(source.warnings.iter().map(ToString::to_string).collect());
     }
-    if !source.sessions.is_empty() {
-        let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
-        let is_excluded = |session: &SessionRead| !analyzed.iter().any(|one| std::ptr::eq(*one, session));
+    let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
+    if !analyzed.is_empty() {
         section.heading("Sessions");
-        let known = |n: Option<u64>| n.map_or_else(|| fixed(None, 0), whole);
-        TableOf::new("Sessions: trials planned and rated", &source.sessions)
+        TableOf::new("Sessions: trials planned and rated", &analyzed)
             .text("Participant", |session| &session.subject)
             .text("Session", |session| &session.session)
-            .text("State", |session| if is_excluded(session) { "excluded".to_owned() } else { state(session) })
-            .text("Ratings by", rated_by)
-            .number("Planned", |session| known(session.planned))
+            .text("Ratings by", |session| match session.sidecar {
+                None => "not known",
+                Some(_) if is_simulated(session) => "a program",
+                Some(_) => "a person",
+            })
+            .number("Planned", |session| fixed(session.planned.map(|n| n as f64), 0))
             .number("Rated", |session| whole(session.rated))
-            .number("Trials with dropped frames", |session| known(session.dropped))
             .add_to(&mut section);
     }
     if all_sittings(source, results).next().is_some() {
@@ -76,37 +76,14 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
 
 /// Says how many of the sessions that were not excluded are known to be finished; `None` if there are none.
 pub(super) fn finished_sentence(source: &Source, results: &Results) -> Option<String> {
-    let all: Vec<&SessionRead> = sessions(source, results).collect();
-    let (number, finished) = (all.len() as u64, all.iter().filter(|session| is_finished(session)).count());
-    (number > 0).then(|| match all.len() - finished {
+    let (all, is_finished) =
+        (sessions(source, results), |own: &&SessionRead| own.planned.is_some_and(|n| own.rated >= n));
+    let (number, finished) = (all.clone().count() as u64, all.filter(is_finished).count() as u64);
+    let are = if finished == 1 { "is" } else { "are" };
+    (number > 0).then(|| match number - finished {
         0 => format!("All planned trials of {} are rated.", count(number, "session")),
-        _ => format!("Of {}, {finished} {} known to be finished.", count(number, "session"), are(finished as u64)),
+        _ => format!("Of {}, {finished} {are} known to be finished.", count(number, "session")),
     })
-}
-
-/// Returns the verb of a number.
-fn are(number: u64) -> &'static str {
-    if number == 1 { "is" } else { "are" }
-}
-
-fn is_finished(session: &SessionRead) -> bool {
-    session.planned.is_some_and(|planned| session.rated >= planned)
-}
-
-fn state(session: &SessionRead) -> String {
-    match session.planned {
-        None => "not known".to_owned(),
-        Some(planned) if session.rated < planned => format!("unfinished, {} missing", whole(planned - session.rated)),
-        Some(_) => "finished".to_owned(),
-    }
-}
-
-fn rated_by(session: &SessionRead) -> &'static str {
-    match &session.sidecar {
-        None => "not known",
-        Some(_) if is_simulated(session) => "a program",
-        Some(_) => "a person",
-    }
 }
 
 /// Lists what happened according to the sidecars, and in what the sittings differ.

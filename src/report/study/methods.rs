@@ -141,16 +141,6 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     Some(text)
 }
 
-/// Warns of p values that ignore that ratings are related.
-fn ignoring(results: &Results) -> &'static str {
-    match results.ignores_people() {
-        true => {
-            " These p values ignore that ratings by the same participant are related, so they may be far too small."
-        }
-        false => "",
-    }
-}
-
 /// Says how the terms of the model were tested.
 fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> String {
     let tested: Vec<&TermTest> = report.terms.iter().filter(|test| test.p.is_some()).collect();
@@ -159,7 +149,11 @@ fn terms_tested(cited: &mut Cited, results: &Results, report: &ModelReport) -> S
     }
     let names =
         |tests: &[&TermTest]| list(&tests.iter().map(|test| names::term(results, &test.term)).collect::<Vec<_>>());
-    let mut text = format!(" Likelihood-ratio tests were computed for {}.{}", names(&tested), ignoring(results));
+    let mut text = format!(" Likelihood-ratio tests were computed for {}.", names(&tested));
+    if results.ignores_people() {
+        text +=
+            " They ignore that ratings by the same participant are related, so their p values may be far too small.";
+    }
     if let Some(draws) = tested.iter().filter_map(|test| test.draws).max() {
         let others: Vec<&TermTest> = tested.iter().copied().filter(|test| test.draws.is_none()).collect();
         let error = tested.iter().filter_map(|test| test.p_error).reduce(f64::max);
