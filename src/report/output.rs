@@ -121,14 +121,12 @@ fn page(
     folder: &Path,
 ) -> Result<Contents, StoreError> {
     let mut contents = vec![("report.html".to_owned(), skins::html(document, provenance).into_bytes())];
-    let pictures: Result<Vec<_>, StoreError> = figures.par_iter().map(|figure| pictures(figure, folder)).collect();
-    contents.extend(pictures?.into_iter().flatten());
+    let drawn: Result<Vec<_>, StoreError> =
+        figures.par_iter().map(|figure| png(figure, &folder.join(figure.name))).collect();
+    for (Figure { name, svg, .. }, png) in figures.iter().zip(drawn?) {
+        contents.extend([(format!("{name}.svg"), svg.clone().into_bytes()), (format!("{name}.png"), png)]);
+    }
     Ok(contents)
-}
-
-fn pictures(figure: &Figure, folder: &Path) -> Result<[(String, Vec<u8>); 2], StoreError> {
-    let png = png(figure, &folder.join(figure.name))?;
-    Ok([(format!("{}.svg", figure.name), figure.svg.clone().into_bytes()), (format!("{}.png", figure.name), png)])
 }
 
 /// Returns a figure as the content of the PNG file at `path`.

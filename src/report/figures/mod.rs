@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use crate::analysis::Results;
 
 pub use display::{calibration, intervals};
-pub use figure::{Figure, FigureError, Pixels};
+pub use figure::{Figure, Pixels};
 pub use means::predicted;
 pub use svg::Plotted;
 

@@ -1,16 +1,14 @@
 //! The section about the model: its specification, its results, and whether its assumptions hold.
 
-use super::{names, summary::is_serious};
+use super::names;
 use crate::{
     analysis::{
         Checks, Coefficient, Comparison, Link, Model, ModelReport, Proportion, RandomEffect, RandomSlope, Results,
-        Slopes, TermTest, Withheld,
-        terms::{Term, Variable},
+        Slopes, TermTest, Withheld, terms::Term,
     },
     report::{
         document::{
-            Section, TableOf, count, fixed, list, mean, p_is, percent, probability, range, ratio, unit, whole,
-            with_interval,
+            Section, TableOf, count, fixed, list, mean, percent, probability, range, ratio, unit, whole, with_interval,
         },
         figures::Figure,
     },
@@ -28,9 +26,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     };
     let model = &report.model;
     formula(&mut section, results, model);
-    let (serious, others): (Vec<_>, Vec<_>) = model.notes.iter().partition(|note| is_serious(note));
-    serious.iter().for_each(|note| section.warning(names::note(results, model, note)));
-    section.list(others.iter().map(|note| names::note(results, model, note)).collect());
+    section.list(model.notes.iter().map(|note| names::note(results, model, note)).collect());
     section.figures(figures, &["effects"]);
     coefficients(&mut section, results, model);
     TableOf::new("Thresholds between the categories, on the latent scale", &model.thresholds)
@@ -110,27 +106,17 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
 fn order(section: &mut Section, report: &ModelReport) {
     let Some(order) = &report.order else { return };
     section.heading("Do ratings depend on the order of the trials?");
-    let drift_p = order.drift_p.map_or_else(
-        || " (without a test: there are fewer than six participants)".to_owned(),
-        |p| format!(" ({}, from the signs of the participants)", p_is(p)),
-    );
-    let drift = order.drift.map_or_else(
-        || "Whether ratings drift cannot be told, because each condition has its place in the sessions.".to_owned(),
-        |drift| {
-            format!(
-                "From the first to the last trial of a session, the latent rating changes by an estimated {}{drift_p}, \
-                 beyond what the model’s effects tell about the places of the trials.",
-                fixed(drift, 2)
-            )
-        },
-    );
-    section.text(format!(
-        "{drift} The residuals of successive trials correlate by {} ({}, if any order of a session’s residuals is equally likely). \
-         The {} whose order is known are used.",
-        unit(order.lag_one),
-        p_is(order.lag_one_p),
-        count(order.ratings, "rating")
-    ));
+    let facts = [
+        ("Change of the latent rating from the first to the last trial of a session", fixed(order.drift, 2)),
+        ("p of the change, from the signs of at least six participants", probability(order.drift_p)),
+        ("Correlation of the residuals of successive trials", unit(order.lag_one)),
+        ("p of the correlation, if any order of a session’s residuals is equally likely", probability(order.lag_one_p)),
+        ("Ratings whose order is known", whole(order.ratings)),
+    ];
+    section.facts("Drift and dependence of successive ratings, beyond the effects in the model", facts);
+    if order.drift.is_none() {
+        section.note("A drift cannot be told from effects, because each condition has its place in the sessions.");
+    }
 }
 
 /// Describes how much participants differ.
@@ -303,7 +289,16 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         section.text("The model has no terms, so it describes all ratings in the same way.");
         return;
     }
-    section.text(meaning(results, model));
+    section.text(match model.link {
+        Link::Logit => {
+            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. An odds ratio \
+             above 1 means that higher ratings are more likely."
+        }
+        Link::Probit => {
+            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. One unit is a \
+             standard deviation of the latent ratings."
+        }
+    });
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }
@@ -326,20 +321,6 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
 fn decimals(estimate: f64, se: Option<f64>) -> usize {
     let size = estimate.abs().max(se.unwrap_or(0.0));
     if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
-}
-
-fn meaning(results: &Results, model: &Model) -> String {
-    let mut variables = results.spec.terms.iter().flat_map(|term| &term.variables);
-    let mut text = String::new();
-    if variables.any(|variable| matches!(variable, Variable::Factor(_))) {
-        text +=
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. ";
-    }
-    text += match model.link {
-        Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
-        Link::Probit => "One unit is a standard deviation of the latent ratings.",
-    };
-    text
 }
 
 /// One of the probabilities of a test.

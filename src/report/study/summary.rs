@@ -256,7 +256,7 @@ fn about_model(results: &Results) -> Vec<String> {
 }
 
 /// True if a note is a caution. There is a separate caution for a single participant.
-pub(super) fn is_serious(note: &Note) -> bool {
+fn is_serious(note: &Note) -> bool {
     matches!(
         note,
         Note::RunawayVariance
