@@ -15,7 +15,7 @@ use crate::{
     },
     statistics::Interval,
     store::ratings::Shape,
-    text::{self, Cell, Column, Table},
+    text::{Cell, Column, Table},
 };
 
 fn columns(named: &[(&str, &str)]) -> Vec<Column> {
@@ -285,10 +285,9 @@ pub(super) fn count_columns(counts: &Counts, shape: &Shape) -> Vec<Column> {
     apart(columns(&all.collect::<Vec<_>>()), 1..1 + counts.factors.len())
 }
 
-/// Returns the columns and the rows of the sufficient statistic: participant, factors, rating and count. `analyze` can
-/// read this table in place of the files, because the columns of the participant and the response keep their names.
-fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Iterator<Item = Vec<Cell>> + 'a) {
-    let columns = count_columns(counts, shape);
+/// Lists the sufficient statistic: participant, factors, rating and count. `analyze` can read this table in place of the files,
+/// because the columns of the participant and the response keep their names.
+pub fn counts(counts: &Counts, shape: &Shape) -> Table {
     let conditions: Vec<Vec<Cell>> = (0..counts.conditions.len() as u32)
         .map(|condition| {
             counts.factors.iter().zip(counts.level_names(condition)).map(|(factor, name)| level(factor, name)).collect()
@@ -296,25 +295,13 @@ fn count_rows<'a>(counts: &'a Counts, shape: &Shape) -> (Vec<Column>, impl Itera
         .collect();
     let categories: Vec<Cell> =
         counts.categories.iter().map(|category| Cell::Level(category.clone(), number_of(category))).collect();
-    let rows = counts.rows.iter().map(move |row: &CountRow| {
+    let rows = counts.rows.iter().map(|row: &CountRow| {
         let mut cells = vec![Cell::Text(counts.subjects[row.subject as usize].clone())];
         cells.extend_from_slice(&conditions[row.condition as usize]);
         cells.extend([categories[row.rating as usize].clone(), row.count.into()]);
         cells
     });
-    (columns, rows)
-}
-
-/// Writes the sufficient statistic as CSV. There may be millions of rows, so no [`Table`] is built.
-pub fn counts_csv(counts: &Counts, shape: &Shape) -> Vec<u8> {
-    let (columns, rows) = count_rows(counts, shape);
-    text::csv(columns.iter().map(|column| column.name.as_str()), rows)
-}
-
-/// Lists the sufficient statistic.
-pub fn counts(counts: &Counts, shape: &Shape) -> Table {
-    let (columns, rows) = count_rows(counts, shape);
-    Table::new(columns, rows)
+    Table::new(count_columns(counts, shape), rows)
 }
 
 /// Lists the model's expected ratings in each condition, for a typical participant.

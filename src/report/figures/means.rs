@@ -189,7 +189,6 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         opacity: (12.0 / people).clamp(0.25, 0.75),
         ..Stroke::new(GRAY, if people > 40.0 { 1.4 } else { 2.0 })
     };
-    let thick = Stroke { width: 5.0, ..Series::only().line() };
     let points = |means: &[Option<f64>]| -> Vec<Option<Point>> {
         levels.at.iter().zip(means).map(|(&at, mean)| mean.map(|mean| (panel.x(at), panel.y(mean)))).collect()
     };
@@ -200,15 +199,9 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
         let means = means_by_subject(counts, by.levels.len(), level);
         shown.iter().for_each(|person| svg.path(&points(&means[*person]), thin));
         let groups = &results.factors[factor].levels;
-        let mean = |level: &String| Some(groups.iter().find(|group| group.names[0] == *level)?.summary.mean);
-        let means: Vec<_> = by.levels.iter().map(mean).collect();
-        let all = points(&means);
-        svg.path(&all, thick);
-        for ((point, mean), level) in all.iter().zip(&means).zip(&levels.names) {
-            let Some((point, mean)) = point.zip(*mean) else { continue };
-            let text = format!("{name} {level}: {}", told(mean, None));
-            svg.point(point, MARKER + 1.0, Series::only(), text);
-        }
+        let mean = |level: &String| Some((groups.iter().find(|group| group.names[0] == *level)?.summary.mean, None));
+        let means = by.levels.iter().map(mean).collect();
+        draw(svg, &panel, &levels, &[Line { name: String::new(), series: Series::only(), means }], [&name, ""]);
     }))
 }
 

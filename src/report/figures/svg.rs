@@ -174,14 +174,8 @@ impl Svg {
     pub fn marker(&mut self, (x, y): Point, radius: f64, Series { color, marker, .. }: Series) {
         let corners: &[Point] = match marker {
             Marker::Circle => return self.circle((x, y), radius, color),
-            Marker::Cross => {
-                let (s, stroke) = (0.85 * radius, Stroke::new(color, 4.5));
-                self.line(&[(x - s, y - s), (x + s, y + s)], stroke);
-                return self.line(&[(x - s, y + s), (x + s, y - s)], stroke);
-            }
             Marker::Square => &[(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)],
             Marker::Triangle => &[(0.0, -1.2), (1.1, 0.75), (-1.1, 0.75)],
-            Marker::Inverted => &[(0.0, 1.2), (1.1, -0.75), (-1.1, -0.75)],
             Marker::Diamond => &[(0.0, -1.3), (1.05, 0.0), (0.0, 1.3), (-1.05, 0.0)],
         };
         let corners: Vec<Point> = corners.iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();

@@ -45,14 +45,8 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
     section.heading("Errors");
     if source.errors.is_empty() {
         section.text("No errors were found in the files.");
-    } else {
-        section.text("Rows with errors were excluded; the rest was analyzed.");
-        section.list(source.errors.iter().map(ToString::to_string).collect());
     }
-    if !source.warnings.is_empty() {
-        section.warning("These files were analyzed despite the following warnings.");
-        section.list(source.warnings.iter().map(ToString::to_string).collect());
-    }
+    section.problems(&source.errors, &source.warnings);
     let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
     if !analyzed.is_empty() {
         section.heading("Sessions");

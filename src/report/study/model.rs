@@ -39,62 +39,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
     }
     comparisons(&mut section, results, report);
     margins(&mut section, results, report);
-    tests(
-        &mut section,
-        results,
-        [
-            "Does each term matter?",
-            &format!(
-                "Each row compares the model with one that lacks the term{}.{} A small p means that ratings like these would be \
-                 rare if the term had no effect. The p values are not corrected for the number of terms. Methods says where they \
-                 come from.",
-                if model.random.is_some() { " but has the same random effects" } else { "" },
-                if_interacting(
-                    results,
-                    " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
-                     (sum contrasts)."
-                )
-            ),
-            "Likelihood-ratio tests against the model without each term",
-        ],
-        &report.terms.iter().collect::<Vec<_>>(),
-        &[("p", |test| test.p)],
-    );
-    tests(
-        &mut section,
-        results,
-        [
-            "Do the effects depend on each other?",
-            if is_additive(results) {
-                "The model is additive: each factor has the same effect at every level of the others. Each row tests this \
-                 for two factors. The p values are corrected for the number of rows."
-            } else {
-                "The model leaves out these interactions: in it, neither factor’s effect depends on the other. Each row \
-                 tests this. The p values are corrected for the number of rows."
-            },
-            "Tests of the interactions that are not in the model",
-        ],
-        &report.interactions.iter().map(|own| &own.test).collect::<Vec<_>>(),
-        &[("Corrected p", |test| test.p)],
-    );
-    let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
-    let of_odds: [(&str, Probability); 2] = [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
-    tests(
-        &mut section,
-        results,
-        [
-            "Is one coefficient per effect enough?",
-            &format!(
-                "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold{}.{}",
-                if model.random.is_some() { ", in models without random effects" } else { "" },
-                if is_corrected { " The last column corrects p for the number of terms (Holm)." } else { "" }
-            ),
-            "Tests of proportional odds",
-        ],
-        &report.proportional_odds.iter().collect::<Vec<_>>(),
-        &of_odds[..1 + usize::from(is_corrected)],
-    );
+    tests(&mut section, results, report);
     order(&mut section, report);
     if let Some(checks) = &report.checks {
         fit_of_model(&mut section, results, checks);
@@ -323,36 +268,51 @@ fn decimals(estimate: f64, se: Option<f64>) -> usize {
     if size > 0.0 && size < 0.01 { (2.0 - size.log10().floor()) as usize } else { 3 }
 }
 
-/// One of the probabilities of a test.
-type Probability = fn(&TermTest) -> Option<f64>;
+/// What is tested, before the name of its term.
+const KINDS: [&str; 3] = ["effect", "interaction", "proportional odds"];
 
-/// Adds a table of tests, if there are any, with these probabilities.
-fn tests(
-    section: &mut Section,
-    results: &Results,
-    [heading, about, caption]: [&str; 3],
-    tests: &[&TermTest],
-    p: &[(&str, Probability)],
-) {
-    if tests.is_empty() {
+/// Adds the tests of the terms, of the interactions that the model leaves out, and of proportional odds.
+fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
+    let effects = report.terms.iter().map(|test| (0, test, [test.p, None]));
+    let interactions = report.interactions.iter().map(|own| (1, &own.test, [None, own.test.p]));
+    let odds = report.proportional_odds.iter().map(|test| (2, test, [test.p, test.p_holm]));
+    let rows: Vec<(usize, &TermTest, [Option<f64>; 2])> = effects.chain(interactions).chain(odds).collect();
+    if rows.is_empty() {
         return;
     }
-    section.heading(heading);
-    section.text(about);
-    let mut table = TableOf::new(caption, tests)
-        .text("Term", |test| names::term(results, &test.term))
-        .number("χ²", |test| fixed(test.chi_squared, 2))
-        .number("df", |test| whole(test.df as u64));
-    for (head, of) in p {
-        table = table.number(*head, move |test| probability(of(test)));
-    }
-    table.add_to(section);
-    let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
-    reasons.dedup();
-    for reason in reasons {
-        let own = tests.iter().filter(|test| test.withheld == Some(reason));
-        let terms: Vec<String> = own.map(|test| names::term(results, &test.term)).collect();
-        section.note(format!("No p for {}: {reason}.", list(&terms)));
+    let [same, without] = match &report.model.random {
+        Some(_) => [" with the same random effects", ", in models without random effects"],
+        None => ["", ""],
+    };
+    section.heading("Tests");
+    section.text(format!(
+        "A small p means that ratings like these would be rare without what is tested. An effect is tested against a model \
+         without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
+         is the same at every level of the other. Odds are proportional if a term has the same effect at every threshold, as in the \
+         model; the test is against a separate effect at each threshold{without}. The corrected p allows for the number of \
+         tests of the same kind. Methods says where p values come from.",
+        if_interacting(
+            results,
+            " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
+             (sum contrasts)."
+        )
+    ));
+    TableOf::new("Tests of terms", &rows)
+        .text("Test of", |(kind, ..)| KINDS[*kind])
+        .text("Term", |(_, test, _)| names::term(results, &test.term))
+        .number("χ²", |(_, test, _)| fixed(test.chi_squared, 2))
+        .number("df", |(_, test, _)| whole(test.df as u64))
+        .number("p", |(.., p)| probability(p[0]))
+        .number("Corrected p", |(.., p)| probability(p[1]))
+        .add_to(section);
+    let mut withheld: Vec<(usize, Withheld)> =
+        rows.iter().filter_map(|(kind, test, _)| Some((*kind, test.withheld?))).collect();
+    withheld.dedup();
+    for (kind, reason) in withheld {
+        let own = rows.iter().filter(|(own, test, _)| *own == kind && test.withheld == Some(reason));
+        let terms: Vec<String> = own.map(|(_, test, _)| names::term(results, &test.term)).collect();
+        let of = if kind == 0 { String::new() } else { format!("{} of ", KINDS[kind]) };
+        section.note(format!("No p for {of}{}: {reason}.", list(&terms)));
     }
 }
 

@@ -97,11 +97,11 @@ fn lead(source: &Source, results: &Results) -> Vec<String> {
     let modeled = results.covariates.iter().filter(is_modeled);
     let names: Vec<String> = modeled.map(|name| names::factor(results, name)).collect();
     if !names.is_empty() {
-        let (covariates, are) = match names.len() {
-            1 => ("covariate", "a number with a linear effect, not a condition"),
-            _ => ("covariates", "numbers with linear effects, not conditions"),
-        };
-        lead.push(format!("The model has the {covariates} {}: {are}.", list(&names)));
+        let s = if names.len() == 1 { "" } else { "s" };
+        lead.push(format!(
+            "The model has the covariate{s} {}, with a linear effect instead of conditions.",
+            list(&names)
+        ));
     }
     if let Some((_, items)) = results.spec.items.as_ref().and_then(|items| results.modeled().factor(items)) {
         let is_modeled =

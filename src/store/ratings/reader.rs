@@ -302,15 +302,10 @@ fn gaps(selection: &Selection, sessions: &[SessionRead], reports: &[FileRead]) -
 
 /// Returns the warning about what tables of counts do not contain; `None` if there are no such tables.
 fn counts_warning(inputs: &[Input]) -> Option<FileError> {
-    let mut tables = inputs.iter().filter(|input| input.layout == Layout::Counts);
-    let first = tables.next()?;
-    let others = tables.count();
-    let are = if others == 0 { "is a table".to_owned() } else { format!("and {others} more are tables") };
-    let message = format!(
-        "{are} of counts, so it is not known whether ratings are simulated, or when and in which order they were given; \
-         expected the result files for test–retest agreement, response times, sessions, and the prediction of the vision \
-         model"
-    );
+    let first = inputs.iter().find(|input| input.layout == Layout::Counts)?;
+    let message = "is a table of counts, so it is not known whether ratings are simulated, or when and in which order they were \
+                   given; expected the result files for test–retest agreement, response times, sessions, and the prediction of the \
+                   vision model";
     Some(FileError::whole(&first.path, message))
 }
 
