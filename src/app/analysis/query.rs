@@ -130,7 +130,7 @@ fn list(ui: &mut egui::Ui, id: &str, title: &str, list: &mut [bool], add: impl F
 
 /// Returns a level as it is read, such as ∞.
 fn shown(level: &str) -> String {
-    names::level(None, "", level).to_string()
+    names::level(names::Known::None, "", level).to_string()
 }
 
 fn check(ui: &mut egui::Ui, checked: &mut bool, of: &str, text: &str) {
