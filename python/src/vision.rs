@@ -50,7 +50,7 @@ type Predicted = (Option<f64>, Option<f64>, f64, Option<f64>, Option<f64>, Optio
 #[pyfunction]
 pub fn predict(py: Python<'_>, fields: Fields, kind: &str, parameters: Given) -> PyResult<Predicted> {
     let (request, stimulus) = (request::<Predict>(fields)?, stimulus_of(kind, parameters)?);
-    let found = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
+    let (found, _) = job::run(py, None, false, move |job| request.one(Some(&stimulus), job))?;
     let (detection, rating) = (found.detection, found.rating);
     Ok(match found.visible {
         Visible::Ramp(bands) => {

@@ -77,8 +77,10 @@ impl Judged {
     /// known, or no pixel can be compared.
     ///
     /// # Errors
-    /// Returns a [`VisionError`] if the picture does not have the size of the frame, is too small, or has no light at a
-    /// place.
+    /// Returns a [`VisionError`] if the picture is too small, or has no light at a place.
+    ///
+    /// # Panics
+    /// Panics if the picture does not have the size of the frame.
     pub fn difference(
         &self,
         viewing: &ViewingConditions,
@@ -95,8 +97,8 @@ impl Judged {
         let share: Vec<f64> = distances(mask, width, height, px).iter().map(|away| (away / px).min(1.0)).collect();
         let difference = judge.difference(&viewing.luminances(picture), &smooth, Some(&share))?;
         let map = difference.map();
-        let mut inside: Vec<f64> = map.enlarged();
-        inside = inside.into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
+        let mut inside: Vec<f64> =
+            map.enlarged().into_iter().zip(mask).filter(|(_, counts)| **counts).map(|(times, _)| times).collect();
         inside.sort_by(f64::total_cmp);
         let p95 = inside.get(inside.len().saturating_sub(1) * 95 / 100).copied().unwrap_or_default();
         Ok(Some(SurfaceDifference { largest: inside.last().copied().unwrap_or_default(), p95, map }))

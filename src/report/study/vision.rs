@@ -9,6 +9,7 @@ use crate::{
         figures::Figure,
         prediction::{Comparison, StudyPrediction},
     },
+    stimulus::ViewingConditions,
     store::{ratings::Source, sidecar::SimulatedObserver},
 };
 
