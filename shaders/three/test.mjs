@@ -44,14 +44,16 @@ for (const x of [1e13, 3e38]) {
   const found = welded(position.array, normal.array).positions.length / 3;
   expect(found > 5 * 8, `a vertex at ${x}: ${position.count} vertices become ${found}`);
 }
+const thrown = (by) => {
+  try {
+    by();
+  } catch (error) {
+    return error;
+  }
+};
 const { position: places, normal: normals } = sphere(0).geometry.attributes;
 for (const [short, index, word] of [[3, undefined, "the same number"], [0, [0, 1, 1e6], "index 1000000"], [0, [0, 1, -1], "index -1"]]) {
-  let error;
-  try {
-    welded(places.array, normals.array.slice(short), index);
-  } catch (thrown) {
-    error = thrown;
-  }
+  const error = thrown(() => welded(places.array, normals.array.slice(short), index));
   expect(error instanceof RangeError && error.message.includes(word), `a mesh that is not one: ${error}`);
 }
 const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
@@ -61,12 +63,7 @@ const smooth = sphere(0, new THREE.MeshStandardMaterial()), others = [
 const outside = sphere(0, new THREE.MeshStandardMaterial());
 outside.geometry.index.setX(0, 1e4);
 others.push(outside);
-let refusal;
-try {
-  applyC1({ scene: smooth });
-} catch (thrown) {
-  refusal = thrown;
-}
+const refusal = thrown(() => applyC1({ scene: smooth }));
 expect(refusal instanceof TypeError && refusal.message.endsWith("expected one, such as gltf.scene"), `a glTF: ${refusal}`);
 const { meshes, skipped } = applyC1(new THREE.Group().add(smooth, ...others));
 expect(meshes.length === 1 && meshes[0] === smooth, `applied to ${meshes.length} mesh; expected 1`);
