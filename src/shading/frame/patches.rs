@@ -85,6 +85,11 @@ impl Patches {
         let coefficients = (0..frame.triangles.len()).into_par_iter().map(of_triangle).collect();
         Patches { gradients, coefficients }
     }
+
+    /// Returns the value at the point where the corners of a triangle have the weights `w` on the screen.
+    pub fn value(&self, triangle: usize, w: [f64; 3]) -> DVec3 {
+        cubic::value(&self.coefficients[triangle], w).into()
+    }
 }
 
 /// The step of the central differences, in radii of the mesh's bounding sphere.
