@@ -90,7 +90,11 @@ impl Judge {
             None => Lookup::new(farthest, power),
         };
         let mut weights: Vec<Complex64> = (0..padded[0] * padded[1])
+            .into_par_iter()
             .map(|i| {
+                if i % padded[0] == 0 {
+                    checkpoint();
+                }
                 let away = [i % padded[0], i / padded[0]];
                 let away = [0, 1].map(|axis| away[axis].min(padded[axis] - away[axis]) as f64 * step[axis]);
                 weight.at(away[0].hypot(away[1])).into()
@@ -289,7 +293,7 @@ impl Difference<'_> {
         values.par_iter_mut().zip(&self.judge.weights).for_each(|(value, weight)| *value = value.conj() * weight);
         checkpoint();
         transform(&mut values, padded[0], padded[1]);
-        let rows = values.chunks_exact(padded[0]).take(places[1]);
+        let rows = values.chunks_exact(padded[0]).take(places[1]).inspect(|_| checkpoint());
         let times = rows.flat_map(|row| &row[..places[0]]).map(|value| value.re.max(0.0).powf(1.0 / power)).collect();
         DifferenceMap { times, places: *places, size: *given }
     }
