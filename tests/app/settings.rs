@@ -31,7 +31,7 @@ fn what_was_typed_is_remembered_and_participants_are_not() {
     type_into(&mut window, "Viewing distance, cm", "71");
     type_into(&mut window, "Screen width, cm", "40.5");
     type_into(&mut window, "Results folder", &results);
-    click(&mut window, "Cancel");
+    click(&mut window, "Close");
     click(&mut window, "Settings");
     click(&mut window, "Light");
     click(&mut window, "Close");

@@ -338,6 +338,7 @@ impl Studies {
         });
         if done == Some(true) {
             self.choose_experiment(path.trim().to_owned());
+            ui::say(ctx, format!("Opened {}", self.form.experiment));
         }
         (done.is_none() && !closed).then_some(path)
     }
@@ -352,6 +353,7 @@ impl Studies {
             Err(error) => ui::complain(ctx, error),
             Ok(Made::Checked(found)) => {
                 let sessions = count(found.sessions as u64, "session");
+                found.errors.iter().rev().for_each(|error| ui::complain(ctx, error));
                 match found.errors.len() as u64 {
                     0 => ui::say(ctx, format!("{sessions} checked; no errors")),
                     n => ui::complain(ctx, format!("{sessions} checked; {}", count(n, "error"))),

@@ -220,7 +220,7 @@ impl Studies {
         let (clicked, cancelled) = ui
             .horizontal_wrapped(|ui| {
                 let clicked = ui::primary(ui, text, checked.request.is_some(), "");
-                let cancelled = ui.button("Cancel").clicked();
+                let cancelled = ui.button("Close").clicked();
                 ui::hint(ui, hint);
                 (clicked, cancelled)
             })
