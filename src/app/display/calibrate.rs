@@ -75,7 +75,7 @@ pub trait Findings: Sized {
     fn summary(&mut self, ui: &mut Ui);
 
     /// Draws plots and tables.
-    fn details(&mut self, ui: &mut Ui);
+    fn details(&mut self, _: &mut Ui) {}
 
     /// Returns the known profile, updated with the findings; `None` if they are insufficient.
     fn profile(&self, _: &DisplayProfile) -> Option<DisplayProfile> {

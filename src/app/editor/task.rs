@@ -12,7 +12,7 @@ use crate::{
         CATEGORIES, ResponseScale, default_key,
         task::{Adaptive, Common, Defaults, Method, OptionValue, Task, TaskOption, typed},
     },
-    report::names::capitalized,
+    report::names::{self, capitalized},
     stimulus::{Parameter, Stimulus},
     store::draft::{Draft, Typed},
 };
@@ -35,7 +35,7 @@ pub fn show(form: &mut DefinitionForm, ui: &mut Ui) {
     let error = [form.own_error("task"), form.error("task.kind")].join("\n");
     ui::text::errors(ui, error.trim());
     let Some(default) = Task::read(&kind, &mut Defaults) else { return };
-    options(form, ui, "task", Task::options(&kind), &serde_json::to_value(&default).unwrap_or_default());
+    options(form, ui, "task", Task::options(&kind), &default);
     if !form.draft().keys("task").is_empty() && form.draft().get("task.kind").is_none() {
         form.edit(|draft| draft.set("task.kind", &kind, Typed::Text));
     }
@@ -144,10 +144,8 @@ fn method(form: &mut DefinitionForm, ui: &mut Ui) {
     }
     ui::text::errors(ui, &form.own_error("adaptive"));
     let Some(method) = Method::read(&chosen, &mut Defaults) else { return };
-    let defaults = Adaptive { method, ..Adaptive::default() };
-    let defaults = serde_json::to_value(&defaults).unwrap_or_default();
     let all: Vec<TaskOption> = Common::OPTIONS.iter().chain(Method::options(&chosen)).copied().collect();
-    options(form, ui, "adaptive", &all, &defaults);
+    options(form, ui, "adaptive", &all, &Adaptive { method, ..Adaptive::default() });
 }
 
 /// Returns the first parameter with several suggested numbers that no factor varies, with these numbers.
@@ -187,7 +185,14 @@ fn set_ends(draft: &mut Draft, table: &str, levels: &[f64]) {
 }
 
 /// Draws the options of a table.
-fn options(form: &mut DefinitionForm, ui: &mut Ui, table: &str, options: &[TaskOption], defaults: &serde_json::Value) {
+pub fn options(
+    form: &mut DefinitionForm,
+    ui: &mut Ui,
+    table: &str,
+    options: &[TaskOption],
+    defaults: &impl serde::Serialize,
+) {
+    let defaults = &serde_json::to_value(defaults).unwrap_or_default();
     let at_once = table == "task" && form.value("task.shown", "") == "places";
     let opened = |option: &TaskOption| option.key.split_once('.').map(|(inner, _)| inner);
     for (i, option) in options.iter().enumerate() {
@@ -247,7 +252,23 @@ fn control(
                 Some(chosen) => form.type_value(key, chosen, Typed::Value),
             }
         }
+        OptionValue::Order => order(form, ui, [label, key, &default, about]),
         OptionValue::Settings => settings(form, ui, option, key),
+    }
+}
+
+fn order(form: &mut DefinitionForm, ui: &mut Ui, field: [&str; 4]) {
+    let known = Some(form.parameters());
+    let of_factor = |factor: String| ["blocked", "latin"].map(|kind| format!("{kind}:{factor}"));
+    let orders: Vec<String> =
+        ["random".to_owned()].into_iter().chain(form.draft().factors().into_iter().flat_map(of_factor)).collect();
+    let title = |order: &str| match order.split_once(':') {
+        Some(("blocked", factor)) => format!("Blocks by {}, random", names::factor(known, factor)),
+        Some(("latin", factor)) => format!("Blocks by {}, Latin square", names::factor(known, factor)),
+        _ => capitalized(order),
+    };
+    if let Some(chosen) = form.choice(ui, field, orders.iter().map(String::as_str), title) {
+        form.type_value(field[1], &chosen, Typed::Text);
     }
 }
 

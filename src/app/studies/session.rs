@@ -47,7 +47,10 @@ impl Studies {
     }
 
     /// Updates the remembered values. What the program suggests is not remembered.
-    pub(super) fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+    pub fn remember(&self, settings: &mut Settings, monitor: &Monitor, checked: &Checked) {
+        if !self.started {
+            return;
+        }
         let SessionForm { screen, results, experiment, .. } = &self.form;
         let absolute = |text: &str| ui::full(Path::new(text.trim())).display().to_string();
         settings.results = absolute(results);

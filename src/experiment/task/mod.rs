@@ -32,6 +32,7 @@ pub use staircase::{Staircase, Stairs};
 pub use yes_no::YesNo;
 
 use options::kinds;
+pub(in crate::experiment) use options::options;
 
 use super::{scale::ResponseScale, texts::Texts};
 
