@@ -8,7 +8,7 @@ use super::{
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
-use crate::light::image::shares;
+use crate::{light::image::shares, system::checkpoint};
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
