@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Label, RichText, Slider};
+use eframe::egui::{self, RichText, Slider};
 use glam::DVec3;
 
 use super::comparison::{Comparison, MeshChoice, depth_title, shader_title};
@@ -83,7 +83,7 @@ pub fn mesh(ui: &mut egui::Ui, compared: &mut Comparison) {
             }
         }
         // The row stays, so that what follows does not move.
-        _ => drop(ui.add_sized([0.0, ui.spacing().interact_size.y], Label::new(secondary("as in the mesh")).extend())),
+        _ => _ = ui.horizontal(|ui| ui.label(secondary("as in the mesh"))),
     });
     let names = [("Rotate x", "Rotate about x"), ("Rotate y", "Rotate about y"), ("Rotate z", "Rotate about z")];
     for ((label, name), degrees) in names.into_iter().zip(&mut compared.scene.rotate_deg) {

@@ -5,7 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use eframe::egui::{self, Key, Label, Rect, RichText, ScrollArea, TextureHandle, UiBuilder};
+use eframe::egui::{self, Key, Label, Rect, RichText, TextureHandle, UiBuilder};
 use serde_json::{Value, json};
 
 use super::{
@@ -16,11 +16,12 @@ use super::{
 };
 use crate::{
     app::ui::{
-        Bench, Dialog, Field, FileKind, History, Saving, escaped, folded, hint, say, secondary, text,
+        Bench, Dialog, Field, FileKind, History, Saving, escaped, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
     },
     display::DisplayProfile,
     light::CodeImage,
+    report::document::numbers::whole,
     shading::Surface,
     store::{self, StoreError},
 };
@@ -29,10 +30,8 @@ use crate::{
 const PLOTS: f32 = 190.0;
 /// Height of the view in one column, points.
 const NARROW_VIEW: f32 = 560.0;
-/// Height of the numbers below the picture, points.
-const NUMBERS: f32 = 180.0;
-/// The same height while they are closed.
-const CLOSED: f32 = 26.0;
+/// Height of the line below the picture, points.
+const NOTE: f32 = 26.0;
 /// Width of the controls of the zoom, points.
 const ZOOM: f32 = 160.0;
 /// Height of the first sentence, points: two lines.
@@ -57,8 +56,6 @@ pub struct ShadingPage {
     typed: Option<String>,
     saving: Saving,
     dragging: bool,
-    /// Whether the raw numbers are shown.
-    details: bool,
 }
 
 /// The field for the path of a mesh.
@@ -168,8 +165,7 @@ impl ShadingPage {
         self.explain(ui);
         let titles = self.compared.sides.each_ref().map(title);
         self.titles(ui, &titles);
-        let numbers = if self.details { NUMBERS } else { CLOSED };
-        let below = numbers + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
+        let below = NOTE + if self.settings.scan { PLOTS + 8.0 } else { 0.0 };
         let rest = ui.available_rect_before_wrap();
         let room = Rect::from_min_max(rest.min, rest.max - egui::vec2(0.0, below.min(rest.height() * 0.6)));
         let (rect, size) = canvas::whole_pixels(ui.ctx(), room);
@@ -180,10 +176,11 @@ impl ShadingPage {
         canvas::draw_marks(ui, rect, &self.settings);
         let lower = Rect::from_min_max(egui::pos2(rest.left(), rect.bottom() + 6.0), rest.max);
         let mut lower = ui.new_child(UiBuilder::new().max_rect(lower));
-        if self.settings.scan {
-            self.numbers(&mut lower);
-        } else {
-            ScrollArea::vertical().id_salt("numbers").show(&mut lower, |ui| self.numbers(ui));
+        if let Some(pictures) = &self.pictures {
+            let triangles = whole(pictures.frame.triangles.len() as u64);
+            let told =
+                format!("Predicted for a shorter side of {SHORTER_SIDE_DEG}°. {triangles} triangles face the viewer.");
+            hint(&mut lower, told);
         }
         if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
@@ -332,45 +329,6 @@ impl ShadingPage {
             _ => pictures.sides.each_ref().map(Picture::id),
         };
         canvas::draw(ui, rect, textures, pictures.size(), &self.settings);
-    }
-
-    /// Draws the table of visible differences.
-    fn numbers(&mut self, ui: &mut egui::Ui) {
-        let Some(pictures) = &self.pictures else { return };
-        ui.spacing_mut().interact_size.y = 14.0;
-        let details = egui::CollapsingHeader::new(secondary("Details")).id_salt("numbers").open(Some(self.details));
-        if folded(ui, details, |_| ()).header_response.clicked() {
-            self.details = !self.details;
-        }
-        if !self.details {
-            return;
-        }
-        egui::Grid::new("numbers").spacing([16.0, 2.0]).show(ui, |ui| {
-            ui.label("");
-            for (side, color) in ["left", "right"].into_iter().zip(ink(ui).sides()) {
-                ui.label(RichText::new(side).small().color(color));
-            }
-            ui.end_row();
-            let known = self.visible.get(pictures.edition);
-            let cell = |number: &dyn Fn(&Measured) -> Option<String>| match known {
-                None => "…".to_owned(),
-                Some(found) => found.as_ref().ok().and_then(number).unwrap_or_else(|| "—".to_owned()),
-            };
-            let largest = |which: usize| cell(&|found| Some(format!("{:.1}", found.largest[which])));
-            let relative = |which: usize| cell(&|found| Some(format!("{:.2}", found.over_gouraud[which]?)));
-            for (name, cells) in [
-                ("visible difference, times the threshold", [0, 1].map(largest)),
-                ("visible difference relative to Gouraud", [0, 1].map(relative)),
-            ] {
-                ui.label(secondary(name));
-                for (cell, color) in cells.into_iter().zip(ink(ui).sides()) {
-                    ui.label(RichText::new(cell).small().color(color));
-                }
-                ui.end_row();
-            }
-        });
-        let triangles = pictures.frame.triangles.len();
-        hint(ui, format!("Triangles facing the viewer: {triangles}. The shorter side counts as {SHORTER_SIDE_DEG}°."));
     }
 
     /// Says how visible the differences from the smooth surface are.

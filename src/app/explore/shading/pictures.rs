@@ -12,7 +12,7 @@ use super::{canvas::FACTOR, comparison::Comparison};
 use crate::{
     app::ui::{describe, hint, pixels, still_plot, theme::ink, work::Latest},
     light::{Bits, CodeImage, Quantizer, Samples, Transfers},
-    shading::{Frame, Shade, Shader, Surface, crease, image},
+    shading::{Frame, Shade, Surface, crease, image},
     stimulus::{Judged, ViewingConditions, along, emitted},
     vision::luminance,
 };
@@ -128,8 +128,6 @@ pub const SHORTER_SIDE_DEG: f64 = 10.0;
 pub struct Measured {
     /// The largest difference, times threshold.
     pub largest: [f64; 2],
-    /// The same relative to Gouraud's, if that differs at all.
-    pub over_gouraud: [Option<f64>; 2],
     pub maps: [CodeImage; 2],
     /// The difference with the last color of the maps.
     pub full_scale: f64,
@@ -172,7 +170,7 @@ impl Measurement {
 /// The color of a map beside the mesh, encoded.
 const BESIDE: [f64; 3] = [0.2; 3];
 
-/// Judges how visible the difference from the smooth surface is, also relative to Gouraud's.
+/// Judges how visible the difference from the smooth surface is.
 fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<Measured, String> {
     let frame = compared.scene.frame(surface, SIDE_PX, SIDE_PX).unpainted();
     let viewing = ViewingConditions::new(SHORTER_SIDE_DEG);
@@ -182,10 +180,6 @@ fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<M
         found.map_err(|error| error.to_string())?.ok_or_else(|| "the smooth surface is not known".to_owned())
     };
     let sides = [judge(&compared.sides[0])?, judge(&compared.sides[1])?];
-    let gouraud = match compared.sides.iter().position(Shade::is_gouraud) {
-        Some(which) => sides[which].largest,
-        None => judge(&Shade::new(Shader::Gouraud))?.largest,
-    };
     let full_scale = sides.iter().map(|side| side.largest).fold(1.0, f64::max);
     let maps = sides.each_ref().map(|side| {
         let (times, [across, down]) = (side.map.enlarged(), size);
@@ -204,9 +198,7 @@ fn visible(compared: &Comparison, surface: &Surface, size: [u32; 2]) -> Result<M
         let codes = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y));
         CodeImage { width: across, height: down, samples: Samples::Eight(codes.collect()) }
     });
-    let largest = sides.each_ref().map(|side| side.largest);
-    let over_gouraud = largest.map(|largest| (gouraud > 0.0).then(|| largest / gouraud));
-    Ok(Measured { largest, over_gouraud, maps, full_scale })
+    Ok(Measured { largest: sides.map(|side| side.largest), maps, full_scale })
 }
 
 /// Samples per pixel of the scan line, and the maximum number of samples.
