@@ -122,7 +122,10 @@ impl Choices {
         for (parameter, text) in stimulus.parameters().iter().zip(&self.values[self.entry]) {
             let value: ParameterValue = text.parse().unwrap_or_else(|never| match never {});
             if let Err(ParameterError { value, problem, expected, .. }) = stimulus.set(parameter.name, &value) {
-                errors.push((Some(parameter.name), format!("{value} {problem}. Enter {expected}.")));
+                errors.push((
+                    Some(parameter.name),
+                    format!("{}: {value} {problem}. Enter {expected}.", parameter.label()),
+                ));
             }
         }
         if errors.is_empty()
@@ -228,16 +231,17 @@ impl Gallery {
         self.history.show(ui, &mut self.settings, initial);
         ui::hint(ui, self.settings.kind().about);
         ui.add_space(theme::SMALL_GAP);
-        let show = |ui: &mut Ui, name: Option<&str>| {
-            self.faults.iter().filter(|(of, _)| *of == name).for_each(|(_, error)| ui::show_error(ui, error));
-        };
         let Choices { entry, values, size, dither } = &mut self.settings;
         let parameters = catalog::all()[*entry].default_stimulus().parameters();
         for (parameter, text) in parameters.iter().zip(&mut values[*entry]) {
-            ui::parameter(ui, LABELS, parameter, text);
-            show(ui, Some(parameter.name));
+            let is_wrong = self.faults.iter().any(|(of, _)| *of == Some(parameter.name));
+            ui.scope(|ui| {
+                if is_wrong {
+                    theme::outline_wrong(ui);
+                }
+                ui::parameter(ui, LABELS, parameter, text, None);
+            });
         }
-        show(ui, None);
         ui.add_space(theme::SMALL_GAP);
         let dithers: Vec<Dither> = DITHERS.iter().filter_map(|name| name.parse().ok()).collect();
         Field::new("Size, px")
@@ -252,7 +256,11 @@ impl Gallery {
 
     fn export(&mut self, ui: &mut Ui) {
         let Some(shown) = &self.shown else { return };
-        ui::hint(ui, format!("Display: {}.", self.display.sentence()));
+        // Below a control, an error would shift the others.
+        match self.faults.is_empty() {
+            true => ui::hint(ui, format!("Display: {}.", self.display.sentence())),
+            false => self.faults.iter().for_each(|(_, error)| ui::show_error(ui, error)),
+        }
         let field = Field::new("Export to").column(LABELS).width(ui.available_width() - LABELS - theme::GAP);
         let field = field.text(ui, &mut self.out).on_hover_text(
             "The ending chooses the format: .png for the image, .csv for the light along its orientation.",
@@ -339,7 +347,7 @@ impl Gallery {
                 if is_predicted {
                     self.prediction.show(ui, stimulus, *size);
                 } else {
-                    ui::paragraph(ui, "Nothing is predicted: this effect is none of Mach bands.");
+                    ui::paragraph(ui, "Nothing is predicted: this is not about Mach bands.");
                 }
             });
         };

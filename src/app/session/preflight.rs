@@ -24,6 +24,8 @@ use crate::{
 const MEASURE_S: f64 = 1.0;
 /// Minimum number of measured frames.
 const MEASURE_FRAMES: usize = 30;
+/// Share of the window's height above the page.
+const TOP: f32 = 0.02;
 /// Longest wait for the window to become full screen, seconds.
 const SETTLE_S: f64 = 0.7;
 
@@ -95,7 +97,7 @@ impl Preflight {
                 self.frames.frame(Duration::try_from_secs_f64(now).unwrap_or_default(), None);
             }
             ui.ctx().request_repaint();
-            ui::page(ui, |ui| {
+            ui::page_from(ui, TOP, |ui| {
                 ui.heading("Before the session");
                 ui.label("Measuring the screen…");
                 ui.spinner();
@@ -170,7 +172,7 @@ impl Preflight {
             let begin = ui::neutral_primary(ui, "Continue", ready, "Space. These findings are saved with the data.");
             (begin, ui::keyed(ui, "Back", "Esc"))
         });
-        ui::page_from(ui, 0.02, |ui| {
+        ui::page_from(ui, TOP, |ui| {
             ui.heading("Before the session");
             let (subject, session) = (identity.subject(), identity.session());
             let title = &protocol.title;

@@ -79,6 +79,12 @@ impl<'a> Field<'a> {
 
     /// Draws the label and its control. `add` gets the label's ID for [`Response::labelled_by`].
     pub fn show<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui, Id) -> R) -> R {
+        let add = |ui: &mut Ui, label| {
+            if !self.error.is_empty() {
+                outline_wrong(ui);
+            }
+            add(ui, label)
+        };
         let Some(column) = self.column else {
             let line = |ui: &mut Ui| {
                 let label = ui.label(self.label).id;
@@ -89,9 +95,6 @@ impl<'a> Field<'a> {
             return added;
         };
         let add = |ui: &mut Ui, label| {
-            if !self.error.is_empty() {
-                outline_wrong(ui);
-            }
             let added = add(ui, label);
             self.show_errors(ui);
             added
