@@ -11,7 +11,7 @@ use crate::{
 /// Address of the section that says what was found.
 const SUMMARY: &str = "summary";
 /// In a view wider than this, points, figures are in two columns.
-const TWO_COLUMNS: f32 = 880.0;
+const TWO_COLUMNS: f32 = 780.0;
 
 /// A document and the state of its tables and figures.
 pub struct DocumentView {

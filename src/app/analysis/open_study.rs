@@ -224,16 +224,16 @@ impl Opened for OpenStudy {
         match self.state {
             State::Done => {}
             State::Running { is_draft, .. } => {
-                self.simulated.show(ui, "Analyzing", "simulated studies");
-                if !is_draft && ui.small_button("Stop").clicked() {
+                if ui.add_enabled(!is_draft, egui::Button::new("Stop").small()).clicked() {
                     self.state = State::Stopped;
                 }
+                self.simulated.show(ui, "Analyzing", "simulated studies");
             }
             State::Stopped => {
-                ui.label(secondary("Stopped."));
                 if ui.small_button("Continue").clicked() {
                     self.start(ui.ctx(), false);
                 }
+                ui.label(secondary("Stopped."));
             }
             State::Empty => {
                 ui.label(secondary("No data are selected.").color(theme::ink(ui).bad))

@@ -125,8 +125,14 @@ impl Analysis {
         let error = self.error.as_deref().unwrap_or_default();
         let step = match open {
             None => Step::back_if(self.show_start(ui, recent)),
-            Some(Open::Ratings(study)) => study.show(ui, error),
-            Some(Open::Task(task)) => task.show(ui, self.reading.is_some(), error),
+            // Other data begin at the top.
+            Some(open) => {
+                let shown = ui.push_id(&self.asked.ratings.paths, |ui| match open {
+                    Open::Ratings(study) => study.show(ui, error),
+                    Open::Task(task) => task.show(ui, self.reading.is_some(), error),
+                });
+                shown.inner
+            }
         };
         let back = match step {
             Step::Stay => false,
@@ -244,13 +250,15 @@ impl Analysis {
                     self.columns = Columns::of(&order.ratings);
                 }
             }
+            let is_asked = self.columns.is_some() || self.order.is_some();
+            let mut chosen = if is_asked { None } else { self.choose(ui, recent) };
             for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
                 show_error(ui, line);
             }
-            if self.columns.is_some() || self.order.is_some() {
+            if is_asked {
                 ui.separator();
+                chosen = self.choose(ui, recent);
             }
-            let chosen = self.choose(ui, recent);
             if keep {
                 self.columns = None;
             }

@@ -2,7 +2,8 @@
 //! column name. The names stay in view while any of its rows is.
 
 use eframe::egui::{
-    self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2, WidgetInfo,
+    self, Align, Button, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, TextStyle, UiBuilder, Vec2,
+    WidgetInfo, scroll_area::ScrollBarVisibility,
 };
 
 use crate::{
@@ -43,7 +44,11 @@ impl TableView {
         }
         let height = ui.text_style_height(&TextStyle::Body) + 8.0;
         let size = Vec2::new(self.widths.iter().sum(), height * (self.table.rows.len() + 1) as f32);
-        let clicked = ScrollArea::horizontal().id_salt(id).auto_shrink([false, true]).show(ui, |ui| {
+        // The bar of a table that is out of view would be at the edge of the view.
+        let is_seen = ui.is_rect_visible(Rect::from_min_size(ui.cursor().min, Vec2::new(1.0, size.y)));
+        let bar = if is_seen { ScrollBarVisibility::VisibleWhenNeeded } else { ScrollBarVisibility::AlwaysHidden };
+        let area = ScrollArea::horizontal().scroll_bar_visibility(bar).id_salt(id).auto_shrink([false, true]);
+        let clicked = area.show(ui, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
             response.widget_info(|| WidgetInfo::labeled(Role::Table, true, &self.table.caption));
             let line = rect.top() + height;

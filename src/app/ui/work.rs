@@ -93,12 +93,13 @@ impl Steps {
     /// Draws how far it is: `Checking: 3 of 8 sessions`. `what` is the computation, and `items` is what is counted.
     pub fn show(&self, ui: &mut egui::Ui, what: &str, items: &str) {
         let [done, all] = [&self.done, &self.all].map(|count| count.load(Ordering::Relaxed));
+        let share = done as f32 / all.max(1) as f32;
+        ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
+        // Its length changes, so it is last.
         ui.label(secondary(match all {
             0 => format!("{what}…"),
             _ => format!("{what}: {} of {} {items}", whole(done), whole(all)).trim_end().to_owned(),
         }));
-        let share = done as f32 / all.max(1) as f32;
-        ui.add(egui::ProgressBar::new(share).desired_width(96.0).desired_height(4.0).fill(ink(ui).dim));
         ui.ctx().request_repaint_after_secs(0.1);
     }
 }
