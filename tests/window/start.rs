@@ -202,7 +202,7 @@ fn escape_closes_the_innermost_thing_first() {
     desk.go(3);
     let gallery = desk.screen();
     assert!(gallery != start);
-    desk.click("Stimulus");
+    desk.click("Dither");
     assert!(desk.harness.screen() != gallery, "the list is open");
     desk.harness.press("Escape");
     assert!(desk.screen() == gallery, "Escape closes only the list");
