@@ -5,7 +5,7 @@ use std::time::Duration;
 use eframe::egui::{self, Key, RichText, ViewportCommand};
 
 use super::{
-    findings::{self, Questions},
+    findings::{self, Question},
     participant::ParticipantPage,
     request::{Prepared, Request},
     trials::Trials,
@@ -36,7 +36,7 @@ pub struct Preflight {
     since: Option<f64>,
     frames: FrameTimes,
     /// The system's report about the screen and the remaining questions, once the window has settled.
-    platform: Option<(Platform, Questions)>,
+    platform: Option<(Platform, Vec<Question>)>,
     /// The fonts for the participant's texts.
     fonts: TextFonts,
     /// The finding about the change in light between field and stimulus.
@@ -107,7 +107,7 @@ impl Preflight {
         let missing = missing.flatten();
         let (platform, mut questions) = self.platform.take().unwrap_or_else(|| {
             let platform = Platform::of(monitor);
-            let questions = Questions::new(&platform, &self.request.display);
+            let questions = findings::questions(&platform, &self.request.display);
             (platform, questions)
         });
         let window = window_px(ui.ctx());
@@ -119,7 +119,7 @@ impl Preflight {
         notes.extend(missing);
         let blocked = prepared.as_ref().err().or(self.refused.as_ref());
         let (begin, back) = self.draw(ui, &notes, &mut questions, prepared.is_ok(), blocked);
-        notes.extend(questions.notes());
+        notes.extend(questions.iter().map(findings::answer));
         self.platform = Some((platform, questions));
         if back {
             return self.back(ui.ctx());
@@ -158,7 +158,7 @@ impl Preflight {
         &self,
         ui: &mut egui::Ui,
         notes: &[PreflightNote],
-        questions: &mut Questions,
+        questions: &mut [Question],
         ready: bool,
         blocked: Option<&String>,
     ) -> (bool, bool) {
@@ -191,7 +191,9 @@ impl Preflight {
             ui.add_space(8.0);
             ui.label(RichText::new("Please check these yourself").strong());
             ui::hint(ui, "The program cannot detect these. Items that you do not check are recorded as not confirmed.");
-            questions.show(ui);
+            for (_, statement, confirmed) in questions {
+                ui.checkbox(confirmed, *statement);
+            }
         });
         (begin || proceed, back || escaped)
     }
