@@ -37,8 +37,6 @@ pub struct Analysis {
     /// The files of the open data, and whether to look if they have changed.
     files: Option<Arc<Files>>,
     returns: bool,
-    /// Looks if they have changed.
-    looking: Option<BackgroundTask<bool>>,
 }
 
 /// The data that are shown: ratings, or the answers to another task.
@@ -197,13 +195,7 @@ impl Analysis {
         // A form that is being filled in must stay.
         let is_open = self.open.is_some() && self.columns.is_none();
         let Some(files) = self.files.clone().filter(|_| is_open && self.reading.is_none()) else { return };
-        if self.looking.is_none() && std::mem::take(&mut self.returns) {
-            let files = files.clone();
-            self.looking = Some(BackgroundTask::start(ctx, move || files.have_changed()));
-        }
-        let Some(have_changed) = self.looking.as_ref().and_then(BackgroundTask::poll) else { return };
-        self.looking = None;
-        if matches!(have_changed, Ok(true)) {
+        if std::mem::take(&mut self.returns) && files.have_changed() {
             self.read(ctx, files.asked.clone(), true);
         }
     }
