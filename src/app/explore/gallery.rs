@@ -52,8 +52,6 @@ pub struct Gallery {
     settings: Choices,
     faults: Faults,
     history: History<Choices>,
-    /// Whether the size has been chosen, so that the image and its plot fit the window.
-    is_fitted: bool,
     shown: Option<Shown>,
     out: String,
     saving: Saving,
@@ -146,7 +144,6 @@ impl Default for Gallery {
             history: History::new(settings.clone()),
             settings,
             faults: Faults::new(),
-            is_fitted: false,
             shown: None,
             out: "stimulus.png".to_owned(),
             saving: Saving::default(),
@@ -159,10 +156,9 @@ impl Default for Gallery {
 impl Gallery {
     /// Chooses the largest size with which the image and its plot fit the window, once.
     fn fit(&mut self, ui: &Ui) {
-        if self.is_fitted {
+        if self.shown.is_some() {
             return;
         }
-        self.is_fitted = true;
         let room = (ui.available_height() - 2.0 * theme::LARGE_GAP - TEXTS - PLOT - TILE) * ui.ctx().pixels_per_point();
         let size = SIZES.iter().rev().find(|size| **size as f32 <= room).unwrap_or(&SIZES[0]);
         self.settings.size = *size;

@@ -380,7 +380,6 @@ impl Trials {
             Step::Back => self.step(Event::Back, now),
         }
         release_focus(ui.ctx());
-        ui.ctx().request_repaint();
         Step::Stay
     }
 
@@ -395,9 +394,7 @@ impl Trials {
                 Step::Next(()) => Some(page + 1).filter(|page| *page < INSTRUCTION_PAGES),
                 Step::Back => page.checked_sub(1),
             };
-            release_focus(ui.ctx());
-            ui.ctx().request_repaint();
-            return;
+            return release_focus(ui.ctx());
         }
         let why = self.too_small(ui.ctx());
         match instructions::paused(ui, &self.session.progress(), protocol, why.as_deref()) {
@@ -407,7 +404,6 @@ impl Trials {
             _ => return,
         }
         release_focus(ui.ctx());
-        ui.ctx().request_repaint();
     }
 
     /// Returns the background color: the color of the uniform field during trials.

@@ -34,12 +34,13 @@ pub struct Field<'a> {
     width: Option<f32>,
     column: Option<f32>,
     slot: bool,
+    log: bool,
 }
 
 impl<'a> Field<'a> {
     /// Creates a field on one line.
     pub fn new(label: &'a str) -> Self {
-        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false }
+        Self { label, name: None, hint: "", suffix: "", error: "", width: None, column: None, slot: false, log: false }
     }
 
     /// Puts the label in a column of this width, points.
@@ -60,6 +61,11 @@ impl<'a> Field<'a> {
     /// Sets the unit after a slider's number.
     pub fn suffix(self, suffix: &'a str) -> Self {
         Self { suffix, ..self }
+    }
+
+    /// Makes a slider logarithmic.
+    pub fn log(self) -> Self {
+        Self { log: true, ..self }
     }
 
     /// Sets the error to show below the control; empty for none.
@@ -180,6 +186,7 @@ impl<'a> Field<'a> {
             let mut shown = (value.to_f64() * scale).round() / scale;
             let slider = Slider::new(&mut shown, range.start().to_f64()..=range.end().to_f64())
                 .step_by(step)
+                .logarithmic(self.log)
                 .max_decimals(decimals as usize)
                 .custom_formatter(|value, decimals| text::signed(&format_with_decimals_in_range(value, decimals)))
                 .custom_parser(|typed| number(&typed.replace('−', "-")))

@@ -104,6 +104,31 @@ impl Steps {
     }
 }
 
+/// A value that is made again only for another key.
+pub struct Kept<K, T>(Option<(K, T)>);
+
+impl<K, T> Default for Kept<K, T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, T> Kept<K, T> {
+    /// Returns the value for a key.
+    pub fn get(&mut self, key: K, make: impl FnOnce() -> T) -> &T {
+        let made = match self.0.take() {
+            Some((of, made)) if of == key => made,
+            _ => make(),
+        };
+        &self.0.insert((key, made)).1
+    }
+
+    /// Returns the last value.
+    pub fn last(&self) -> Option<&T> {
+        self.0.as_ref().map(|(_, made)| made)
+    }
+}
+
 /// Requests a repaint of the window when it goes out of scope.
 struct Repaint(egui::Context);
 

@@ -5,19 +5,20 @@ use std::{
     sync::Arc,
 };
 
-use eframe::egui::{self, Key, Label, Rect, RichText, TextureHandle, UiBuilder};
+use eframe::egui::{self, Key, Label, Pos2, Rect, RichText, UiBuilder};
 use serde_json::{Value, json};
 
 use super::{
     canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
     comparison::{Comparison, MeshChoice, title},
     controls,
-    pictures::{Difference, Measured, Measurement, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, divided},
+    pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, difference, divided, visible},
 };
 use crate::{
     app::ui::{
         Bench, Dialog, Field, FileKind, History, Saving, escaped, hint, say, secondary, text,
         theme::{self, BODY, SECTION, ink},
+        work::{Kept, Latest},
     },
     display::DisplayProfile,
     light::CodeImage,
@@ -48,9 +49,10 @@ pub struct ShadingPage {
     /// The last valid mesh and its surface.
     surface: Option<(MeshChoice, Arc<Surface>)>,
     pictures: Option<Pictures>,
-    visible: Measurement,
-    scan: Option<Scan>,
-    difference: Option<Difference>,
+    /// How visible the differences from the smooth surface are, by the edition of the pictures.
+    visible: Latest<u64, Measured>,
+    scan: Kept<(u64, [Pos2; 2]), Scan>,
+    difference: Kept<u64, Picture>,
     file: FileField,
     /// The name of the exported file that the user typed; `None` for the suggested one.
     typed: Option<String>,
@@ -182,7 +184,7 @@ impl ShadingPage {
                 format!("Predicted for a shorter side of {SHORTER_SIDE_DEG}°. {triangles} triangles face the viewer.");
             hint(&mut lower, told);
         }
-        if let Some(scan) = self.scan.as_ref().filter(|_| self.settings.scan) {
+        if let Some(scan) = self.scan.last().filter(|_| self.settings.scan) {
             scan.show(&mut lower, &titles);
         }
     }
@@ -297,14 +299,20 @@ impl ShadingPage {
         };
         let pictures =
             Pictures::updated(ctx, self.pictures.take(), surface, (&self.compared, &self.display.transfers), size);
+        let (edition, line) = (pictures.edition, self.settings.line);
         if !self.dragging {
-            self.visible.want(ctx, &pictures);
+            self.visible.want(ctx, edition, || {
+                let (ctx, compared, surface) = (ctx.clone(), pictures.compared.clone(), pictures.surface.clone());
+                let size = pictures.size();
+                move || visible(&ctx, &compared, &surface, size)
+            });
         }
         if self.settings.scan {
-            self.scan = Some(Scan::updated(self.scan.take(), &pictures, self.settings.line));
+            self.scan.get((edition, line), || Scan::new(&pictures, line));
         }
         if self.settings.layer == Layer::Difference {
-            self.difference = Some(Difference::updated(ctx, self.difference.take(), &pictures));
+            let codes = || difference(pictures.sides.each_ref().map(|side| &side.codes));
+            self.difference.get(edition, || Picture::new(ctx, codes()));
         }
         self.pictures = Some(pictures);
     }
@@ -312,7 +320,7 @@ impl ShadingPage {
     /// Returns how visible the differences are, or why that is not known.
     fn measured(&self) -> Result<&Measured, String> {
         let edition = self.pictures.as_ref().map_or(0, |pictures| pictures.edition);
-        match self.visible.get(edition) {
+        match self.visible.get(&edition) {
             None => Err("Computing…".to_owned()),
             Some(Err(error)) => Err(format!("Not available: {error}.")),
             Some(Ok(measured)) => Ok(measured),
@@ -321,10 +329,10 @@ impl ShadingPage {
 
     fn draw(&self, ui: &egui::Ui, rect: Rect) {
         let Some(pictures) = &self.pictures else { return };
-        let textures = match (self.settings.layer, &self.difference, self.visible.textures(pictures.edition)) {
-            (Layer::Difference, Some(difference), _) => [difference.texture.id(); 2],
+        let textures = match (self.settings.layer, self.difference.last(), self.measured()) {
+            (Layer::Difference, Some(difference), _) => [difference.id(); 2],
             (Layer::Difference, None, _) => return,
-            (Layer::Visible, _, Some(maps)) => maps.each_ref().map(TextureHandle::id),
+            (Layer::Visible, _, Ok(measured)) => measured.maps.each_ref().map(Picture::id),
             // Until the maps are ready, the images themselves are shown.
             _ => pictures.sides.each_ref().map(Picture::id),
         };
@@ -345,13 +353,11 @@ impl ShadingPage {
     fn pixels(&self) -> Option<CodeImage> {
         let pictures = self.pictures.as_ref()?;
         if self.settings.layer == Layer::Difference {
-            return Some(self.difference.as_ref()?.codes.clone());
+            return Some(self.difference.last()?.codes.clone());
         }
-        let [left, right] = match self.settings.layer {
-            Layer::Visible => self.measured().ok()?.maps.clone(),
-            _ => pictures.sides.each_ref().map(|side| side.codes.clone()),
-        };
-        Some(divided([&left, &right], self.settings.column(left.width)))
+        let sides = if self.settings.layer == Layer::Visible { &self.measured().ok()?.maps } else { &pictures.sides };
+        let [left, right] = sides.each_ref().map(|side| &side.codes);
+        Some(divided([left, right], self.settings.column(left.width)))
     }
 
     /// Draws the controls that save the view as PNG.
