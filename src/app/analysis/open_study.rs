@@ -32,7 +32,7 @@ const VISION: (&str, &str) = ("vision", "What the vision model predicts");
 
 /// The data and its analysis.
 pub struct OpenStudy {
-    study: Arc<Study>,
+    pub study: Arc<Study>,
     /// The files of the study, and how they were read.
     files: Arc<Files>,
     filters: Filters,
@@ -104,9 +104,9 @@ impl OpenStudy {
         }
     }
 
-    /// Replaces the data with the same files read again. Selections that are still possible are kept.
-    pub fn reread(study: Study, files: Arc<Files>, before: Self) -> Self {
-        let (old, new) = (&before.study.measured.counts, &study.measured.counts);
+    /// Keeps what was selected before the same files were read again, if it is still possible.
+    pub fn after(self, before: Self) -> Self {
+        let (old, new) = (&before.study.measured.counts, &self.study.measured.counts);
         let same = old.subjects == new.subjects && old.factors == new.factors && old.conditions == new.conditions;
         Self {
             filters: if same { before.filters } else { Filters::default() },
@@ -115,7 +115,7 @@ impl OpenStudy {
             export: before.export,
             // The earlier results stay until the new ones are ready.
             shown: before.shown,
-            ..Self::new(study, files)
+            ..self
         }
     }
 
@@ -139,12 +139,13 @@ impl OpenStudy {
             self.state = State::Done;
             match result {
                 Ok(Some((_, document))) if is_draft => {
-                    self.draft = Some(DocumentView::new(document, None));
+                    self.draft = Some(DocumentView::new(document));
                     self.start(ctx, false);
                 }
                 Ok(Some((outcome, document))) => {
                     let earlier = self.shown.take().map(|(_, view)| view).into_iter().chain(self.draft.take());
-                    self.shown = Some((outcome, DocumentView::new(document, earlier)));
+                    let view = earlier.fold(DocumentView::new(document), DocumentView::after);
+                    self.shown = Some((outcome, view));
                     self.predicting = None;
                 }
                 Ok(None) => self.state = State::Empty,
@@ -156,7 +157,7 @@ impl OpenStudy {
         if let Some(Ok(document)) = self.predicting.as_ref().and_then(BackgroundTask::poll)
             && let Some((outcome, view)) = self.shown.take()
         {
-            self.shown = Some((outcome, DocumentView::new(document, Some(view))));
+            self.shown = Some((outcome, DocumentView::new(document).after(view)));
             self.predicting = None;
         }
     }

@@ -179,15 +179,14 @@ impl ModelControls {
             "List factors by name. Use num:NAME for a numeric factor, a:b for an interaction, and a*b for both factors \
              and their interaction. num:inv_n is 1/depth. If this is empty, the model uses every factor.",
         );
+        // Every prefix of a list of terms would be analyzed without a pause.
         let now = ui.input(|input| input.time);
         if field.changed() {
             self.changed_s = now;
         }
-        // Every prefix of a list of terms would be analyzed without a pause.
         let left = self.changed_s + PAUSE_S - now;
-        let entered = field.lost_focus() || field.has_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let entered = field.lost_focus() || ui.input(|input| input.key_pressed(Key::Enter));
         match self.parsed(counts, filters) {
-            Ok(terms) if terms == self.request.model.terms => {}
             Ok(terms) if left <= 0.0 || entered => self.request.model.terms = terms,
             Ok(_) => ui.ctx().request_repaint_after_secs(left as f32),
             Err(_) => {}

@@ -363,8 +363,9 @@ pub fn fit_window(ctx: &Context) {
     }
 }
 
-/// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.
+/// Takes the keyboard focus from the control that has it, because another page appears: Space is then a key of that page.
 pub fn release_focus(ctx: &egui::Context) {
+    ctx.request_repaint();
     if let Some(focused) = ctx.memory(|memory| memory.focused()) {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }
