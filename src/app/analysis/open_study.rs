@@ -18,7 +18,7 @@ use crate::{
     report::{
         Study,
         document::{Document, numbers::count},
-        figures::{self, Figure},
+        figures,
         prediction::StudyPrediction,
         study::{Parts, document},
         study_files, write_files,
@@ -78,7 +78,6 @@ const DRAFTED: [&str; 5] = ["design", "health", "description", "agreement", "tim
 struct Outcome {
     request: Analyze,
     results: Arc<Results>,
-    figures: Vec<Figure>,
     /// The selected data as a phrase; empty if nothing is excluded.
     filter: String,
 }
@@ -285,9 +284,8 @@ impl Opened for OpenStudy {
             });
             if self.predicting.is_none() && !is_stale {
                 let (study, results) = (self.study.clone(), outcome.results.clone());
-                let figures = outcome.figures.clone();
-                self.predicting =
-                    Some(BackgroundTask::stoppable(ui.ctx(), move || with_prediction(&study, &results, figures)));
+                let predict = move || with_prediction(&study, &results);
+                self.predicting = Some(BackgroundTask::stoppable(ui.ctx(), predict));
             }
         }
     }
@@ -386,11 +384,12 @@ impl Outcome {
         let results = Arc::new(analyze_with(measured, &options, &progress));
         let figures = figures::all(&results);
         let document = document(&study.source, &results, Parts { figures: &figures, ..Parts::default() });
-        Some((Self { request, results, figures, filter }, document))
+        Some((Self { request, results, filter }, document))
     }
 }
 
-fn with_prediction(study: &Study, results: &Results, mut figures: Vec<Figure>) -> Document {
+fn with_prediction(study: &Study, results: &Results) -> Document {
+    let mut figures = figures::all(results);
     let prediction = StudyPrediction::of(&study.source, &results.measured.counts);
     figures.extend(prediction.iter().flat_map(|prediction| figures::predicted(results, &prediction.ratings)));
     document(&study.source, results, Parts { figures: &figures, prediction: Some(&prediction), provenance: None })

@@ -31,14 +31,7 @@ impl TableView {
     /// Draws the table at its full height.
     pub fn show(&mut self, ui: &mut egui::Ui, id: usize) {
         ui.add_space(6.0);
-        ui.horizontal_wrapped(|ui| {
-            paragraph(ui, RichText::new(&self.table.caption).strong());
-            let copy = ui.small_button("Copy");
-            name(ui, &copy, &format!("Copy the table: {}", self.table.caption));
-            if copy.on_hover_text("Copies the table for a spreadsheet. Exported files have full precision.").clicked() {
-                ui.ctx().copy_text(self.text());
-            }
-        });
+        paragraph(ui, RichText::new(&self.table.caption).strong());
         if self.widths.is_empty() {
             self.widths = self.measure(ui);
         }
@@ -138,13 +131,5 @@ impl TableView {
             let order = a[column].value().compare(b[column].value());
             if down { order.reverse() } else { order }
         });
-    }
-
-    /// Returns the table as text, with tabs between cells, for spreadsheets.
-    fn text(&self) -> String {
-        let line = |cells: Vec<&str>| cells.join("\t").replace('−', "-") + "\n";
-        let header = self.table.header.iter().map(String::as_str).collect();
-        let rows = self.table.rows.iter().map(|row| row.iter().map(|cell| &**cell).collect());
-        std::iter::once(header).chain(rows).map(line).collect()
     }
 }

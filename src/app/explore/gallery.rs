@@ -332,12 +332,6 @@ impl Gallery {
         let predicted = self.predicted.get(&(stimulus.clone(), *size, self.place)).filter(|_| kind.has_bands);
         let room = ui.clip_rect().width();
         let side = *size as f32 / ui.ctx().pixels_per_point();
-        if AXIS + side > room {
-            ui::note(
-                ui,
-                "The image is larger than its place here. Scroll to see all of it; its pixels are not scaled.",
-            );
-        }
         let beside = room - AXIS - side - 2.0 * ui.spacing().item_spacing.x;
         let numbers = |ui: &mut Ui, width: f32| {
             ui.vertical(|ui| {

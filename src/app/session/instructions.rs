@@ -194,11 +194,7 @@ fn next_or_back(ui: &mut egui::Ui, texts: &Texts, back: bool) -> Step<()> {
         ui.add_space(theme::SMALL_GAP);
         ui::keyed(ui, &texts.previous, &texts.previous_key) || keys.into_iter().any(|key| ui::shortcut(ui, key))
     };
-    match (next, is_back) {
-        (true, _) => Step::Next(()),
-        (false, true) => Step::Back,
-        (false, false) => Step::Stay,
-    }
+    if next { Step::Next(()) } else { Step::back_if(is_back) }
 }
 
 /// Draws the button that continues; returns whether the participant does.

@@ -236,9 +236,8 @@ impl ScreenRefresh {
         let counted = count(times.intervals_us().len() as u64, "frame");
         let verdict = match (times.dropped(), self.now.0) {
             (Some(dropped), Some(refresh)) => {
-                let late = times.late_onsets();
-                let onsets = if late == 1 { "onset" } else { "onsets" };
-                format!("{dropped} dropped at {:.2} Hz, {late} {onsets} late", refresh.hz())
+                let late = count(times.late_onsets().into(), "onset");
+                format!("{dropped} dropped at {:.2} Hz, {late} late", refresh.hz())
             }
             (Some(dropped), None) => format!("{dropped} dropped"),
             (None, _) => "none could be judged, because the screen's refresh rate is unknown".to_owned(),

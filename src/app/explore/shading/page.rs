@@ -9,7 +9,7 @@ use eframe::egui::{self, Key, Label, Pos2, Rect, RichText, UiBuilder};
 use serde_json::{Value, json};
 
 use super::{
-    canvas::{self, FACTOR, Layer, ViewSettings, ZOOMS},
+    canvas::{self, FACTOR, Layer, ViewSettings},
     comparison::{Comparison, MeshChoice, title},
     controls,
     pictures::{Measured, Picture, Pictures, SHORTER_SIDE_DEG, SIDE_PX, Scan, difference, divided, visible},
@@ -219,15 +219,14 @@ impl ShadingPage {
                 ui.add_space(-ui.spacing().item_spacing.x);
             }
             group(ui, "Zoom");
-            let nearest = ZOOMS.iter().position(|zoom| *zoom >= settings.zoom).unwrap_or_default();
-            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<&f32>| {
+            let step = |ui: &mut egui::Ui, text: &str, name: &str, to: Option<f32>| {
                 let button = ui.add_enabled(to.is_some(), egui::Button::new(text));
                 text::name(ui, &button, name);
-                button.on_hover_text(name).clicked().then(|| to.copied()).flatten()
+                to.filter(|_| button.on_hover_text(name).clicked())
             };
-            let less = step(ui, "−", "Zoom out", nearest.checked_sub(1).and_then(|index| ZOOMS.get(index)));
+            let less = step(ui, "−", "Zoom out", settings.next_zoom(false));
             ui.add(Label::new(format!("{:.0} %", settings.zoom * 100.0)).extend());
-            let more = step(ui, "+", "Zoom in", ZOOMS.get(nearest + 1));
+            let more = step(ui, "+", "Zoom in", settings.next_zoom(true));
             settings.zoom = less.or(more).unwrap_or(settings.zoom);
         });
     }
@@ -265,13 +264,6 @@ impl ShadingPage {
         let height = ui.spacing().interact_size.y;
         ui.horizontal(|ui| {
             ui.set_min_height(height);
-            if self.settings.layer == Layer::Difference {
-                ui.label(text(0));
-                ui.label("minus");
-                ui.label(text(1));
-                ui.label(format!("in codes, amplified × {FACTOR}"));
-                return;
-            }
             let layouts = [egui::Layout::left_to_right, egui::Layout::right_to_left];
             let is_shown = [self.settings.divider > 0.0, self.settings.divider < 1.0];
             ui.columns(2, |columns| {
