@@ -322,8 +322,8 @@ impl Planned {
              Interactions of two factors that are not in the model are tested from its residuals (with fewer than \
              {LEAST_FOR_SIGNS} participants, by likelihood ratios in simulated studies), corrected for their number. If p of one \
              is below {alpha}, the effect of one factor is described at each level of the other, and no main effect is described alone. \
-             Proportional odds, drift over the trials and the dependence of successive trials are checks; they do not change the \
-             analysis. Everything else is exploratory and will be called so. The sentences of the analysis report use the level {}.",
+             The proportions of the ratings in studies simulated from the model, drift over the trials and the dependence of \
+             successive trials are checks; they do not change the analysis. Everything else is exploratory and will be called so. The sentences of the analysis report use the level {}.",
             spec.link,
             list(&spec.terms.iter().map(|term| self.in_words(term)).collect::<Vec<_>>()),
             Resampling::default().draws,

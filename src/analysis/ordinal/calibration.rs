@@ -10,7 +10,7 @@ use super::{
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
-    likelihood_ratios::{TermTest, Withheld, nominal_tests, quantile, without_terms},
+    likelihood_ratios::{TermTest, Withheld, quantile, without_terms},
     margins::{self, Comparison, Margin, Pair},
     model::{MAX_COEFFICIENTS, Model, ModelError, ModelSpec, Random, RandomEffect},
     profile::{self, Quantity, chi_squared_limit},
@@ -23,7 +23,7 @@ use crate::{
         frame::{Frame, find_factor},
         levels::number_of,
     },
-    statistics::{Interval, holm},
+    statistics::Interval,
 };
 
 /// With fewer participants than this, likelihood ratios are calibrated by simulation.
@@ -32,9 +32,6 @@ pub const FEW_FOR_LIKELIHOOD_RATIOS: usize = 41;
 const FEW_BETWEEN: usize = 100;
 /// Maximum number of coefficients with profile intervals; the others have Wald intervals.
 const MAX_PROFILES: usize = 60;
-/// Smallest number of ratings for each parameter of the wider model in a test of proportional odds: its ratio then has about a
-/// χ² distribution.
-const LEAST_FOR_ODDS: u64 = 10;
 /// Number of ratings for each parameter of the wider model from which the ratio of a test without random effects has a χ²
 /// distribution.
 const MANY_PER_PARAMETER: u64 = 50;
@@ -50,8 +47,6 @@ pub struct ModelReport {
     pub model: Model,
     /// Tests of each term against the model without it.
     pub terms: Vec<TermTest>,
-    /// Tests of proportional odds.
-    pub proportional_odds: Vec<TermTest>,
     /// Tests of the two-way interactions that the model leaves out.
     pub interactions: Vec<Interaction>,
     /// The model's expected ratings in each condition on which it was fitted.
@@ -81,10 +76,8 @@ pub fn fit_with_tests(counts: &Counts, spec: &ModelSpec) -> Result<ModelReport, 
 
 fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
     let model = estimates::report(full);
-    let (terms, proportional_odds) = rayon::join(|| without_terms(full), || nominal_tests(full));
     Ok(ModelReport {
-        terms: terms?,
-        proportional_odds: proportional_odds?,
+        terms: without_terms(full)?,
         interactions: Vec::new(),
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
@@ -134,7 +127,12 @@ pub fn fit_calibrated(
     }
     let full = fit_counts(counts, spec, true)?;
     let mut report = report_with_tests(&full)?;
-    withhold(&full, &mut report);
+    for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
+        // A distribution that is not accurate even if it is simulated.
+        if let Some(reason) = full.withheld(term) {
+            (test.p, test.withheld) = (None, Some(reason));
+        }
+    }
     let mut limits = usual_limits(&full);
     calibrate_tests(&full, &mut report.terms, &mut limits, calibration);
     let terms: Vec<&Term> = full.spec.terms.iter().collect();
@@ -148,7 +146,6 @@ pub fn fit_calibrated(
             reason => reason.map_or(limits[place], Err),
         };
     }
-    correct(&mut report.proportional_odds);
     report.interactions = interactions(&full, calibration.resampling);
     report.order = order(&full, calibration.trials, calibration.resampling.seed);
     if full.mixed.is_some() && full.frame.subjects.len() < FEW_FOR_LIKELIHOOD_RATIOS {
@@ -172,23 +169,6 @@ pub fn fit_calibrated(
     share_intervals(&mut report);
     report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
     Ok(report)
-}
-
-/// Withholds tests whose distribution is not accurate even if it is simulated.
-fn withhold(full: &Fitted, report: &mut ModelReport) {
-    let parameters = full.frame.categories.len() - 1 + full.rank();
-    for test in report.proportional_odds.iter_mut().filter(|test| test.chi_squared.is_some()) {
-        let are_few = full.frame.total() < LEAST_FOR_ODDS * (parameters + test.df) as u64;
-        let of_people = (full.frame.subjects.len() > 1).then_some(Withheld::OwnThresholds);
-        if let Some(reason) = if are_few { Some(Withheld::FewRatings) } else { of_people } {
-            (test.p, test.withheld) = (None, Some(reason));
-        }
-    }
-    for (test, term) in report.terms.iter_mut().zip(full.spec.terms.iter()) {
-        if let Some(reason) = full.withheld(term) {
-            (test.p, test.withheld) = (None, Some(reason));
-        }
-    }
 }
 
 /// Replaces the probabilities of the tests of terms by simulated ones, and the limits of the profiles, where they are
@@ -253,12 +233,6 @@ fn needs_simulation(frame: &Frame, term: &Term) -> bool {
     let people = frame.subjects.len();
     people < FEW_FOR_LIKELIHOOD_RATIOS
         || (people < FEW_BETWEEN && factors.any(|(factor, _)| !frame.counts.is_within(factor)))
-}
-
-/// Corrects the probabilities of several tests of the same kind by Holm's method.
-fn correct(tests: &mut [TermTest]) {
-    let corrected = holm(&tests.iter().map(|test| test.p).collect::<Vec<_>>());
-    tests.iter_mut().zip(corrected).for_each(|(test, p)| test.p_holm = p);
 }
 
 fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {

@@ -31,22 +31,23 @@ use crate::{
 
 /// Number of simulated studies for the comparison of observed with expected proportions.
 const STUDIES: u64 = 200;
-/// Maximum number of conditions whose proportions are compared.
+/// With more conditions than this, proportions are compared at the levels of the factors.
 const MAX_CELLS: usize = 300;
 
 /// Checks of a model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Checks {
-    /// Observed proportions and those in simulated studies, at each level of each factor.
+    /// Observed proportions and those in simulated studies in each condition or, if there are more than 300, at each level of
+    /// each factor.
     pub proportions: Vec<Proportion>,
-    /// The same in each condition, if there are at most 300: `factor` and `level` list the factors and levels.
-    pub cells: Vec<Proportion>,
 }
 
-/// The proportion of ratings in a category at a level of a factor.
+/// The proportion of ratings in a category in a condition or at a level of a factor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Proportion {
+    /// Names of the factors.
     pub factor: String,
+    /// Their levels.
     pub level: String,
     pub category: String,
     pub observed: f64,
@@ -64,12 +65,10 @@ impl Proportion {
 }
 
 impl Checks {
-    /// Returns whether more proportions in the single conditions lie outside than chance allows: three standard deviations more
-    /// than 5 % of them. The conditions of a single factor are its levels.
+    /// Returns whether more proportions lie outside than chance allows: three standard deviations more than 5 % of them.
     pub fn is_poor(&self) -> bool {
-        let single = if self.cells.is_empty() { &self.proportions } else { &self.cells };
-        let (all, share) = (single.len() as f64, 0.05);
-        let outside = single.iter().filter(|cell| cell.is_outside()).count() as f64;
+        let (all, share) = (self.proportions.len() as f64, 0.05);
+        let outside = self.proportions.iter().filter(|proportion| proportion.is_outside()).count() as f64;
         outside > all * share + 3.0 * (all * share * (1.0 - share)).sqrt()
     }
 }
@@ -120,11 +119,9 @@ pub(super) fn checks(full: &Fitted, seed: u64) -> Checks {
         }
         proportions
     };
-    let has_cells = described.len() > 1 && (2..=MAX_CELLS).contains(&counts.combinations(&described).all.len());
-    Checks {
-        proportions: described.iter().flat_map(|factor| compare(&[*factor])).collect(),
-        cells: if has_cells { compare(&described) } else { Vec::new() },
-    }
+    let has_many = counts.combinations(&described).all.len() > MAX_CELLS;
+    let each = || described.iter().flat_map(|factor| compare(&[*factor])).collect();
+    Checks { proportions: if has_many { each() } else { compare(&described) } }
 }
 
 /// How ratings depend on the order of the trials.

@@ -397,7 +397,4 @@ pub enum ModelError {
         /// Maximum number of effects.
         most: usize,
     },
-    /// The likelihood is not finite at the starting values.
-    #[error("the likelihood cannot be computed at the starting values")]
-    NoLikelihood,
 }

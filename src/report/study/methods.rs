@@ -127,10 +127,6 @@ fn model(cited: &mut Cited, results: &Results) -> Option<String> {
     text += &terms_tested(cited, results, report);
     text += &interactions_tested(cited, results, report);
     text += &limits(report);
-    if report.proportional_odds.iter().any(|test| test.p.is_some()) {
-        text += " Proportional odds were tested with likelihood ratios of models without random effects, with p values from the \
-                 χ² distribution, corrected with Holm’s method.";
-    }
     if report.comparisons.iter().any(|comparison| comparison.p_holm.is_some()) {
         text += &format!(
             " Levels were compared in the model, corrected within each factor with Holm’s method ({}).",

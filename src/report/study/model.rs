@@ -63,7 +63,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "Likelihood-ratio tests against the model without each term",
         ],
         &report.terms.iter().collect::<Vec<_>>(),
-        &[("p", |test| test.p)],
+        "p",
     );
     tests(
         &mut section,
@@ -80,25 +80,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
             "Tests of the interactions that are not in the model",
         ],
         &report.interactions.iter().map(|own| &own.test).collect::<Vec<_>>(),
-        &[("Corrected p", |test| test.p)],
-    );
-    let is_corrected = report.proportional_odds.iter().any(|test| test.p_holm.is_some());
-    let of_odds: [(&str, Probability); 2] = [("p", |test| test.p), ("Holm-corrected p", |test| test.p_holm)];
-    tests(
-        &mut section,
-        results,
-        [
-            "Is one coefficient per effect enough?",
-            &format!(
-                "The model assumes that a term has the same effect at every threshold (proportional odds). Each row tests this \
-             against a separate effect at each threshold{}.{}",
-                if model.random.is_some() { ", in models without random effects" } else { "" },
-                if is_corrected { " The last column corrects p for the number of terms (Holm)." } else { "" }
-            ),
-            "Tests of proportional odds",
-        ],
-        &report.proportional_odds.iter().collect::<Vec<_>>(),
-        &of_odds[..1 + usize::from(is_corrected)],
+        "Corrected p",
     );
     order(&mut section, report);
     if let Some(checks) = &report.checks {
@@ -363,30 +345,19 @@ fn meaning(results: &Results, model: &Model) -> String {
     text
 }
 
-/// One of the probabilities of a test.
-type Probability = fn(&TermTest) -> Option<f64>;
-
-/// Adds a table of tests, if there are any, with these probabilities.
-fn tests(
-    section: &mut Section,
-    results: &Results,
-    [heading, about, caption]: [&str; 3],
-    tests: &[&TermTest],
-    p: &[(&str, Probability)],
-) {
+/// Adds a table of tests, if there are any, with this name of their probabilities.
+fn tests(section: &mut Section, results: &Results, [heading, about, caption]: [&str; 3], tests: &[&TermTest], p: &str) {
     if tests.is_empty() {
         return;
     }
     section.heading(heading);
     section.text(about);
-    let mut table = TableOf::new(caption, tests)
+    TableOf::new(caption, tests)
         .text("Term", |test| names::term(results, &test.term))
         .number("χ²", |test| fixed(test.chi_squared, 2))
-        .number("df", |test| whole(test.df as u64));
-    for (head, of) in p {
-        table = table.number(*head, move |test| probability(of(test)));
-    }
-    table.add_to(section);
+        .number("df", |test| whole(test.df as u64))
+        .number(p, |test| probability(test.p))
+        .add_to(section);
     let mut reasons: Vec<Withheld> = tests.iter().filter_map(|test| test.withheld).collect();
     reasons.dedup();
     for reason in reasons {
@@ -401,38 +372,28 @@ fn fit_of_model(section: &mut Section, results: &Results, checks: &Checks) {
     section.heading("Does the model describe the ratings?");
     section.text(
         "Studies were simulated from the model. An observed proportion outside the middle 95\u{a0}% of them suggests that the \
-         model does not describe these ratings. Because it was fitted to them, few should lie outside.",
+         model does not describe these ratings: for example, because an effect is not the same at every threshold, as the model \
+         assumes (proportional odds). Because the model was fitted to them, few should lie outside.",
     );
-    let is_outside = |p: &&Proportion| p.is_outside();
-    let outside: Vec<&Proportion> = checks.proportions.iter().filter(is_outside).collect();
-    let far = checks.cells.iter().filter(is_outside).count();
-    let lie = |number: usize| match number {
+    let outside: Vec<&Proportion> = checks.proportions.iter().filter(|p| p.is_outside()).collect();
+    let lie = match outside.len() {
         0 => "none lies".to_owned(),
         1 => "one lies".to_owned(),
         n => format!("{} lie", whole(n as u64)),
     };
-    let poor = if checks.is_poor() { ": more than chance allows, so the model does not describe them" } else { "" };
     section.text(format!(
-        "Of {} at the levels of the factors, {} outside{}.",
+        "Of {}, {lie} outside: {}.",
         count(checks.proportions.len() as u64, "proportion"),
-        lie(outside.len()),
-        if checks.cells.is_empty() { poor } else { "" }
+        if checks.is_poor() {
+            "more than chance allows, so the model does not describe them"
+        } else {
+            "no more than chance allows"
+        }
     ));
-    if !checks.cells.is_empty() {
-        section.text(format!(
-            "Of {} in the single combinations of {}, {} outside{}.",
-            count(checks.cells.len() as u64, "proportion"),
-            list(&results.factors.iter().map(|factor| names::factor(results, &factor.name)).collect::<Vec<_>>()),
-            lie(far),
-            if checks.is_poor() { poor } else { ": no more than chance allows" }
-        ));
-    }
     /// More rows would not be read.
     const MOST: usize = 24;
-    let cells = checks.cells.iter().filter(is_outside).filter(|_| far <= MOST);
-    let rows: Vec<&Proportion> = outside.iter().copied().chain(cells).collect();
-    if !rows.is_empty() {
-        TableOf::new("Proportions outside the middle 95\u{a0}%", &rows)
+    if (1..=MOST).contains(&outside.len()) {
+        TableOf::new("Proportions outside the middle 95\u{a0}%", &outside)
             .text("Factor", |own| names::factor(results, &own.factor))
             .text("Level", |own| names::level(results, &own.factor, &own.level))
             .text("Rating", |own| &own.category)

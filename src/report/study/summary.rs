@@ -3,10 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{
-    findings::{self, ALPHA},
-    health, interactions, names,
-};
+use super::{findings, health, interactions, names};
 use crate::{
     analysis::{
         Checks, ModelReport, Note, Results,
@@ -217,7 +214,8 @@ fn about_model(results: &Results) -> Vec<String> {
     }));
     if report.checks.as_ref().is_some_and(Checks::is_poor) {
         let text = "The model does not describe the ratings in the single conditions (see “Does the model describe the ratings?”). \
-                    Other terms may describe them better: interactions, or the levels of a factor instead of a slope.";
+                    An effect may differ along the scale, or other terms may describe them better: interactions, or the levels \
+                    of a factor instead of a slope.";
         cautions.push(text.to_owned());
     }
     let notes = &report.model.notes;
@@ -251,14 +249,6 @@ fn about_model(results: &Results) -> Vec<String> {
             fixed(drift.abs(), 2),
             order.drift_p.map(p_is).unwrap_or_default()
         )
-    }));
-    cautions.extend(report.proportional_odds.iter().filter_map(|test| {
-        let p = p_is(test.p_holm.filter(|p| *p < ALPHA)?);
-        Some(format!(
-            "The ratings show that the effect of {} differs along the scale (test of proportional odds, corrected {p}). Its \
-             coefficient is an average.",
-            names::term(results, &test.term)
-        ))
     }));
     cautions
 }
