@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     checks::{self, Checks, Order, order},
-    design::{coefficients, is_level},
+    design::coefficients,
     estimates::{self, Prediction, predictions},
     fitting::{Fitted, fit_counts},
     interactions::{Interaction, interactions},
@@ -21,7 +21,6 @@ use crate::{
     analysis::{
         counts::{Counts, Trial},
         frame::{Frame, find_factor},
-        levels::number_of,
     },
     statistics::Interval,
 };
@@ -166,7 +165,6 @@ pub fn fit_calibrated(
         }
     }
     report.contrasts = contrasts(&full, &report.comparisons, &wanted);
-    share_intervals(&mut report);
     report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
     Ok(report)
 }
@@ -239,11 +237,13 @@ fn profile_coefficients(full: &Fitted, model: &mut Model, limits: &Limits) {
     let columns = &full.x.columns;
     let profiled = columns.len() <= MAX_PROFILES;
     model.coefficients.par_iter_mut().enumerate().for_each(|(column, coefficient)| {
-        let Ok(limit) = limits[columns[column].term] else {
+        let simple = simple_in(full, columns[column].term);
+        let Ok(limit) = margins::larger(limits, columns[column].term, simple) else {
             coefficient.interval = None;
             return;
         };
         let quantity = Quantity::Coefficient(column);
+        let profiled = profiled && simple.is_none();
         coefficient.interval = (coefficient.se.filter(|_| profiled && coefficient.estimate.is_finite()))
             .and_then(|se| profile::interval(full, quantity, coefficient.estimate, se, [limit; 2]))
             .or_else(|| Interval::around(coefficient.estimate, coefficient.se, limit.sqrt()));
@@ -268,27 +268,15 @@ fn profile_deviations(full: &Fitted, random: &mut RandomEffect) {
     }
 }
 
-/// Gives the coefficients in an interaction the intervals of the simple effects that they are, so that a difference has one
-/// interval.
-fn share_intervals(report: &mut ModelReport) {
-    for simple in report.comparisons.iter().filter(|own| own.at.is_some()) {
-        let values = [&simple.level, &simple.other].map(|level| number_of(level));
-        let range = if let [Some(high), Some(low)] = values { high - low } else { f64::NAN };
-        for coefficient in &mut report.model.coefficients {
-            let is_number =
-                matches!(&coefficient.parts[..], [part] if part.variable == Variable::Number(simple.factor.clone()));
-            let by = match simple {
-                _ if is_number => range,
-                _ if is_level(&coefficient.parts, &simple.factor, &simple.level) => 1.0,
-                _ if is_level(&coefficient.parts, &simple.factor, &simple.other) => -1.0,
-                _ => continue,
-            };
-            // Only the simple effect at the baseline of the other factor is the coefficient.
-            if (by * coefficient.estimate - simple.estimate).abs() < 1e-9 * simple.estimate.abs().max(1.0) {
-                coefficient.interval = simple.interval.map(|interval| interval.scaled(by.recip()));
-            }
-        }
-    }
+/// Returns the interaction of two variables, given by index as a term, in which the coefficients of a main effect are simple
+/// effects at the baseline of the other factor: they have the intervals of these, so that a difference has one interval.
+fn simple_in(full: &Fitted, term: usize) -> Option<usize> {
+    let terms: Vec<&Term> = full.spec.terms.iter().collect();
+    let mut larger = (0..terms.len()).filter(|&other| other != term && terms[other].contains(terms[term]));
+    let (one, another) = (larger.next()?, larger.next());
+    let other = terms[one].variables.iter().find(|variable| !terms[term].variables.contains(variable));
+    let is_simple = another.is_none() && terms[one].variables.len() == 2 && matches!(other, Some(Variable::Factor(_)));
+    is_simple.then_some(one)
 }
 
 /// Returns the comparisons of some pairs of levels, of factors whose effect is the same everywhere.

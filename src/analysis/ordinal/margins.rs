@@ -170,7 +170,7 @@ pub(super) fn comparisons(
 ) -> Vec<Comparison> {
     let terms = &fitted.spec.terms;
     let mut all = Vec::new();
-    for (term, &limit) in terms.iter().zip(limits) {
+    for (place, (term, &limit)) in terms.iter().zip(limits).enumerate() {
         if terms.is_marginal(term) {
             let test = tests.iter().find(|test| test.term == *term && test.p.is_some());
             if let ([factor @ Variable::Factor(_)], Some(test)) = (&term.variables[..], test) {
@@ -180,8 +180,7 @@ pub(super) fn comparisons(
         }
         let with_main = |factor: &Variable| {
             let main = terms.iter().position(|term| term.variables == [factor.clone()]);
-            let main = main.map_or(limit, |main| limits[main]);
-            limit.and_then(|limit| main.map(|main| main.max(limit)))
+            larger(limits, place, main)
         };
         match &term.variables[..] {
             [factor @ Variable::Factor(_)] => all.extend(compare(fitted, model, factor, Scope::All(wanted), limit)),
@@ -197,6 +196,12 @@ pub(super) fn comparisons(
         }
     }
     all
+}
+
+/// Returns the larger limit of two terms, given by index, or the reason why there is none.
+pub(super) fn larger(limits: &[Result<f64, Withheld>], one: usize, other: Option<usize>) -> Result<f64, Withheld> {
+    let limit = limits[one]?;
+    other.map_or(Ok(limit), |other| limits[other].map(|other| other.max(limit)))
 }
 
 /// Where levels are compared.

@@ -177,6 +177,10 @@ impl<'a> Simulator<'a> {
     pub fn new(fitted: &'a Fitted<'a>, corrected: bool) -> Self {
         let Layout { data, .. } = layout(fitted);
         let mut parameters = fitted.searched(fitted.mixed.as_ref(), &data);
+        if !fitted.random.correlated {
+            // A seed gives the same studies, whatever the signs.
+            parameters.iter_mut().skip(data.first_psi()).for_each(|deviation| *deviation = deviation.abs());
+        }
         if let Some(mixed) = fitted.mixed.as_ref().filter(|_| corrected) {
             correct_deviations(fitted, &data, mixed, &mut parameters);
         }

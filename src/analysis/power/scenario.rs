@@ -1,7 +1,7 @@
 //! The conditions of a definition, how visible the bands in each condition are to the observer, the hypotheses to test, and the
 //! true size of each effect.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use nalgebra::DVector;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
@@ -12,7 +12,7 @@ use thiserror::Error;
 use crate::{
     analysis::{
         ModelError,
-        counts::{CountRow, Counts, Factor},
+        counts::{CountRow, Counts, MeasuredBuilder},
         frame::{Frame, find_factor},
         levels,
         ordinal::{
@@ -20,7 +20,7 @@ use crate::{
             terms::{Term, Terms},
         },
     },
-    experiment::{self, Condition, OrderedLogit, Protocol},
+    experiment::{Condition, OrderedLogit, Protocol},
     text::names::expected_one_of,
 };
 
@@ -88,8 +88,9 @@ const WITHOUT_EFFECT: u8 = 2;
 /// A definition and its observer.
 #[derive(Clone, Debug)]
 pub(super) struct Scenario {
-    /// Every condition of the definition, without participants or ratings.
-    pub empty: Counts,
+    /// Every condition of the definition, rated lowest by one participant and highest by another, so that a design can be laid
+    /// out.
+    pub outline: Counts,
     /// The observer's linear predictor for each condition, for a participant with an intercept of 0; −∞ if there is no
     /// band.
     pub predictors: Vec<f64>,
@@ -112,47 +113,35 @@ impl Scenario {
             let here = shifts.iter().filter(|(factor, level, _)| condition.levels[*factor] == *level);
             here.map(|(_, _, logits)| logits).sum()
         };
-        // The levels of each factor in order, and the place of each level of the definition among them.
-        let ranked = |factor: &experiment::Factor| {
-            let texts: Vec<String> = factor.levels.iter().map(|level| level.to_string().trim().to_owned()).collect();
-            levels::rank(&[], &texts.iter().map(|text| Some(text.as_str())).collect::<Vec<_>>())
-        };
-        let (names, places): (Vec<_>, Vec<_>) = protocol.factors.iter().map(ranked).unzip();
-        let placed = |condition: &Condition| -> (Vec<Option<u32>>, f64) {
-            let levels = places.iter().zip(&condition.levels).map(|(places, level)| places[*level]).collect();
-            (levels, observer.predictor(&condition.stimulus, 0.0) + added(condition))
-        };
-        let mut conditions: Vec<(Vec<Option<u32>>, f64)> = protocol.conditions().iter().map(placed).collect();
-        conditions.sort_by(|l, r| l.0.cmp(&r.0));
-        let (conditions, predictors) = conditions.into_iter().unzip();
-        let factors = protocol.factors.iter().zip(names).map(|(factor, names)| Factor::new(&factor.name, names, false));
-        let empty = Counts {
-            factors: factors.collect(),
-            conditions,
-            categories: (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect(),
-            ..Counts::default()
-        };
+        let categories: Vec<String> = (0..=protocol.response.highest()).map(|rating| rating.to_string()).collect();
+        let names: Vec<&str> = protocol.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let mut builder = MeasuredBuilder::new(&names).with_categories(&categories);
+        let mut known = HashMap::new();
+        for condition in protocol.conditions().iter() {
+            let places = protocol.factors.iter().zip(&condition.levels);
+            let levels: Vec<String> =
+                places.map(|(factor, level)| factor.levels[*level].to_string().trim().to_owned()).collect();
+            for (subject, rating) in [("S1", &categories[0]), ("S2", &categories[categories.len() - 1])] {
+                builder
+                    .add_counts(subject, &levels, rating, protocol.design.repetitions.into())
+                    .map_err(PlanError::TooLarge)?;
+            }
+            known.insert(levels, observer.predictor(&condition.stimulus, 0.0) + added(condition));
+        }
+        let outline = builder.finish().counts;
+        let names = |condition: u32| outline.level_names(condition).into_iter().map(str::to_owned).collect::<Vec<_>>();
+        let predictors = (0..outline.conditions.len() as u32).map(|condition| known[&names(condition)]).collect();
         let mut slopes = slopes.to_vec();
         for slope in &slopes {
             factor_of(protocol, true, &slope.factor)?;
         }
         slopes.sort_by_key(|slope| protocol.factors.iter().position(|factor| factor.name == slope.factor));
-        Ok(Self { empty, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
+        Ok(Self { outline, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
     }
 
     /// Returns every condition, in order.
     pub fn conditions(&self) -> Vec<u32> {
-        (0..self.empty.conditions.len() as u32).collect()
-    }
-
-    /// Returns counts in which one participant rates everything lowest and another rates everything highest, so that a
-    /// design can be laid out.
-    pub fn outline(&self) -> Counts {
-        let (count, highest) = (self.repetitions.into(), self.empty.categories.len() as u8 - 1);
-        let rows = [(0, 0), (1, highest)].into_iter().flat_map(|(subject, rating)| {
-            self.conditions().into_iter().map(move |condition| CountRow { subject, condition, rating, count })
-        });
-        Counts { subjects: ["S1", "S2"].map(str::to_owned).to_vec(), rows: rows.collect(), ..self.empty.clone() }
+        (0..self.outline.conditions.len() as u32).collect()
     }
 
     /// Simulates a study with these predictors and slopes: one of those that are planned, or one without the effect of a
@@ -169,7 +158,7 @@ impl Scenario {
         let kind = if is_planned { 0 } else { WITHOUT_EFFECT };
         let generator = |purpose, subject| generator(seed, kind | purpose, study, subject);
         let mut rows = Vec::new();
-        let categories = self.empty.categories.len();
+        let categories = self.outline.categories.len();
         for subject in 0..people {
             let deviations = self.deviations(slopes, &mut generator(DEVIATIONS, subject));
             let mut rng = generator(0, subject);
@@ -188,16 +177,16 @@ impl Scenario {
         }
         // The names sort in the same order as the numbers.
         let subjects = (1..=people).map(|number| format!("S{number:010}")).collect();
-        Counts { subjects, rows, ..self.empty.clone() }
+        Counts { subjects, rows, ..self.outline.clone() }
     }
 
     /// Draws one participant's deviations at the levels of each factor, and returns their sum for each condition.
     fn deviations(&self, slopes: &[Slope], rng: &mut ChaCha8Rng) -> Vec<f64> {
-        let mut sums = vec![0.0; self.empty.conditions.len()];
+        let mut sums = vec![0.0; self.outline.conditions.len()];
         for slope in slopes {
-            let Some((factor, description)) = self.empty.factor(&slope.factor) else { continue };
+            let Some((factor, description)) = self.outline.factor(&slope.factor) else { continue };
             let of_levels: Vec<f64> = description.levels.iter().map(|_| StandardNormal.sample(rng)).collect();
-            for (sum, levels) in sums.iter_mut().zip(&self.empty.conditions) {
+            for (sum, levels) in sums.iter_mut().zip(&self.outline.conditions) {
                 *sum += levels[factor].map_or(0.0, |level| slope.sd * of_levels[level as usize]);
             }
         }
@@ -348,29 +337,13 @@ impl<'a> Layout<'a> {
         Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent: Some(predictors) })
     }
 
-    /// Creates the hypothesis for Friedman's test of a factor from the mean predictor at each level, or returns `None`
-    /// if the factor has only one level.
+    /// Creates the hypothesis for Friedman's test of a factor: about its main effect. Returns `None` if the factor has only one
+    /// level.
     fn of_factor(&self, factor: usize) -> Option<Hypothesis> {
-        let conditions = &self.scenario.empty.conditions;
-        let description = &self.scenario.empty.factors[factor];
-        if description.levels.len() < 2 {
-            return None;
-        }
-        let means = (0..description.levels.len() as u32).map(|level| {
-            let here = conditions.iter().zip(&self.predictors).filter(|(levels, _)| levels[factor] == Some(level));
-            let (sum, number) = here.fold((0.0, 0.0), |(sum, number), (_, predictor)| (sum + predictor, number + 1.0));
-            sum / number
-        });
-        let means: Vec<f64> = means.collect();
-        let part = conditions.iter().map(|levels| levels[factor].map_or(0.0, |level| means[level as usize]));
-        let part = DVector::from_iterator(conditions.len(), part);
-        let extremes = self.extremes(&part);
-        Some(Hypothesis {
-            term: Term::factor(&description.name),
-            test: Test::Friedman,
-            effect: extremes.map(|(above, below)| self.effect(&part, above, below, &[factor])),
-            absent: None,
-        })
+        let names: Vec<&str> = self.scenario.outline.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let main =
+            Layout::new(self.scenario, self.frame, &Terms::factors(&names)).of_term(&Term::factor(names[factor]));
+        Some(Hypothesis { test: Test::Friedman, absent: None, ..main.ok()? })
     }
 
     /// Returns the space spanned by a constant and these terms.
@@ -396,7 +369,7 @@ impl<'a> Layout<'a> {
 
     fn effect(&self, part: &DVector<f64>, above: usize, below: usize, factors: &[usize]) -> Effect {
         let name = |condition: usize| {
-            let names = self.scenario.empty.level_names(condition as u32);
+            let names = self.scenario.outline.level_names(condition as u32);
             factors.iter().map(|factor| names[*factor]).collect::<Vec<_>>().join(":")
         };
         Effect {

@@ -248,8 +248,7 @@ fn least_and_most(results: &Results, factor: &FactorResults) -> [(Shown, String)
 
 /// True if the model accounts for repeated measures, or there are none.
 pub(super) fn is_clustered(results: &Results) -> bool {
-    let ignores = [Note::RunawayVariance, Note::NoMixedModel];
-    let accounts = |model: &Model| !model.notes.iter().any(|note| ignores.contains(note));
+    let accounts = |model: &Model| !model.notes.contains(&Note::NoMixedModel);
     !results.ignores_people() && results.model.as_ref().is_ok_and(|report| accounts(&report.model))
 }
 

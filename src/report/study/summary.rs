@@ -257,8 +257,7 @@ fn about_model(results: &Results) -> Vec<String> {
 pub(super) fn is_serious(note: &Note) -> bool {
     matches!(
         note,
-        Note::RunawayVariance
-            | Note::NoMixedModel
+        Note::NoMixedModel
             | Note::NotConverged { .. }
             | Note::Flat
             | Note::AliasedTerm { .. }
