@@ -119,13 +119,6 @@ impl Planned {
                 "With one participant, the model has no random intercept, so its findings apply only to that person.";
             remarks.push(text.to_owned());
         }
-        let fewest = self.powers.iter().map(|power| power.participants).min();
-        if let Some(studies) = fewest.and_then(|people| self.plan.calibration(people, &self.sampling)) {
-            remarks.push(format!(
-                "With fewer than {FEW_FOR_LIKELIHOOD_RATIOS} participants, p of the model comes from {studies} simulated \
-                 studies without the effect."
-            ));
-        }
         remarks.push(self.differences(deviations));
         let known = Some(self.protocol.stimulus.parameters());
         for slope in self.plan.unmodeled() {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::scenario::{Hypothesis, Layout, PlanError, Scenario, Shift, Slope, Test};
+use super::scenario::{Hypothesis, PlanError, Scenario, Shift, Slope, Test};
 use crate::{
     analysis::{
         FEW_FOR_LIKELIHOOD_RATIOS, MAX_COEFFICIENTS, ModelSpec, Options, Slopes, Withheld,
@@ -101,7 +101,7 @@ impl Plan {
         }
         let (frame, _) = Frame::new(outline, &spec)?;
         check_size(&frame, &spec.terms, spec.max_coefficients)?;
-        let hypotheses = Layout::new(&scenario, &frame, &spec.terms).hypotheses()?;
+        let hypotheses = scenario.hypotheses(&frame, &spec.terms)?;
         Ok(Self { scenario, spec, hypotheses })
     }
 
@@ -126,7 +126,7 @@ impl Plan {
 
     /// Returns the number of studies without an effect that calibrate its likelihood ratio, or `None` if the χ²
     /// distribution is accurate enough for this number of participants.
-    pub fn calibration(&self, participants: u32, sampling: &Sampling) -> Option<u32> {
+    fn calibration(&self, participants: u32, sampling: &Sampling) -> Option<u32> {
         let (fewest, most) = WITHOUT_EFFECT;
         ((participants as usize) < FEW_FOR_LIKELIHOOD_RATIOS).then(|| sampling.studies.clamp(fewest, most))
     }

@@ -139,11 +139,6 @@ impl Scenario {
         Ok(Self { outline, predictors, slopes, observer: observer.clone(), repetitions: protocol.design.repetitions })
     }
 
-    /// Returns every condition, in order.
-    pub fn conditions(&self) -> Vec<u32> {
-        (0..self.outline.conditions.len() as u32).collect()
-    }
-
     /// Simulates a study with these predictors and slopes: one of those that are planned, or one without the effect of a
     /// term, which has other random numbers. A participant's ratings depend only on the seed, the study and the
     /// participant's number, so a larger study contains every smaller one.
@@ -267,43 +262,20 @@ pub struct Hypothesis {
 /// probability.
 const NO_BAND: f64 = 30.0;
 
-/// Creates the tests of a list of terms.
-pub(super) struct Layout<'a> {
-    scenario: &'a Scenario,
-    frame: &'a Frame<'a>,
-    terms: &'a Terms,
-    predictors: DVector<f64>,
-    /// Whether every condition has a finite predictor.
-    finite: bool,
-}
-
-impl<'a> Layout<'a> {
-    pub fn new(scenario: &'a Scenario, frame: &'a Frame<'a>, terms: &'a Terms) -> Self {
-        let finite = scenario.predictors.iter().copied().filter(|predictor| predictor.is_finite());
-        let floor = finite.fold(scenario.observer.thresholds[0], f64::min) - NO_BAND;
-        let predictors = scenario.predictors.iter().map(|predictor| predictor.max(floor));
-        Self {
-            predictors: DVector::from_iterator(scenario.predictors.len(), predictors),
-            finite: scenario.predictors.iter().all(|predictor| predictor.is_finite()),
-            scenario,
-            frame,
-            terms,
-        }
-    }
-
+impl Scenario {
     /// Returns the test of every testable term, each followed by Friedman's test of its factor, and then Friedman's
     /// tests of the remaining factors.
-    pub fn hypotheses(&self) -> Result<Vec<Hypothesis>, PlanError> {
+    pub fn hypotheses(&self, frame: &Frame, terms: &Terms) -> Result<Vec<Hypothesis>, PlanError> {
         let (mut hypotheses, mut seen) = (Vec::new(), BTreeSet::new());
-        for term in self.terms.iter().filter(|term| !self.terms.is_marginal(term)) {
-            hypotheses.push(self.of_term(term)?);
+        for term in terms.iter().filter(|term| !terms.is_marginal(term)) {
+            hypotheses.push(self.of_term(frame, terms, term)?);
             if let [factor] = self.factors(term)?[..] {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
             }
         }
-        for term in self.terms.iter() {
+        for term in terms.iter() {
             for factor in self.factors(term)? {
-                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(factor)).flatten());
+                hypotheses.extend(seen.insert(factor).then(|| self.of_factor(frame, factor)).flatten());
             }
         }
         Ok(hypotheses)
@@ -313,7 +285,7 @@ impl<'a> Layout<'a> {
     fn factors(&self, term: &Term) -> Result<Vec<usize>, PlanError> {
         let mut factors = Vec::new();
         for variable in &term.variables {
-            let (index, _) = find_factor(self.frame.counts, variable)?;
+            let (index, _) = find_factor(&self.outline, variable)?;
             if !factors.contains(&index) {
                 factors.push(index);
             }
@@ -323,32 +295,39 @@ impl<'a> Layout<'a> {
 
     /// Creates the hypothesis for a term. Its effect is the part of the predictor that no other term of the model can
     /// express.
-    fn of_term(&self, term: &Term) -> Result<Hypothesis, PlanError> {
-        let whole = self.span(self.terms)?;
-        let rest = self.span(&self.terms.without(term))?;
+    fn of_term(&self, frame: &Frame, terms: &Terms, term: &Term) -> Result<Hypothesis, PlanError> {
+        let whole = self.span(frame, terms)?;
+        let rest = self.span(frame, &terms.without(term))?;
         if whole.basis.len() == rest.basis.len() {
             return Err(PlanError::Untestable { term: term.to_string() });
         }
-        let part = whole.project(&self.predictors) - rest.project(&self.predictors);
+        let predictors = self.floored();
+        let part = whole.project(&predictors) - rest.project(&predictors);
         let extremes = self.extremes(&part);
         let factors = self.factors(term)?;
         let effect = extremes.map(|(above, below)| self.effect(&part, above, below, &factors));
-        let predictors = (&self.predictors - &part).iter().copied().collect();
-        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent: Some(predictors) })
+        let absent = Some((predictors - &part).iter().copied().collect());
+        Ok(Hypothesis { term: term.clone(), test: Test::LikelihoodRatio, effect, absent })
     }
 
     /// Creates the hypothesis for Friedman's test of a factor: about its main effect. Returns `None` if the factor has only one
     /// level.
-    fn of_factor(&self, factor: usize) -> Option<Hypothesis> {
-        let names: Vec<&str> = self.scenario.outline.factors.iter().map(|factor| factor.name.as_str()).collect();
-        let main =
-            Layout::new(self.scenario, self.frame, &Terms::factors(&names)).of_term(&Term::factor(names[factor]));
+    fn of_factor(&self, frame: &Frame, factor: usize) -> Option<Hypothesis> {
+        let names: Vec<&str> = self.outline.factors.iter().map(|factor| factor.name.as_str()).collect();
+        let main = self.of_term(frame, &Terms::factors(&names), &Term::factor(names[factor]));
         Some(Hypothesis { test: Test::Friedman, absent: None, ..main.ok()? })
     }
 
+    /// Returns the predictors of all conditions, those of conditions without a band far below all others.
+    fn floored(&self) -> DVector<f64> {
+        let finite = self.predictors.iter().copied().filter(|predictor| predictor.is_finite());
+        let floor = finite.fold(self.observer.thresholds[0], f64::min) - NO_BAND;
+        self.predictors.iter().map(|predictor| predictor.max(floor)).collect::<Vec<_>>().into()
+    }
+
     /// Returns the space spanned by a constant and these terms.
-    fn span(&self, terms: &Terms) -> Result<Span, PlanError> {
-        let design = Design::new(self.frame, terms)?.matrix(&self.scenario.conditions());
+    fn span(&self, frame: &Frame, terms: &Terms) -> Result<Span, PlanError> {
+        let design = Design::new(frame, terms)?.matrix(&frame.conditions());
         let mut span = Span::with_constant(design.nrows());
         design.column_iter().for_each(|column| _ = span.add(column));
         Ok(span)
@@ -358,7 +337,7 @@ impl<'a> Layout<'a> {
     /// everywhere.
     fn extremes(&self, part: &DVector<f64>) -> Option<(usize, usize)> {
         // Differences caused by rounding do not count.
-        let slack = 1e-9 * (1.0 + self.predictors.amax());
+        let slack = 1e-9 * (1.0 + self.floored().amax());
         let first = |better: &dyn Fn(f64, f64) -> bool| {
             (0..part.len()).fold(0, |best, place| if better(part[place], part[best]) { place } else { best })
         };
@@ -369,12 +348,13 @@ impl<'a> Layout<'a> {
 
     fn effect(&self, part: &DVector<f64>, above: usize, below: usize, factors: &[usize]) -> Effect {
         let name = |condition: usize| {
-            let names = self.scenario.outline.level_names(condition as u32);
+            let names = self.outline.level_names(condition as u32);
             factors.iter().map(|factor| names[*factor]).collect::<Vec<_>>().join(":")
         };
+        let is_finite = self.predictors.iter().all(|predictor| predictor.is_finite());
         Effect {
             // Remove the rounding errors of the projections.
-            logits: self.finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
+            logits: is_finite.then(|| ((part[above] - part[below]) * 1e9).round() / 1e9),
             above: name(above),
             below: name(below),
         }
