@@ -54,8 +54,6 @@ pub struct ModelReport {
     pub margins: Vec<Margin>,
     /// Differences between levels.
     pub comparisons: Vec<Comparison>,
-    /// Those that were asked for, each between two levels of a factor whose effect is the same everywhere.
-    pub contrasts: Vec<Comparison>,
     /// How ratings depend on the order of the trials, if it is known.
     pub order: Option<Order>,
     /// How well the model describes the data; only for the main analysis.
@@ -81,7 +79,6 @@ fn report_with_tests(full: &Fitted) -> Result<ModelReport, ModelError> {
         predictions: predictions(full, &model),
         margins: margins::margins(full, &model),
         comparisons: Vec::new(),
-        contrasts: Vec::new(),
         order: None,
         checks: None,
         model,
@@ -164,7 +161,6 @@ pub fn fit_calibrated(
             (own.p, own.p_holm) = (Some(p), Some(p));
         }
     }
-    report.contrasts = contrasts(&full, &report.comparisons, &wanted);
     report.checks = (calibration.checks).then(|| checks::checks(&full, calibration.resampling.seed));
     Ok(report)
 }
@@ -277,17 +273,4 @@ fn simple_in(full: &Fitted, term: usize) -> Option<usize> {
     let other = terms[one].variables.iter().find(|variable| !terms[term].variables.contains(variable));
     let is_simple = another.is_none() && terms[one].variables.len() == 2 && matches!(other, Some(Variable::Factor(_)));
     is_simple.then_some(one)
-}
-
-/// Returns the comparisons of some pairs of levels, of factors whose effect is the same everywhere.
-fn contrasts(full: &Fitted, comparisons: &[Comparison], wanted: &[Pair]) -> Vec<Comparison> {
-    let of_pair = |(factor, [level, other]): &Pair| {
-        let term = full.spec.terms.iter().position(|term| *term == Term::factor(factor))?;
-        // If a column was dropped, a level without a coefficient is not necessarily the baseline.
-        let is_whole = full.x.dropped.iter().all(|column| column.term != term);
-        let is_own =
-            |c: &&Comparison| (&c.factor, &c.level, &c.other) == (factor, level, other) && c.at.is_none() && !c.average;
-        comparisons.iter().find(is_own).filter(|own| is_whole && !own.estimate.is_nan()).cloned()
-    };
-    wanted.iter().filter_map(of_pair).collect()
 }

@@ -313,15 +313,12 @@ fn size_in_model(results: &Results, report: &ModelReport, factor: &FactorResults
     if let [Variable::Number(_)] = &term.variables[..] {
         return if is_average { None } else { over_range(results, report, term) };
     }
-    let contrast = if is_average {
-        let pair = factor.contrast().0.map(|level| &factor.levels[level].names[0]);
-        let is_own = |c: &&Comparison| {
-            c.average && c.factor == factor.name && pair.contains(&&c.level) && pair.contains(&&c.other)
-        };
-        report.comparisons.iter().find(is_own)?
-    } else {
-        report.contrasts.iter().find(|contrast| contrast.factor == factor.name)?
+    let pair = factor.contrast().0.map(|level| &factor.levels[level].names[0]);
+    let is_own = |c: &&Comparison| {
+        let is_of_factor = c.factor == factor.name && c.at.is_none() && c.average == is_average;
+        is_of_factor && pair.contains(&&c.level) && pair.contains(&&c.other)
     };
+    let contrast = report.comparisons.iter().find(is_own)?;
     if !contrast.estimate.is_finite() {
         return None;
     }
