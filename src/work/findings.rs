@@ -30,7 +30,7 @@ impl Planned {
     /// Returns the name of a test in a sentence.
     pub fn test(&self, power: &Power) -> &'static str {
         match self.hypothesis(power).test {
-            Test::Friedman => "Friedman's test",
+            Test::Friedman => "Friedman’s test",
             Test::LikelihoodRatio if power.participants == 1 => "the ordinal model",
             Test::LikelihoodRatio => "the mixed model",
         }
