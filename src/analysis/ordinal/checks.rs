@@ -170,7 +170,7 @@ struct Residual {
 fn residuals<'a>(fitted: &'a Fitted, layout: &'a Layout) -> impl Fn(usize, u32, usize) -> Residual + use<'a> {
     let Layout { data, row_of } = layout;
     let mixed = fitted.usable();
-    let parameters = fitted.searched(mixed, data);
+    let parameters = fitted.searched(data);
     let (location, weights) = (data.location(&parameters), data.weights(&parameters));
     let (own, _) = fitted.random.effects();
     let people = fitted.frame.subjects.len();

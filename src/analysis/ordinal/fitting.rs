@@ -282,9 +282,9 @@ impl Fitted<'_> {
     }
 
     /// Returns θ, β and ψ of a mixed model; without one, those of the model without random effects, with ψ = 0.
-    pub(super) fn searched(&self, mixed: Option<&MixedFit>, data: &ClmmData) -> DVector<f64> {
+    pub(super) fn searched(&self, data: &ClmmData) -> DVector<f64> {
         let plain = || self.clm.parameters.clone().resize_vertically(data.parameters(), 0.0);
-        mixed.map_or_else(plain, |mixed| mixed.parameters.clone())
+        self.usable().map_or_else(plain, |mixed| mixed.parameters.clone())
     }
 
     /// Returns the number of estimated parameters.
