@@ -190,6 +190,8 @@ def compare(
     else:
         request |= {"picture": "picture", "reference": "reference"}
         given = (_pixels("picture", picture), _pixels("reference", reference))
+        if "transfer" in request and given[0].dtype.kind == given[1].dtype.kind == "f":
+            raise _machband.Error("transfer is for codes, and floats are light; expected uint8 or uint16, or no transfer")
     found, map = _machband.compare(request, given)
     return _made(Comparison, found, map=map)
 

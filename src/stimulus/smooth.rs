@@ -2,6 +2,7 @@
 //! differs from that.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::viewing::ViewingConditions;
 use crate::{
@@ -132,7 +133,7 @@ impl Judged {
 /// The difference between a picture and the smooth surface, filtered by the contrast sensitivity of the model of vision.
 /// The filter is scaled so that it passes its best frequency unchanged, and the difference is in linear light, 1 for
 /// white. Only pixels that can be compared count; elsewhere the difference is taken as 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Residual {
     /// Root mean square.
     pub rms: f64,
@@ -141,12 +142,13 @@ pub struct Residual {
 }
 
 /// How visible a picture's difference from the smooth surface is, in times threshold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SurfaceDifference {
     /// The largest value on the surface.
     pub largest: f64,
     /// The value that one place in twenty exceeds.
     pub p95: f64,
+    #[serde(skip)]
     pub map: DifferenceMap,
 }
 

@@ -8,7 +8,7 @@ use super::{
     grid::{ENOUGH_PX_PER_DEG, Grid, Lookup, averaged, coarser, within},
     transforms::{Cosines, next_fast_length},
 };
-use crate::light::image::shares;
+use crate::{light::image::shares, system::checkpoint};
 
 /// Responses with at least twice this number of places per degree are averaged before they are pooled, since the weight falls to half only within a third of a degree.
 const ENOUGH_TO_POOL: f64 = 30.0;
@@ -94,6 +94,9 @@ impl Judge {
         // a picture in the middle as its sides are long, where the weights end.
         let images = padded.map(|side| side.min(2));
         let spread = |i: usize| -> f64 {
+            if i % padded[0] == 0 {
+                checkpoint();
+            }
             let image = |k: usize| {
                 let (right, down) = (i % padded[0] + k % images[0], i / padded[0] + k / images[0]);
                 let is_near = right < places[0] && down < places[1];
@@ -101,7 +104,7 @@ impl Judge {
             };
             (0..images[0] * images[1]).map(image).sum()
         };
-        let mut pooled = Cosines::of((0..padded[0] * padded[1]).map(spread).collect(), padded);
+        let mut pooled = Cosines::of((0..padded[0] * padded[1]).into_par_iter().map(spread).collect(), padded);
         // Relative to the cosines of that response. A sum becomes an integral.
         let area = if across.is_some() { step[0] } else { step[0] * step[1] };
         let alone = |k: usize, n: f64| 2.0 / n * (std::f64::consts::FRAC_PI_2 * k as f64 / n).cos();
@@ -286,7 +289,7 @@ impl Difference<'_> {
         let powers = averaged(powers, *size, *places);
         let (values, first) = within(&powers, *places, *padded);
         let values = Cosines::of(values, *padded).at(*padded, None, |x, y| pooled.amplitudes[x * padded[1] + y]);
-        let rows = values.chunks_exact(padded[0]).skip(first[1]).take(places[1]);
+        let rows = values.chunks_exact(padded[0]).skip(first[1]).take(places[1]).inspect(|_| checkpoint());
         let times = rows.flat_map(|row| &row[first[0]..][..places[0]]).map(|value| value.max(0.0).powf(1.0 / power));
         let times = times.collect();
         DifferenceMap { times, places: *places, size: *given }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Drawn, Encoded, Encoding, FittedPath, Luminances, Ratings, RequestError, Watcher, explained};
 use crate::{
-    experiment::{Condition, Factor, Protocol},
+    experiment::{Condition, Factor, Protocol, VisionRater},
     report::{
         Study,
         prediction::{self, Comparison, MAX_PICTURES, window_deg},
@@ -182,7 +182,7 @@ impl Predict {
     /// Returns the criterion from the file, if there is one.
     fn criterion(&self) -> anyhow::Result<Option<Criterion>> {
         let path = self.criterion.as_ref().filter(|_| self.fit.is_empty());
-        path.map(|path| Ok(observer::open_vision(path)?.criterion())).transpose()
+        path.map(|path| Ok(observer::open::<VisionRater>(path)?.criterion())).transpose()
     }
 
     fn encoded(&self, watcher: &dyn Watcher) -> anyhow::Result<Encoded> {

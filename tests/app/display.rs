@@ -239,7 +239,7 @@ fn measuring_pages_show_nothing_else_and_leaving_asks() {
 #[test]
 fn timing_measures_and_reports() {
     let mut window = timing();
-    assert!(!says(&window, "photosensitive"), "the trial does not flicker");
+    assert!(!says(&window, "photosensitive"), "nothing flickers");
     click(&mut window, "Measure");
     window.run_steps(640);
     for text in ["600", "60.000 Hz, 16.667 ms, measured", "dropped frames", "missed refreshes"] {

@@ -343,9 +343,9 @@ fn a_changed_file_is_exported_only_on_request_and_the_export_names_it() {
     let verified = crate::common::succeeds(scratch.path(), &["verify", "results"]);
     assert!(verified.contains("unchanged since changes were accepted"), "{verified}");
     let exported = written(&results, &scratch.path().join("accepted"), Format::Bids);
-    assert!(exported.notes[0].contains(name) && exported.notes[0].contains("accepted a change of"), "{exported:?}");
+    assert!(exported.notes[0].contains(name) && exported.notes[0].contains("accepted that "), "{exported:?}");
     let sidecar = scratch.path().join("accepted/sub-S001/ses-1/beh/sub-S001_ses-1_task-quick_beh.json");
-    assert!(fs::read_to_string(&sidecar).unwrap().contains("accepted a change of"), "{}", sidecar.display());
+    assert!(fs::read_to_string(&sidecar).unwrap().contains("accepted that "), "{}", sidecar.display());
 }
 
 #[cfg(unix)]
