@@ -235,9 +235,11 @@ impl Simulation<'_> {
         // A signal may arrive during the last trial.
         let complete = session.current().is_none();
         let all = || schedule.conditions.iter().map(|condition| &condition.stimulus);
-        if complete && protocol.task.is_default() {
+        if protocol.task.is_default() && (complete || self.hashes.get().is_some()) {
             let hashes = self.hashes.get_or_init(|| self.hash(&all().collect::<Vec<_>>()));
-            store.note_pictures(all().zip(hashes.iter().cloned()));
+            let pictures = all().zip(hashes.iter().cloned()).enumerate();
+            let rated = pictures.filter(|(i, _)| complete || conditions.contains(i));
+            store.note_pictures(rated.map(|(_, picture)| picture));
         } else {
             let rated = all().enumerate().filter_map(|(i, stimulus)| conditions.contains(&i).then_some(stimulus));
             let shown: Vec<&Stimulus> = shown.values().chain(rated).collect();
