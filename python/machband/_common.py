@@ -278,10 +278,10 @@ def options(function: Callable[..., Any], given: Mapping[str, Any], *but: str) -
 
 def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple[str, str, str]] = ()) -> Table:
     """Return columns as a table. What is known about them goes into `DataFrame.attrs`."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(columns)
+    import pandas
+
     frame = pandas.DataFrame(dict(columns), copy=False)
     for name, column in columns.items():
         if column.dtype.kind == "M":
@@ -293,10 +293,10 @@ def table(columns: Mapping[str, np.ndarray[Any, Any]], described: Iterable[tuple
 
 def named(names: list[str], values: np.ndarray[Any, Any], columns: list[str] | None = None) -> Any:
     """Return named rows: a `pandas.Series`, or a `DataFrame` if rows have columns; without pandas, a dict."""
-    try:
-        import pandas
-    except ImportError:
+    if find_spec("pandas") is None:
         return dict(zip(names, values.tolist(), strict=True))
+    import pandas
+
     return pandas.Series(values, names) if values.ndim == 1 else pandas.DataFrame(values, names, columns)
 
 

@@ -90,9 +90,7 @@ class MachBandStim(MinimalStim):  # type: ignore[misc]
         self.kind: Kind = kind
         self._drawer = _Drawer(self)
         units = units or win.units
-        self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed)
-        self.__dict__["parameters"] = {}
-        self.__dict__["_image"] = None
+        self.__dict__.update(size=_side(size), transfer=transfer, dither=dither, seed=seed, parameters={}, _image=None)
         self.set(**parameters)
         self.__dict__["_image"] = _Aligned(
             win, units=units, pos=pos, ori=ori, opacity=opacity, name=name, autoLog=autoLog
