@@ -194,11 +194,10 @@ impl Analysis {
     /// Returns the report and the figures: the names of files, and their contents.
     fn report_files(&self, py: Python<'_>) -> PyResult<Contents> {
         let (found, provenance) = (self.found.clone(), Provenance::new(self.command.clone(), now()));
-        let here = Path::new(".");
         job::run(py, None, false, move |_| match found {
-            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, here)?),
+            Found::Ratings(study, results) => Ok(report::report_files(&study, &results, &provenance, Path::new("."))?),
             Found::Task(study, results) => {
-                let mut contents = report::task_files(&study, &results, &provenance, here, false)?;
+                let mut contents = report::task_files(&study, &results, &provenance, Path::new("."), false)?;
                 contents.drain(..tasks::tables(&study, &results).len());
                 Ok(contents)
             }

@@ -301,8 +301,8 @@ SCREEN = {"px": 1, "screen_px": 1920, "screen_cm": 50, "distance_cm": 57}
         (lambda: machband.stimulus(width=np.True_), TypeError, "width is .*True_?; expected a number or text"),
         (lambda: machband.stimulus(transfer=machband.Transfer), TypeError, "transfer is <class .*; expected text"),
         (lambda: machband.Transfer("linear", "x.toml"), machband.Error, "function is 'linear', and display 'x.toml'; expected one"),
+        (lambda: machband.stimulus(transfer="gama:2"), machband.Error, "^transfer .gama:2. is not known; expected srgb"),
         (lambda: machband.mesh("blob", n_vertices=3), machband.Error, "^n_vertices: a blob cannot have 3 vertices"),
-        (lambda: machband.interpolate([None]), TypeError, r"u is \[None\]; expected numbers"),
         (lambda: machband.interpolate(np.array([1], "M8[s]")), TypeError, "u is .*; expected numbers"),
     ],
 )
