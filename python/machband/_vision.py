@@ -258,8 +258,7 @@ def steps(
     if pixels.dtype.kind == "f":
         raise _machband.Error("picture is light, which has no codes; expected codes as uint8 or uint16")
     found, dithered = _machband.steps(request, pixels)
-    light = "as asked" if {"transfer", "display"} & {*request} else "sRGB is assumed"
-    return _made(Steps, found, picture=dithered, light=light)
+    return _made(Steps, found, picture=dithered)
 
 
 T = TypeVar("T")
