@@ -121,9 +121,8 @@ def test_ctrl_c_stops_long_work(work, tmp_path):
 
 @on_linux
 def test_ctrl_c_stops_a_large_array():
-    values = np.full(20_000_000, 0.5)
     start = time.perf_counter()
-    machband.interpolate(values, 9)
+    machband.interpolate(values := np.full(20_000_000, 0.5), 9)
     whole = time.perf_counter() - start
     signal.signal(signal.SIGALRM, signal.default_int_handler)
     signal.setitimer(signal.ITIMER_REAL, whole / 4)
