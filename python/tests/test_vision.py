@@ -119,7 +119,6 @@ def test_wrong_pictures_are_refused(image, given, error, words):
         ({"ppd": 1, "window_deg": 1}, machband.Error, "cannot be used with"),
         ({"ppd": np.inf}, machband.Error, "ppd inf"),
         ({"kind": machband.stimuli.chevreul(size=8)}, TypeError, "kind is Stimulus.'chevreul'.*expected text"),
-        ({"ppd": (32, 32)}, TypeError, "ppd"),
         ({"criterion": "missing.toml"}, machband.Error, "missing.toml"),
     ],
 )
