@@ -246,6 +246,13 @@ fn doubts(section: &mut Section, study: &TaskStudy, results: &TaskResults) {
             short_list(&beyond, 12)
         ));
     }
+    let steep = told(&|function| function.described().is_some_and(|fit| fit.is_steep));
+    if !steep.is_empty() {
+        section.note(format!(
+            "These functions rise between two or three neighboring levels, so their slopes may be above the intervals: {}.",
+            short_list(&steep, 12)
+        ));
+    }
     for (condition, population) in &results.populations {
         let [low, high] = population.range;
         let what = match population.interval {
