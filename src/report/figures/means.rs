@@ -18,7 +18,7 @@ use crate::{
         counts::{CountRow, Factor},
         summary::{Group, by_levels, by_levels_as, means_by_subject},
     },
-    report::names,
+    report::{document::count, names},
     statistics::Interval,
 };
 
@@ -220,7 +220,7 @@ pub(super) fn effects(results: &Results) -> Option<Figure> {
          factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         labels::some_of(shown.len(), model.coefficients.len()),
-        labels::fitted(model)
+        count(model.nobs, "rating")
     );
     let title = format!("Effects in the {} model", model.link);
     tasks::estimates("effects", &names, &[(String::new(), estimates)], (&title, "Shift of the ratings", caption))

@@ -87,10 +87,9 @@ pub(super) fn agreement(results: &Results) -> Section {
                 },
             ));
         }
-        None if results.is_inferential() => section.text(
-            "Fewer than two conditions were rated by two participants, or all ratings are the same: agreement cannot be computed.",
+        None => section.text(
+            "Agreement between participants needs two conditions that two participants rated, and ratings that differ.",
         ),
-        None => section.text("Agreement between participants requires at least two participants."),
     }
     section.heading("Within participants");
     let Some((kappa, interval)) = results.kappa else {

@@ -28,8 +28,7 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         ("Excluded: practice", sum(|file| file.practice)),
         ("Excluded: corrected ratings", sum(|file| file.superseded)),
         ("Excluded: rows with errors", sum(|file| file.erroneous)),
-        ("Rows used", sum(|file| file.counted)),
-        ("Ratings in these rows", sum(|file| file.ratings)),
+        ("Ratings read", sum(|file| file.ratings)),
         ("Ratings analyzed", whole(results.measured.counts.total())),
     ];
     section.facts("Rows read and excluded", facts);

@@ -72,11 +72,8 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
     rows.extend(random.slopes.iter().map(|slope| of(names::slope(results, model, slope), slope)));
     let of_items = |items: &RandomSlope| of(format!("Intercept of {}", names::factor(results, &items.name)), items);
     rows.extend(random.items.as_ref().map(of_items));
-    let caption = if random.items.is_some() {
-        "Standard deviations between participants and between items, on the latent scale"
-    } else {
-        "Standard deviations between participants, on the latent scale"
-    };
+    let items = if random.items.is_some() { " and between items" } else { "" };
+    let caption = format!("Standard deviations between participants{items}, on the latent scale");
     TableOf::new(caption, &rows)
         .text("Of", |(name, ..)| name)
         .number("SD", |(_, sd, se, _)| fixed(*sd, decimals(*sd, *se)))
@@ -234,16 +231,13 @@ fn coefficients(section: &mut Section, results: &Results, model: &Model) {
         section.text("The model has no terms, so it describes all ratings in the same way.");
         return;
     }
-    section.text(match model.link {
-        Link::Logit => {
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. An odds ratio \
-             above 1 means that higher ratings are more likely."
+    section.text(format!(
+        "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. {}",
+        match model.link {
+            Link::Logit => "An odds ratio above 1 means that higher ratings are more likely.",
+            Link::Probit => "One unit is a standard deviation of the latent ratings.",
         }
-        Link::Probit => {
-            "A level’s coefficient is its shift relative to the factor’s baseline, the level without a coefficient. One unit is a \
-             standard deviation of the latent ratings."
-        }
-    });
+    ));
     let of = |c: &Coefficient| {
         let is_of_number = c.parts.iter().any(|part| part.level.is_none());
         if is_of_number { decimals(c.estimate, c.se) } else { 3 }

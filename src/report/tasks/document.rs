@@ -56,12 +56,9 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
         section.warning(format!("Not complete: {}.", count(study.unfinished as u64, "session")));
     }
     if study.simulated > 0 {
-        let simulated = |what: &str| count(study.simulated as u64, what);
-        let place = match study.asked.protocol {
-            Some(_) => format!("in {}", simulated("session")),
-            None => format!("for {}", simulated("participant")),
-        };
-        section.warning(format!("These data are simulated: a program gave the answers {place}."));
+        let whose = if study.asked.protocol.is_some() { "session" } else { "participant" };
+        let whose = count(study.simulated as u64, whose);
+        section.warning(format!("These data are simulated: a program gave the answers of {whose}."));
     }
     if !study.excluded.is_empty() {
         section.text(format!("Left out on request: {}.", list(&study.excluded)));
