@@ -57,11 +57,6 @@ pub(super) fn in_sentence(results: &Results, factor: &str) -> String {
     clean(&names::factor(results, factor))
 }
 
-/// Returns a caption: it begins with a capital letter and ends with a period.
-pub(super) fn sentence(text: &str) -> String {
-    format!("{}.", names::capitalized(text))
-}
-
 /// States the size of the sample: `8 participants, 1,920 ratings`.
 pub(super) fn sample(results: &Results) -> String {
     let (people, ratings) = (results.people() as u64, results.measured.counts.total());

@@ -115,7 +115,7 @@ fn chart(
         title += &format!(" and {by_name}");
         caption = format!("one {thing} for each level of {by_name}{some}; ");
     }
-    let caption = labels::sentence(&format!("{caption}{source}"));
+    let caption = names::capitalized(&format!("{caption}{source}."));
     let heading = by.map(|by| names::heading(results, &by.name)).unwrap_or_default();
     let series: Vec<(Series, &str)> = lines.iter().map(|line| (line.series, line.name.as_str())).collect();
     let values = Values::ratings(&results.measured.counts);
