@@ -73,6 +73,7 @@ pub fn report_files(
 ) -> Result<Contents, StoreError> {
     let predict = || StudyPrediction::of(&study.source, &results.measured.counts);
     let (predicted, mut figures) = rayon::join(predict, || figures::all(results));
+    figures.extend(study.source.protocol.as_ref().and_then(figures::stimulus));
     figures.extend(predicted.iter().flat_map(|predicted| figures::predicted(results, &predicted.ratings)));
     let parts = Parts { figures: &figures, prediction: Some(&predicted), provenance: Some(provenance) };
     page(&document(&study.source, results, parts), &figures, provenance, folder)

@@ -23,7 +23,7 @@ pub(super) fn section(results: &Results, figures: &[Figure]) -> Section {
         "A mean rating treats the categories as equally spaced, which is an assumption. It is descriptive only; the model \
          does not use it. In every mean, each participant counts equally, and so does each condition. {intervals}"
     ));
-    section.figures(figures, &["figure4a", "figure4b", "proportions", "subjects", "orientation"]);
+    section.figures(figures, &["stimulus", "figure4a", "figure4b", "proportions", "subjects", "orientation"]);
     for factor in &results.factors {
         let name = names::factor(results, &factor.name);
         let levels = factor.levels.iter().zip(factor.times.iter().copied());
@@ -101,15 +101,10 @@ pub(super) fn agreement(results: &Results) -> Section {
     };
     section.text(format!(
         "Cohen’s κ with quadratic weights compares a participant’s first and second rating of a condition. {} {}{}. 1 is \
-         perfect agreement, and 0 is agreement by chance.",
+         perfect agreement, and 0 is agreement by chance. That of each participant is in subjects.csv.",
         if results.is_inferential() { "Its mean over participants is" } else { "It is" },
         unit(kappa),
         with_interval(interval, unit),
     ));
-    TableOf::new("First and second ratings of each participant", &results.subjects)
-        .text("Participant", names::participant)
-        .number("Conditions rated twice", |subject| whole(subject.retests))
-        .number("Weighted κ", |subject| unit(subject.kappa))
-        .add_to(&mut section);
     section
 }

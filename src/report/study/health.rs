@@ -46,21 +46,11 @@ pub(super) fn section(source: &Source, results: &Results) -> Section {
         section.text("No errors were found in the files.");
     }
     section.problems(&source.errors, &source.warnings);
-    let analyzed: Vec<&SessionRead> = sessions(source, results).collect();
-    if !analyzed.is_empty() {
-        section.heading("Sessions");
-        TableOf::new("Sessions: trials planned and rated", &analyzed)
-            .text("Participant", |session| &session.subject)
-            .text("Session", |session| &session.session)
-            .text("Ratings by", |session| match session.sidecar {
-                None => "not known",
-                Some(_) if is_simulated(session) => "a program",
-                Some(_) => "a person",
-            })
-            .number("Planned", |session| fixed(session.planned.map(|n| n as f64), 0))
-            .number("Rated", |session| whole(session.rated))
-            .add_to(&mut section);
-    }
+    let unfinished = sessions(source, results).filter(|session| session.is_unfinished()).map(|session| {
+        let planned = count(session.planned.unwrap_or_default(), "planned trial");
+        format!("{}, session {}: {} of {planned} are rated.", session.subject, session.session, session.rated)
+    });
+    section.list(unfinished.collect());
     if all_sittings(source, results).next().is_some() {
         screens(&mut section, source, results);
     }

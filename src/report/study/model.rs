@@ -89,14 +89,6 @@ fn between_people(section: &mut Section, results: &Results, model: &Model, rando
             with_interval(interval, unit)
         ));
     }
-    if let Some(correlations) = &random.correlations {
-        let slopes: Vec<String> = random.slopes.iter().map(|slope| names::slope(results, model, slope)).collect();
-        let names: Vec<&str> = std::iter::once("Intercept").chain(slopes.iter().map(String::as_str)).collect();
-        let rows: Vec<(&&str, &Vec<f64>)> = names.iter().zip(correlations).collect();
-        let table = TableOf::new("Correlations of the random effects", &rows).text("Of", |(name, _)| **name);
-        let columns = names.iter().enumerate();
-        columns.fold(table, |table, (place, name)| table.number(*name, |(_, row)| unit(row[place]))).add_to(section);
-    }
 }
 
 fn comparisons(section: &mut Section, results: &Results, report: &ModelReport) {

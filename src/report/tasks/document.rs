@@ -33,7 +33,7 @@ pub fn document(
     sections.extend(thresholds(study, results, figures));
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
-    sections.extend(provenance.map(|provenance| repeat(study, results, provenance)));
+    sections.extend(provenance.map(|provenance| repeat(study, provenance)));
     let Asked { title, task, protocol, .. } = &study.asked;
     let subtitle = match protocol {
         Some(protocol) => format!("Experiment {}: {task}", protocol.name),
@@ -84,9 +84,6 @@ fn summary(study: &TaskStudy, results: &TaskResults) -> Section {
     if results.populations.is_empty() && results.beyond.is_empty() {
         let of_person = |function: &PersonFunction| {
             let (who, of) = (&study.people[function.person], study.at(function.condition));
-            if let Err(error) = &function.fit {
-                return Some(format!("{who}: there is no threshold of {name}{of}: {error}."));
-            }
             let fit = function.described()?;
             let level = level(common, Some(fit.threshold));
             let interval = with_interval(Some(fit.threshold), &level);
@@ -336,9 +333,9 @@ fn model_of_a_person(model: &Model) -> String {
     )
 }
 
-fn repeat(study: &TaskStudy, results: &TaskResults, provenance: &Provenance) -> Section {
+fn repeat(study: &TaskStudy, provenance: &Provenance) -> Section {
     let mut section = Section::new("repeat", "Repeat this analysis");
-    provenance.tell(&mut section, [("Seed of the simulated studies", results.seed.to_string())]);
+    provenance.tell(&mut section);
     TableOf::new("Files", &study.files)
         .text("File", |(path, _)| path.display().to_string())
         .number("Rows", |(_, rows)| whole(*rows as u64))
