@@ -12,7 +12,7 @@ use crate::{
         counts::{Excluded, Part},
     },
     display::Monitor,
-    report::document::{Section, Shown, TableOf, count, fixed, list, whole},
+    report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
         sidecar::Sitting,

@@ -272,11 +272,11 @@ fn tests(section: &mut Section, results: &Results, report: &ModelReport) {
     };
     section.heading("Tests");
     section.text(format!(
-        "A small p means that ratings like these would be rare without what is tested. An effect is tested against a model \
-         without the term{same}.{} Interactions that the model leaves out are tested because, in the model, the effect of each factor \
-         is the same at every level of the other. Odds are proportional if a term has the same effect at every threshold, as in the \
-         model; the test is against a separate effect at each threshold{without}. The corrected p allows for the number of \
-         tests of the same kind. Methods says where p values come from.",
+        "A small p means that ratings like these would be rare if there were no such effect, or if odds were proportional. An \
+         effect is tested against a model without the term{same}.{} Interactions that the model leaves out are tested because, in \
+         the model, the effect of each factor is the same at every level of the other. Odds are proportional if a term has the \
+         same effect at every threshold, as in the model; the test is against a separate effect at each threshold{without}. The \
+         corrected p allows for the number of tests of the same kind. Methods says where p values come from.",
         if_interacting(
             results,
             " For a main effect that is part of an interaction, its mean over the levels of the other factor is tested \
