@@ -93,7 +93,8 @@ pub fn task_files(
 ) -> Result<Contents, StoreError> {
     let mut contents = csv_files(tasks::tables(study, results));
     if !tables_only {
-        let figures = tasks::figures(study, results);
+        let mut figures = tasks::figures(study, results);
+        figures.extend(study.asked.protocol.as_ref().and_then(figures::stimulus));
         contents.extend(page(
             &tasks::document(study, results, &figures, Some(provenance)),
             &figures,

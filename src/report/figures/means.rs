@@ -181,7 +181,7 @@ pub(super) fn participants(results: &Results) -> Option<Figure> {
     let title = format!("{WHAT} of every participant by {name}");
     let some = labels::some_of(shown.len(), results.people());
     let caption =
-        format!("Each gray line is one participant{some}, and the thick line is the mean over participants; {sample}.");
+        format!("Each gray line is one participant{some}, and markers are means over participants; {sample}.");
     let (values, levels) = (Values::ratings(counts), Levels::of(by));
     let panel = values.panel(values.margin(), WIDTH - EDGE, EDGE, PANEL);
     let people = shown.len() as f64;
@@ -216,8 +216,8 @@ pub(super) fn effects(results: &Results) -> Option<Figure> {
     let estimates = shown.iter().map(|own| Some((own.estimate, own.interval))).collect();
     let names = shown.iter().map(|own| names::coefficient(results, &own.parts)).collect::<Vec<_>>();
     let caption = format!(
-        "Coefficients of the cumulative-link {}model, with 95\u{a0}% intervals{}. Positive values mean higher ratings than at the \
-         factor’s baseline, the level without a coefficient, or with a larger number; {}.",
+        "Coefficients of the cumulative-link {}model{}; bars are 95\u{a0}% intervals, where there are any. Positive values mean \
+         higher ratings than at the factor’s baseline, the level without a coefficient, or with a larger number; {}.",
         if model.random.is_some() { "mixed " } else { "" },
         labels::some_of(shown.len(), model.coefficients.len()),
         count(model.nobs, "rating")

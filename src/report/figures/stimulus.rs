@@ -21,7 +21,8 @@ pub fn stimulus(protocol: &Protocol) -> Option<Figure> {
         format!("{} {level}", names::factor(known, &factor.name))
     };
     let levels: Vec<String> = protocol.factors.iter().zip(&condition.levels).map(level).collect();
-    let caption = format!("The first condition ({}), in {SQUARES} × {SQUARES} squares.", list(&levels));
+    let which = if levels.is_empty() { String::new() } else { format!(" at {}", list(&levels)) };
+    let caption = format!("The stimulus of the first condition{which}, in {SQUARES} × {SQUARES} squares.");
     let codes = condition.stimulus.codes(SQUARES, &Quantizer::new(Transfer::Srgb, Bits::Eight));
     let color = |[r, g, b]: [u16; 3]| Rgb(r as u8, g as u8, b as u8);
     let left = ((WIDTH - f64::from(SQUARES) * SIDE) / 2.0).round();

@@ -15,7 +15,7 @@ use crate::{
     report::document::{Section, Shown, TableOf, count, list, whole},
     store::{
         ratings::{FileRead, Reason, SessionRead, Source},
-        sidecar::Sitting,
+        sidecar::{SimulatedObserver, Sitting},
     },
 };
 
@@ -83,7 +83,7 @@ fn screens(section: &mut Section, source: &Source, results: &Results) {
         }
         for (name, value) in [
             ("program", json!(sitting.program)),
-            ("observer", json!(sitting.observer)),
+            ("observer", json!(sitting.observer.as_ref().map(SimulatedObserver::name))),
             ("display profile", json!(sitting.display)),
             ("monitor", json!(sitting.monitor.as_ref().map(Monitor::title))),
             ("viewing distance", json!(sitting.viewing.as_ref().map(|viewing| viewing.distance_cm))),

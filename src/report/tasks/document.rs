@@ -29,7 +29,7 @@ pub fn document(
     figures: &[Figure],
     provenance: Option<&Provenance>,
 ) -> Document {
-    let mut sections = vec![summary(study, results), data(study)];
+    let mut sections = vec![summary(study, results), data(study, figures)];
     sections.extend(thresholds(study, results, figures));
     sections.extend(further::sections(study, results, figures));
     sections.push(methods(study, results));
@@ -132,7 +132,7 @@ fn end(common: &Common, place: Beyond) -> String {
     }
 }
 
-fn data(study: &TaskStudy) -> Section {
+fn data(study: &TaskStudy, figures: &[Figure]) -> Section {
     let mut section = Section::new("data", "Data");
     let asked = &study.asked;
     let mut facts = vec![("Task", asked.task.clone())];
@@ -147,6 +147,7 @@ fn data(study: &TaskStudy) -> Section {
         facts.push(("Levels", format!("{name} from {low} to {high}{by}")));
     }
     section.facts("What was asked and answered", facts);
+    section.figures(figures, &["stimulus"]);
     section.problems(&study.errors, &study.warnings);
     section
 }
