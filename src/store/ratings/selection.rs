@@ -381,7 +381,7 @@ fn mixed(files: &[Input], options: &ReadOptions) -> Option<FileError> {
     let known = || files.iter().filter(|file| file.kind != UNKNOWN);
     known().find_map(|file| {
         let may_differ = |other: &Input| options.factors.is_some() && other.is_results() != file.is_results();
-        let other = known().find(|other| other.kind != file.kind && !may_differ(other))?;
+        let other = known().find(|other| !may_differ(other)).filter(|other| other.kind != file.kind)?;
         let (this, that) = (format!("is {}", file.kind), format!("{} is {}", other.name, other.kind));
         Some(FileError::whole(&file.name, format!("{this}, and {that}; expected files of one experiment")))
     })
