@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use eframe::egui::{self, Color32, Context, TextEdit, Ui, ViewportCommand};
+use eframe::egui::{self, Color32, Context, Ui, ViewportCommand};
 
 use super::tool::Tool;
 use crate::{
@@ -181,19 +181,18 @@ impl<M: Method> Calibrate<M> {
     fn file_field(&mut self, ui: &mut Ui) -> bool {
         section(ui, format!("Or use {} from a file", M::ITEMS));
         hint(ui, M::FORMAT);
-        let errors = self.file_error.clone();
-        Field::new(&format!("File of {}", M::ITEMS)).column(LABELS).error(&errors).show(ui, |ui, label| {
-            ui.horizontal_wrapped(|ui| {
-                let field = ui.add(TextEdit::singleline(&mut self.file).desired_width(240.0)).labelled_by(label);
-                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-                if self.dialog.browse(ui, FileKind::Data, "Choose a file…", &mut self.file) || field.changed() {
-                    self.file_error.clear();
-                }
-                let is_named = !self.file.trim().is_empty();
-                ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked() || entered && is_named
-            })
-            .inner
-        })
+        let (label, browse) = (format!("File of {}", M::ITEMS), (FileKind::Data, "Choose a file…"));
+        let field = Field::new(&label).column(LABELS).error(&self.file_error);
+        let (field, chosen) = field.path(ui, &mut self.file, &mut self.dialog, browse);
+        if chosen || field.changed() {
+            self.file_error.clear();
+        }
+        let entered = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let is_named = !self.file.trim().is_empty();
+        let used = Field::new("")
+            .column(LABELS)
+            .show(ui, |ui, _| ui.add_enabled(is_named, egui::Button::new("Use this file")).clicked());
+        used || entered && is_named
     }
 
     fn start(&mut self, ui: &Ui, run: M::Run) {

@@ -173,8 +173,7 @@ impl Gallery {
             (self.display, self.distance_cm) = (display.clone(), distance_cm);
             self.prediction = Prediction::new(ViewingPlace::new(display, distance_cm));
         }
-        // Escape first answers the question whether to replace a file.
-        let escaped = ui::escaped(ui) && !self.saving.cancel();
+        let escaped = ui::escaped(ui);
         self.fit(ui);
         let stimulus = self.settings.stimulus();
         if let Ok(stimulus) = &stimulus {

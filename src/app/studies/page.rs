@@ -228,8 +228,7 @@ impl Studies {
         let checked = now.checked.clone();
         let Some(protocol) = &checked.protocol else {
             ui.add_space(LARGE_GAP);
-            let error = checked.error(form::EXPERIMENT);
-            error.lines().for_each(|line| ui::show_error(ui, line));
+            ui::text::errors(ui, checked.error(form::EXPERIMENT));
             return None;
         };
         ui.add_space(LARGE_GAP);
@@ -284,15 +283,11 @@ impl Studies {
                 }
             },
             Open::Planned(planned) => {
-                let (done, closed) = ui::modal(ctx, "planned", 680.0, |ui, height| {
+                let is_open = ui::notice(ctx, "planned", theme::COLUMN, |ui| {
                     ui.heading("Plan");
-                    ScrollArea::vertical().max_height(height - 120.0).show(ui, |ui| {
-                        planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
-                    });
-                    ui.add_space(GAP);
-                    ui.button("Close").clicked()
+                    planned.iter().for_each(|sentence| ui::paragraph(ui, sentence));
                 });
-                (!done && !closed).then_some(Open::Planned(planned))
+                is_open.then_some(Open::Planned(planned))
             }
             Open::Removal(session) => {
                 let title = Cell::of(&session.identity).title();

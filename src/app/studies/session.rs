@@ -217,9 +217,7 @@ impl Studies {
         ui.add_space(GAP);
         ui.separator();
         ui.add_space(GAP);
-        if let Some(error) = &self.error {
-            error.lines().for_each(|line| ui::show_error(ui, line));
-        }
+        ui::text::errors(ui, self.error.as_deref().unwrap_or_default());
         let (clicked, cancelled) = ui
             .horizontal_wrapped(|ui| {
                 let clicked = ui::primary(ui, text, checked.request.is_some(), "");

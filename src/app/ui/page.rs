@@ -9,7 +9,7 @@ use eframe::egui::{
 
 use super::{
     text::secondary,
-    theme::{BIG_CONTROL, COLUMN, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
+    theme::{BIG_CONTROL, COLUMN, CONTROL, GAP, Icon, LARGE_GAP, MARGIN, compact, focus_ring, ink, ink_of},
 };
 
 /// Where a page leads after a frame. A page that can only lead back says instead whether the user left it.
@@ -308,6 +308,16 @@ pub fn modal<R>(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui, f
     });
     let closed = shown.should_close();
     (shown.inner, closed)
+}
+
+/// Draws a dialog with a Close button, above which its content scrolls; returns whether it stays open.
+pub fn notice(ctx: &Context, id: &str, width: f32, add: impl FnOnce(&mut Ui)) -> bool {
+    let (clicked, closed) = modal(ctx, id, width, |ui, height| {
+        ScrollArea::vertical().max_height(height - CONTROL - 2.0 * GAP).show(ui, |ui| paged(ui, add));
+        ui.add_space(GAP);
+        ui.button("Close").clicked()
+    });
+    !(clicked || closed)
 }
 
 /// Asks before something is lost. `keep` and `leave` are the answers; returns whether to leave, once answered.
