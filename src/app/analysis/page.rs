@@ -221,7 +221,7 @@ impl Analysis {
     /// Draws the page while no study is open.
     fn show_start(&mut self, ui: &mut egui::Ui, recent: &[String]) -> bool {
         let ctx = ui.ctx().clone();
-        place_page(ui, |ui| {
+        place_page(ui, "Analyze", |ui| {
             let back = heading(ui, "Analyze");
             if self.reading.is_some() {
                 ui.horizontal(|ui| {
@@ -244,13 +244,19 @@ impl Analysis {
                     self.columns = Columns::of(&order.ratings);
                 }
             }
-            for line in self.error.iter().flat_map(|error| error.lines()).take(20) {
-                show_error(ui, line);
-            }
-            if self.columns.is_some() || self.order.is_some() {
+            let is_asking = self.columns.is_some() || self.order.is_some();
+            let errors = |ui: &mut egui::Ui, error: &Option<String>| {
+                error.iter().flat_map(|error| error.lines()).take(20).for_each(|line| show_error(ui, line));
+            };
+            if is_asking {
+                errors(ui, &self.error);
                 ui.separator();
             }
             let chosen = self.choose(ui, recent);
+            if !is_asking {
+                // Below the field with the path, so that nothing shifts.
+                errors(ui, &self.error);
+            }
             if keep {
                 self.columns = None;
             }

@@ -115,7 +115,7 @@ pub struct Calibrate<M: Method> {
 impl<M: Method> Calibrate<M> {
     /// Creates the settings page for the screen that `known` describes.
     pub fn new(method: M, known: DisplayProfile, channels: [bool; 2]) -> Self {
-        let path = format!("calibration/{}_{}.csv", file_name(&screen_name(&known)), M::ITEMS);
+        let path = format!("calibration/{}.csv", M::ITEMS);
         let (file, file_error, dialog, error) = Default::default();
         Self { known, method, path, channels, file, file_error, dialog, error, run: None, found: None }
     }
@@ -289,9 +289,9 @@ struct ProfileForm {
 
 impl ProfileForm {
     fn new(known: &DisplayProfile, with: String) -> Self {
-        let name = screen_name(known);
+        let name = if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() };
         let by = known.measured.clone().and_then(|measured| measured.by).unwrap_or_default();
-        let path = format!("calibration/{}.toml", file_name(&name));
+        let path = "calibration/screen.toml".to_owned();
         Self { name, by, with, path, saving: Saving::default() }
     }
 
@@ -338,18 +338,6 @@ fn write(writer: &Writer, path: &Path, profile: &DisplayProfile) -> Result<(), S
         writer.make_folder(folder)?;
     }
     profile::write(writer, path, profile)
-}
-
-/// Returns the name of a measured screen, or a name to begin with.
-fn screen_name(known: &DisplayProfile) -> String {
-    if known.measured.is_some() { known.name.clone() } else { "My screen".to_owned() }
-}
-
-/// Converts the name of a screen to a part of a file name.
-fn file_name(name: &str) -> String {
-    let letter = |c: char| if c.is_alphanumeric() || c == '-' { c } else { '_' };
-    let name: String = name.trim().chars().map(letter).collect();
-    if name.is_empty() { "screen".to_owned() } else { name }
 }
 
 /// Makes the window fill the screen, or not.

@@ -113,15 +113,10 @@ impl Studies {
         self.checked.as_ref().map(|(.., checked)| &**checked)
     }
 
-    /// Returns the results folder.
-    pub fn results(&self) -> PathBuf {
-        self.form.results()
-    }
-
     /// Returns the folder of the chosen study.
     pub fn folder(&self) -> PathBuf {
         let name = self.checked().and_then(|checked| checked.protocol.as_ref()).map(|protocol| &protocol.name);
-        name.map_or_else(|| self.results(), |name| self.results().join(name))
+        name.map_or_else(|| self.form.results(), |name| self.form.results().join(name))
     }
 
     /// Updates the page when the user returns to it. After a session that is complete, or in which nothing was rated,
@@ -152,7 +147,7 @@ impl Studies {
         let checked = self.check(monitor);
         self.remember(settings, monitor, &checked);
         self.list.update(ui.ctx(), &settings.recent.experiments);
-        let results = self.results();
+        let results = self.form.results();
         self.sessions.update(ui, &results);
         let mut next = self.take_made(ui.ctx());
         let wide = usize::from(ui.ctx().content_rect().width() < WIDE);

@@ -68,7 +68,7 @@ fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui| {
+    scrolled(ui, "", |ui| {
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
@@ -76,16 +76,18 @@ pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R 
     })
 }
 
-/// Draws the page of a place, whose column is beside the side bar.
-pub fn place_page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, |ui| {
+/// Draws the page of a place with this name, whose column is beside the side bar.
+pub fn place_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    scrolled(ui, name, |ui| {
         ui.set_width(ui.available_width().min(COLUMN));
         add(ui)
     })
 }
 
-fn scrolled<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    let scrolling = |ui: &mut Ui| ScrollArea::vertical().auto_shrink(false).show(ui, |ui| paged(ui, add)).inner;
+fn scrolled<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
+    // Each page is scrolled for itself.
+    let scrolling =
+        |ui: &mut Ui| ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| paged(ui, add)).inner;
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
 }
 
@@ -105,7 +107,7 @@ pub fn paged<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 /// button or with Escape.
 pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     let escaped = escaped(ui);
-    place_page(ui, |ui| {
+    place_page(ui, name, |ui| {
         let back = heading(ui, name);
         ui.add_space(8.0);
         add(ui);
@@ -135,7 +137,7 @@ impl<T> Bench<T> {
         let frame = Frame::NONE.inner_margin(LARGE_GAP);
         let mut back = false;
         let mut column = |ui: &mut Ui, page: &mut T| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
                 // Leaves room for the scroll bar.
                 ui.set_max_width(ui.available_width() - 6.0);
                 back = heading(ui, name);
