@@ -77,6 +77,8 @@ pub struct App {
     dialog: Option<SideDialog>,
     quit: Quit,
     memory: Memory,
+    /// Whether the window has been made to fit its screen.
+    is_fitted: bool,
     /// Keys and clicks with their arrival times.
     input: Input,
 }
@@ -127,6 +129,7 @@ impl App {
                 && let Some(place) = ui::side_bar(ui, self.place, &mut self.dialog)
             {
                 self.go(place, false);
+                ui.ctx().request_discard("the side bar shows the place before");
             }
             self.draw_place(ui, monitor);
         });
@@ -273,6 +276,9 @@ impl eframe::App for App {
         self.input.frame(ui.input(|input| input.time), Instant::now());
         let is_dark = self.session.is_some() || self.measured().is_some();
         self.memory.apply(ui.ctx(), is_dark);
+        if !std::mem::replace(&mut self.is_fitted, true) && self.session.is_none() {
+            ui::fit_window(ui.ctx());
+        }
         ui::begin_frame(ui.ctx());
         self.draw(ui, frame);
         self.draw_dialogs(ui.ctx());

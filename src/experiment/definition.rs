@@ -67,25 +67,20 @@ options! {
     /// Number and order of the trials.
     Design {
         repetitions: u32 = 1, "Repetitions", OptionValue::Number, "Main trials for each condition.";
-        practice: u32 = 0, "Practice", OptionValue::Number,
-            "Practice trials before the main part; they are recorded, but not analyzed.";
+        practice: u32 = 0, "Practice", OptionValue::Number, "Practice trials before the main part, from the same conditions; they are recorded, but not analyzed.";
         break_every: u32 = 0, "Break every", OptionValue::Number, "Main trials between two breaks; 0 for no breaks.";
-        order: Order = Order::Random, "Order", OptionValue::Order,
-            "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a Latin square, counterbalanced across participants.";
+        order: Order = Order::Random, "Order", OptionValue::Order, "Random: all trials shuffled together. Blocks: one for each level of a factor, in random order or, as in a Latin square, counterbalanced across participants.";
         #[serde(skip_serializing_if = "Option::is_none")]
-        max_run: Option<u32> = None, "Longest run", OptionValue::Optional("any length"),
-            "At most this many consecutive trials with the same level of a factor.";
+        max_run: Option<u32> = None, "Longest run", OptionValue::Optional("any length"), "At most this many consecutive trials with the same level of a factor.";
     }
 }
 
 options! {
     /// What happens around a session's trials.
     SessionRules {
-        own_means: bool = false, "Own means", OptionValue::Flag,
-            "The last page shows participants their own mean ratings. Someone who has seen them may rate differently in the next session.";
+        own_means: bool = false, "Own means at the end", OptionValue::Flag, "The last page shows participants their own mean ratings. Someone who has seen them may rate differently in the next session.";
         #[serde(skip_serializing_if = "Option::is_none")]
-        refresh_after_h: Option<f64> = None, "Practice again after, h", OptionValue::Optional("never"),
-            "An interrupted session that is resumed later shows the instructions and the practice again.";
+        refresh_after_h: Option<f64> = None, "Practice again after, h", OptionValue::Optional("never"), "An interrupted session that is resumed later shows the instructions and the practice again.";
     }
 }
 
@@ -97,11 +92,10 @@ impl SessionRules {
 
 options! {
     /// How many people are planned, and how often each of them comes.
-    #[derive(Copy)]
+    #[derive(Copy, Eq)]
     Plan {
-        participants: Option<u32> = None, "Participants", OptionValue::Optional("not planned"),
-            "How many people are to take part. The plan may change while a study runs.";
-        sessions: u32 = 1, "Sessions each", OptionValue::Number, "How many sessions each participant attends.";
+        participants: Option<u32> = None, "Participants", OptionValue::Optional("not planned"), "How many people are to take part, 1…9999. The plan may change while a study runs.";
+        sessions: u32 = 1, "Sessions each", OptionValue::Number, "How many sessions each participant attends, 1…99.";
     }
 }
 
@@ -157,8 +151,7 @@ options! {
     /// The uniform field between stimuli (Bangay §3.1).
     Recovery {
         duration_s: f64 = 2.0, "Recovery, s", OptionValue::Number, "Duration of the uniform field between two stimuli.";
-        level: f64 = 0.5, "Recovery level", OptionValue::Number,
-            "Relative luminance of the uniform field, from 0 to 1, in linear light.";
+        level: f64 = 0.5, "Recovery level", OptionValue::Number, "Relative luminance of the uniform field, from 0 to 1, in linear light.";
     }
 }
 
@@ -172,11 +165,10 @@ pub struct Presentation {
 }
 
 options! {
-    /// The planned viewing geometry: about 10° at 50 cm (Bangay §3.1).
+    /// The planned viewing geometry; by default, about 10° at 50 cm (Bangay §3.1).
     ViewingPlan {
         distance_cm: f64 = 50.0, "Distance, cm", OptionValue::Number, "Planned distance from the eye to the screen.";
-        window_deg: f64 = 10.0, "Stimulus size, °", OptionValue::Number,
-            "Side of the square stimulus, in degrees of visual angle.";
+        window_deg: f64 = 10.0, "Stimulus size, °", OptionValue::Number, "Side of the square stimulus, in degrees of visual angle.";
     }
 }
 
@@ -190,9 +182,7 @@ impl Definition {
     pub fn file_task(&self) -> String {
         self.name.replace('-', "")
     }
-}
 
-impl Definition {
     /// Returns every text that participants read, with its place in the definition, or that of its question.
     pub fn participant_texts(&self) -> impl Iterator<Item = (String, &str)> {
         let texts = self.instructions.entries().map(|(key, text)| (format!("instructions.{key}"), text));

@@ -222,7 +222,7 @@ impl Export {
             changed |= self.dialog.browse(ui, FileKind::Folder, "Choose the folder to export to…", &mut self.folder);
         });
         if changed {
-            self.forget();
+            (self.saving, self.written) = (Saving::default(), None);
         }
         let ink = ink(ui);
         let (note, color) = match self.saving.told(ui.ctx()) {
@@ -257,10 +257,6 @@ impl Export {
         self.saving.finish(folder, outcome);
         self.work = None;
         ctx.request_repaint();
-    }
-
-    fn forget(&mut self) {
-        (self.saving, self.written) = (Saving::default(), None);
     }
 
     /// Draws the buttons that open the last export in other programs, and the one that copies the command, which it

@@ -87,11 +87,10 @@ fn stimulus(form: &mut DefinitionForm, ui: &mut Ui) {
         let key = format!("stimulus.{}", parameter.name);
         let before = form.value(&key, &default.get(parameter.name).map_or_else(String::new, |value| value.to_string()));
         let mut text = before.clone();
-        ui::parameter(ui, LABELS, parameter, &mut text);
+        ui::parameter(ui, LABELS, parameter, &mut text, Some(&form.error(&key)));
         if text != before {
             form.type_value(&key, &text, Typed::Value);
         }
-        ui::text::errors(ui, &form.error(&key));
     }
 }
 

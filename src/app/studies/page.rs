@@ -162,7 +162,8 @@ impl Studies {
             ScrollArea::vertical().id_salt("page").auto_shrink(false).show(ui, |ui| {
                 ui.set_max_width(ui.available_width().min(theme::CONTENT));
                 next = self.title(ui, &mut now).or(next.take());
-                let size = egui::vec2(ui.available_width(), (height - ui.min_rect().height()).max(LEAST));
+                let below = height - (ui.cursor().top() - ui.max_rect().top());
+                let size = egui::vec2(ui.available_width(), below.max(LEAST));
                 let place = UiBuilder::new().max_rect(Rect::from_min_size(ui.cursor().min, size));
                 let place = ui.scope_builder(place, |ui| self.place(ui, CARDS[wide], &mut now));
                 next = place.inner.or(next.take());

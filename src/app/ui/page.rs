@@ -48,13 +48,13 @@ pub fn page<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 pub fn footer<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
     let frame = Frame::NONE.inner_margin(egui::vec2(MARGIN, GAP));
     let panel = Panel::bottom("footer").resizable(false).show_separator_line(false).frame(frame);
-    panel.show(ui, |ui| centered(ui, add)).inner
+    panel.show(ui, |ui| centered(ui, ui.available_width(), add)).inner
 }
 
-/// Draws a column in the middle of the available width.
-fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
+/// Draws a column in the middle of the `whole` width, of which a scroll bar may have a part.
+fn centered<R>(ui: &mut Ui, whole: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
     let width = ui.available_width().min(COLUMN);
-    let margin = (ui.available_width() - width) / 2.0;
+    let margin = (whole - width) / 2.0;
     let content = |ui: &mut Ui| {
         ui.set_width(width);
         add(ui)
@@ -68,26 +68,27 @@ fn centered<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
 
 /// Draws a page that begins at this share of the window's height.
 pub fn page_from<R>(ui: &mut Ui, top: f32, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, "", |ui| {
+    scrolled(ui, "", |ui, whole| {
         // A small window has no room for the space at the top.
         let spare = ui.available_height() - 560.0;
         ui.add_space((ui.available_height() * top).min(spare.max(0.0)));
-        centered(ui, add)
+        centered(ui, whole, add)
     })
 }
 
 /// Draws the page of a place with this name, whose column is beside the side bar.
 pub fn place_page<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
-    scrolled(ui, name, |ui| {
+    scrolled(ui, name, |ui, _| {
         ui.set_width(ui.available_width().min(COLUMN));
         add(ui)
     })
 }
 
-fn scrolled<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui) -> R) -> R {
-    // Each page is scrolled for itself.
-    let scrolling =
-        |ui: &mut Ui| ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| paged(ui, add)).inner;
+fn scrolled<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, f32) -> R) -> R {
+    let scrolling = |ui: &mut Ui| {
+        let (width, area) = (ui.available_width(), ScrollArea::vertical().id_salt(name).auto_shrink(false));
+        area.show(ui, |ui| paged(ui, |ui| add(ui, width))).inner
+    };
     CentralPanel::default().frame(Frame::NONE.inner_margin(MARGIN)).show(ui, scrolling).inner
 }
 
@@ -115,6 +116,8 @@ pub fn tool_page(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) -> bool {
     })
 }
 
+/// Height of the bar above a window, points.
+const TITLE_BAR: f32 = 40.0;
 /// In a page narrower than this, in points, the view is above the controls, in one column.
 const ONE_COLUMN: f32 = 760.0;
 
@@ -392,8 +395,17 @@ pub fn end_frame(ctx: &Context) {
     LastFrame::of(ctx, |last| last.typing = typing);
 }
 
-/// Takes the keyboard focus from the control that has it, when another page appears: Space is then a key of that page.
+/// Maximizes a window that is too large for its screen.
+pub fn fit_window(ctx: &Context) {
+    let sizes = ctx.input(|input| input.viewport().monitor_size.zip(input.viewport().inner_rect));
+    if sizes.is_some_and(|(screen, window)| window.width() > screen.x || window.height() + TITLE_BAR > screen.y) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Maximized(true));
+    }
+}
+
+/// Takes the keyboard focus from the control that has it, because another page appears: Space is then a key of that page.
 pub fn release_focus(ctx: &egui::Context) {
+    ctx.request_repaint();
     if let Some(focused) = ctx.memory(|memory| memory.focused()) {
         ctx.memory_mut(|memory| memory.surrender_focus(focused));
     }

@@ -1,9 +1,9 @@
-//! The options of tasks and methods, as definitions have them and a form lists them.
+//! The options of the tables of a definition, as a form lists them.
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// An option of a task, of an adaptive method, or of another table of a definition.
+/// An option in a table of a definition.
 #[derive(Clone, Copy, Debug)]
 pub struct TaskOption {
     /// The key in the table of a definition. A key in a table of its own, such as `second.levels`, is an option only if
@@ -34,7 +34,7 @@ pub enum OptionValue {
     Parameter(bool),
     /// A factor, or none.
     Factor,
-    /// An order of trials.
+    /// An order of the trials.
     Order,
     /// Parameters of the stimulus and their values.
     Settings,
