@@ -5,8 +5,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use eframe::egui::Ui;
-
 use super::grid::Cell;
 use crate::{
     app::{
@@ -25,12 +23,7 @@ use crate::{
 };
 
 /// Width of the column of labels, points.
-const LABELS: f32 = 152.0;
-
-/// Returns the width of the column of labels, points.
-pub fn labels(ui: &Ui) -> f32 {
-    if ui.available_width() < 480.0 { 120.0 } else { LABELS }
-}
+pub const LABELS: f32 = 152.0;
 
 /// The values of the fields, as typed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,8 +67,8 @@ pub struct Checked {
 
 impl Checked {
     /// Creates the control for a field, with its error.
-    pub fn field(&self, ui: &Ui, part: &'static str) -> Field<'_> {
-        Field::new(part).column(labels(ui)).error(self.error(part))
+    pub fn field(&self, part: &'static str) -> Field<'_> {
+        Field::new(part).column(LABELS).error(self.error(part))
     }
 
     /// Returns the error of a field; empty if there is none.
@@ -86,11 +79,6 @@ impl Checked {
     /// Returns the display profile, or what is wrong with it.
     pub fn profile(&self) -> Result<&DisplayProfile, &str> {
         self.display.as_ref().ok_or_else(|| self.error(PROFILE))
-    }
-
-    /// Returns whether a field has an error.
-    pub fn is_wrong(&self, part: &str) -> bool {
-        self.errors.contains_key(part)
     }
 }
 
